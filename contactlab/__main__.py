@@ -1,0 +1,8 @@
+"""`python -m contactlab`, the same as the command `contactlab`."""
+
+import sys
+
+from contactlab.app import main
+
+if __name__ == "__main__":
+    sys.exit(main())

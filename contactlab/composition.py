@@ -1,0 +1,266 @@
+"""What a command line composes to, before anything runs: every job of it, and every fault.
+
+Hydra stops at the first fault and has no opinion on values. Here composition goes on after a fault
+and a key that does not exist is left to the schema, so that unknown options, unknown keys and bad
+values come out together. Where the command line is sound, the result is Hydra's own.
+"""
+
+import copy
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, final
+
+from hydra._internal.config_loader_impl import get_overrides_dirname
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.config_loader import ConfigLoader
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Override
+from hydra.errors import HydraException
+from hydra.types import RunMode
+from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf.errors import OmegaConfBaseException
+
+from contactlab.config import build
+from contactlab.faults import ConfigurationError
+
+
+def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun: bool) -> RunMode:
+    """Compose and build every job of a command line and try its output directory.
+
+    Args:
+        loader: Hydra's.
+        config_name: of the primary configuration.
+        lines: the overrides as typed.
+        multirun: whether a sweep is asked for; the configuration may ask for one as well.
+
+    Returns:
+        Whether the command line is a run or a sweep.
+
+    Raises:
+        ConfigurationError: with every fault of every job. Nothing has been written.
+    """
+    composer = _Composer(loader, config_name)
+    overrides = composer.parse(lines)
+    base = composer.compose([o for o in overrides if not o.is_sweep_override()])
+    multirun = multirun or (base is not None and base.hydra.mode == RunMode.MULTIRUN)
+    jobs = composer.jobs(overrides, base) if multirun else [composer.refuse_sweeps(overrides)]
+    directories = [composer.check_job(job, number, multirun) for number, job in enumerate(jobs)]
+    faults = composer.faults or [
+        fault for path in dict.fromkeys(directories) if path for fault in _try_directory(path)
+    ]
+    if faults:
+        raise ConfigurationError(list(dict.fromkeys(faults)))
+    return RunMode.MULTIRUN if multirun else RunMode.RUN
+
+
+@final
+class _Composer:
+    """Hydra's composition, with faults collected instead of raised."""
+
+    def __init__(self, loader: ConfigLoader, config_name: str) -> None:
+        self.faults: list[str] = []
+        self._loader = loader
+        self._config_name = config_name
+        self._parser = OverridesParser.create(config_loader=loader)
+        self._composed: dict[tuple[str, ...], DictConfig | None] = {}
+
+    def parse(self, lines: Sequence[str]) -> list[Override]:
+        """The overrides that can be read."""
+        overrides = []
+        for line in lines:
+            try:
+                (override,) = self._parser.parse_overrides([line])
+            except HydraException:
+                self.faults.append(
+                    f"{line} cannot be read; an argument must have the form KEY=VALUE or "
+                    "GROUP=OPTION. Quote a value with special characters twice: \"KEY='VALUE'\"."
+                )
+                continue
+            if override.key_or_group:
+                overrides.append(override)
+            else:
+                self.faults.append(f"{line} has no key; it must have the form KEY=VALUE. Name one.")
+        return overrides
+
+    def refuse_sweeps(self, overrides: list[Override]) -> list[Override]:
+        """The overrides that give one value; the others are faults of a single run."""
+        for override in overrides:
+            if override.is_sweep_override():
+                self.faults.append(
+                    f"{override.input_line} gives several values; a single run takes one. "
+                    "Add -m to run every combination."
+                )
+        return [override for override in overrides if not override.is_sweep_override()]
+
+    def jobs(self, overrides: list[Override], base: DictConfig | None) -> list[list[Override]]:
+        """Every job of a sweep; of a sweeper that chooses its values itself, what they share."""
+        shared = [override for override in overrides if not override.is_sweep_override()]
+        sweeper = {} if base is None else base.hydra.sweeper
+        target = f"{BasicSweeper.__module__}.{BasicSweeper.__qualname__}"
+        if sweeper.get("_target_", target) != target:
+            return [shared]
+        parameters = sweeper.get("params") or {}
+        swept = self.parse([f"{key}={value}" for key, value in parameters.items()])
+        hydras = [override for override in shared if override.is_hydra_override()]
+        swept += [override for override in overrides if override not in hydras]
+        try:
+            (batch,) = BasicSweeper.split_arguments(swept, None)
+        except HydraException as error:
+            self.faults.append(f"{_one_line(error)} Give a list of values or a range.")
+            return [shared]
+        return [hydras + self._parser.parse_overrides(list(job)) for job in batch]
+
+    def check_job(self, job: list[Override], number: int, multirun: bool) -> Path | None:
+        """Build what a job would run; gives its output directory where it is known."""
+        composed = self.compose(job)
+        if composed is None:
+            return None
+        composed = copy.deepcopy(composed)
+        for override in job:
+            if self._is_value(override):
+                self._set(composed, override)
+        with open_dict(composed):
+            settings = composed.hydra
+            del composed["hydra"]
+        try:
+            build(OmegaConf.to_container(composed, resolve=True))  # type: ignore[arg-type]
+        except ConfigurationError as error:
+            self.faults += error.faults
+        except OmegaConfBaseException as error:
+            self.faults.append(f"{_one_line(error)} Correct the reference in ${{...}}.")
+        with open_dict(composed):
+            composed.hydra = settings
+        tasks = [override for override in job if not override.is_hydra_override()]
+        return self._directory(composed, tasks, number, multirun)
+
+    def compose(self, overrides: list[Override]) -> DictConfig | None:
+        """The configuration of the groups' options, without the values of single keys.
+
+        Faulty options are left out; None where it fails even so.
+        """
+        lines = tuple(str(o.input_line) for o in overrides if not self._is_value(o))
+        if lines not in self._composed:
+            self._composed[lines] = self._compose_sound(lines)
+        return self._composed[lines]
+
+    def _compose_sound(self, lines: tuple[str, ...]) -> DictConfig | None:
+        try:
+            return self._load(lines)
+        except (HydraException, OmegaConfBaseException):
+            pass
+        sound = []
+        for line in lines:
+            try:
+                self._load((line,))
+                sound.append(line)
+            except (HydraException, OmegaConfBaseException) as error:
+                self.faults.append(self._explain(line, error))
+        try:
+            return self._load(tuple(sound))
+        except (HydraException, OmegaConfBaseException) as error:
+            self.faults.append(_one_line(error))
+            return None
+
+    def _load(self, lines: tuple[str, ...]) -> DictConfig:
+        return self._loader.load_configuration(self._config_name, list(lines), RunMode.RUN)
+
+    def _is_value(self, override: Override) -> bool:
+        """Whether an override sets a key, rather than choose an option or concern Hydra."""
+        if override.is_hydra_override() or override.is_delete() or override.package is not None:
+            return False
+        is_choice = not override.is_sweep_override() and isinstance(override.value(), str | list)
+        return not (is_choice and self._options(override.key_or_group))
+
+    def _options(self, group: str) -> list[str]:
+        return self._loader.get_group_options(group)
+
+    def _set(self, composed: DictConfig, override: Override) -> None:
+        """Set a key, one that does not exist as well: the schema refuses it with all the others."""
+        key = override.key_or_group
+        if override.is_add() and OmegaConf.select(composed, key) is not None:
+            self.faults.append(f"{override.input_line} adds a key that exists; leave out the '+'.")
+        try:
+            OmegaConf.update(composed, key, override.value(), merge=True, force_add=True)
+        except OmegaConfBaseException as error:
+            self.faults.append(f"{override.input_line} cannot be set: {_one_line(error)}")
+
+    def _explain(self, line: str, error: Exception) -> str:
+        """Why an override that is no value fails."""
+        (override,) = self._parser.parse_overrides([line])
+        options = self._options(override.key_or_group)
+        if not options or not isinstance(override.value(), str):
+            return f"{line} cannot be composed: {_one_line(error)}"
+        near = get_close_matches(str(override.value()), options, n=1)
+        hint = f"Did you mean {near[0]}?" if near else "Choose one of them."
+        return (
+            f"{override.key_or_group} is '{override.value()}'; it must be one of "
+            f"{', '.join(options)}. {hint}"
+        )
+
+    def _directory(
+        self, composed: DictConfig, tasks: list[Override], number: int, multirun: bool
+    ) -> Path | None:
+        """Output directory of a job."""
+        with open_dict(composed.hydra.job):
+            composed.hydra.job.num = number
+            composed.hydra.job.id = str(number)
+            composed.hydra.job.override_dirname = get_overrides_dirname(
+                tasks,
+                exclude_keys=composed.hydra.job.config.override_dirname.exclude_keys,
+                item_sep=composed.hydra.job.config.override_dirname.item_sep,
+                kv_sep=composed.hydra.job.config.override_dirname.kv_sep,
+            )
+        keys = ("hydra.sweep.dir", "hydra.sweep.subdir") if multirun else ("hydra.run.dir",)
+        try:
+            with _hydra_config(composed):
+                return Path(*(str(OmegaConf.select(composed, key)) for key in keys))
+        except OmegaConfBaseException as error:
+            self.faults.append(f"{' or '.join(keys)} cannot be resolved: {_one_line(error)}")
+            return None
+
+
+@contextmanager
+def _hydra_config(composed: DictConfig) -> Iterator[None]:
+    """Make ${hydra:...} refer to a configuration for a while."""
+    instance = HydraConfig.instance()
+    before = instance.cfg
+    # Its setter makes a copy of everything, which takes longer than all else here.
+    instance.cfg = composed  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        instance.cfg = before
+
+
+def _try_directory(directory: Path) -> Iterator[str]:
+    """Try to write into a directory, and leave everything as it was."""
+    created: list[Path] = []
+    try:
+        created = [path for path in (directory, *directory.parents) if not path.exists()]
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory):
+            pass
+    except OSError as error:
+        yield (
+            f"The output directory is '{directory}' and cannot be written to "
+            f"({error.strerror or error}); it must be a directory, or a place for one, with write "
+            "permission. Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
+            "hydra.sweep.subdir=NAME for -m."
+        )
+    finally:
+        for path in created:
+            with suppress(OSError):
+                path.rmdir()
+
+
+def _one_line(error: Exception) -> str:
+    """An error of Hydra's or OmegaConf's, its cause included, as a sentence on one line."""
+    parts: list[Any] = [error, error.__cause__]
+    lines = [line.strip() for part in parts if part for line in str(part).splitlines()]
+    inner = ("full_key:", "reference_type=", "object_type=")
+    text = " ".join(line for line in lines if line and not line.startswith(inner))
+    return text if text.endswith((".", "?", "!")) else f"{text}."

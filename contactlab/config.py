@@ -1,0 +1,193 @@
+"""From a configuration to the objects that run.
+
+    build({"law": {...}, "resonator": {...}, ...}) -> Setup
+
+The only module that knows both sides. Everything a configuration may get wrong is found here, all
+at once, and told in a sentence each; see `contactlab.schema` for keys, units and ranges and
+`contactlab.rules` for what binds keys together.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+from pydantic import ValidationError
+
+from contactlab.faults import ConfigurationError, sentence
+from contactlab.rules import broken_rules
+from contactlab.schema import BendingSection, Configuration, HertzPenaltySection
+
+# The objects are imported where they are built: they bring the compiler with them, and a
+# configuration with a fault shall be told so at once.
+if TYPE_CHECKING:
+    from contactlab.drive import Drive
+    from contactlab.laws import ContactLaw
+    from contactlab.materials import Piezoceramic
+    from contactlab.motor import Motor
+    from contactlab.resonator import NormalModes
+
+RESONANCE = 1e-9
+"""Relative distance at which an undamped tone counts as at a natural frequency."""
+
+
+@final
+@dataclass(frozen=True)
+class Setup:
+    """A run, ready to start: the arguments of `contactlab.engine.simulate` and their origin.
+
+    Args:
+        motor, law: what runs.
+        duration: simulated time [s].
+        record_interval: time between records [s].
+        contact_step: largest step in contact [s], the law's own default where none was given.
+        tolerance: relative tolerance in contact [1]; None for the solver's own default.
+        configuration: the numbers that run, in SI, with nothing left to be resolved: building it
+            again gives the same setup.
+    """
+
+    motor: "Motor"
+    law: "ContactLaw"
+    duration: float
+    record_interval: float
+    contact_step: float
+    tolerance: float | None
+    configuration: dict[str, Any]
+
+
+def build(configuration: Mapping[str, object]) -> Setup:
+    """Check a configuration and build the motor and the law from it.
+
+    Args:
+        configuration: nested mappings as `conf/` composes them; numbers in SI or texts with units.
+
+    Raises:
+        ConfigurationError: with every fault that was found.
+    """
+    checked = validate(configuration)
+    resolved = checked.model_dump()
+    modes = _modes(checked)
+    if checked.drive.frequency is None:
+        resolved["drive"]["frequency"] = float(modes.natural_frequency[0])
+    law = _law(checked, resolved)
+    if checked.solver.contact_step is None:
+        resolved["solver"]["contact_step"] = min(law.default_contact_step, checked.solver.duration)
+    drive = _drive(resolved["drive"])
+    _refuse_undamped_resonance(drive, modes)
+    return Setup(
+        motor=_motor(checked, modes, drive),
+        law=law,
+        duration=checked.solver.duration,
+        record_interval=checked.record.interval,
+        contact_step=resolved["solver"]["contact_step"],
+        tolerance=checked.solver.tolerance,
+        configuration=resolved,
+    )
+
+
+def validate(configuration: Mapping[str, object]) -> Configuration:
+    """Check a configuration without building anything.
+
+    Raises:
+        ConfigurationError: with every fault that was found.
+    """
+    sound: dict[str, object] = {}
+    faults = []
+    checked = None
+    try:
+        checked = Configuration.model_validate(configuration, context=sound)
+    except ValidationError as error:
+        faults = [sentence(fault) for fault in error.errors(include_url=False)]
+    faults += broken_rules(sound)
+    if faults or checked is None:
+        raise ConfigurationError(faults)
+    return checked
+
+
+def _modes(checked: Configuration) -> "NormalModes":
+    import numpy as np
+
+    from contactlab.materials import Steel
+    from contactlab.resonator import RitzResonator
+
+    try:
+        # Numbers far from any motor may overflow on the way; the result says so.
+        with np.errstate(all="ignore"):
+            modes = RitzResonator(
+                **checked.resonator.model_dump(exclude={"steel"}),
+                steel=Steel(**checked.resonator.steel.model_dump()),
+                piezoceramic=_piezoceramic(checked),
+                patch_start=checked.placement.start,
+                patch_end=checked.placement.end,
+            ).modes
+            sound = bool(np.all(modes.stiffness > 0.0)) and bool(
+                np.isfinite(modes.natural_frequency).all() and np.isfinite(modes.coupling).all()
+            )
+    except (np.linalg.LinAlgError, ValueError):
+        sound = False
+    if not sound:
+        raise ConfigurationError(
+            [
+                "resonator, piezoceramic and placement together give mass and stiffness matrices "
+                "that are not positive definite in double precision; their entries must be finite "
+                "and of like size. Check the orders of magnitude against resonator=ritz."
+            ]
+        )
+    return modes
+
+
+def _piezoceramic(checked: Configuration) -> "Piezoceramic":
+    from contactlab.materials import Piezoceramic
+
+    section = checked.piezoceramic
+    constants = section.model_dump(exclude={"constants"})
+    if isinstance(section, BendingSection):
+        return Piezoceramic(**constants)
+    return Piezoceramic.from_datasheet(**constants)
+
+
+def _law(checked: Configuration, resolved: dict[str, Any]) -> "ContactLaw":
+    """The law; a stiffness that follows from the tip's radius replaces it in `resolved`."""
+    from contactlab.laws import LAWS, hertz_stiffness
+
+    section = checked.law
+    if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
+        stiffness = hertz_stiffness(section.tip_radius, checked.rotor.radius)
+        resolved["law"] |= {"stiffness": stiffness, "tip_radius": None}
+    given = {k: v for k, v in resolved["law"].items() if k not in ("name", "tip_radius")}
+    law: Callable[..., ContactLaw] = LAWS[section.name]
+    return law(**given, friction_coefficient=checked.contact.friction_coefficient)
+
+
+def _drive(settings: Mapping[str, float]) -> "Drive":
+    from contactlab.drive import Drive
+
+    return Drive.two_mode(**settings)
+
+
+def _motor(checked: Configuration, modes: "NormalModes", drive: "Drive") -> "Motor":
+    from contactlab.geometry import ContactGeometry
+    from contactlab.motor import Motor, Rotor
+
+    contact, rotor = checked.contact, checked.rotor
+    return Motor(
+        modes=modes,
+        drive=drive,
+        geometry=ContactGeometry(contact.tip_length, rotor.radius, contact.clearance),
+        rotor=Rotor(**rotor.model_dump(exclude={"radius"})),
+    )
+
+
+def _refuse_undamped_resonance(drive: "Drive", modes: "NormalModes") -> None:
+    """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
+    faults = []
+    keys = ("drive.frequency", "drive.frequency times drive.frequency_ratio")
+    for key, tone in zip(keys, drive.frequency, strict=True):
+        for natural, ratio in zip(modes.natural_frequency, modes.damping_ratio, strict=True):
+            if ratio == 0.0 and abs(tone - natural) <= RESONANCE * natural:
+                faults.append(
+                    f"{key} is {tone:.12g} Hz, a natural frequency of a resonator without damping; "
+                    f"it must differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
+                    "Shift it or give resonator.stiffness_damping a number greater than 0 s."
+                )
+    if faults:
+        raise ConfigurationError(faults)

@@ -1,0 +1,244 @@
+"""One step of a compliant contact: collocation of the law at the nodes, for a given friction mode.
+
+The oscillators answer a polynomial force exactly, so only the force itself is unknown: its values at
+the nodes are iterated until the law agrees with the motion that they cause. In slip the friction is
+the law's bound against the slip; in stick it is the friction that holds the slip at zero at every node.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.plant import Plant
+from contactlab.engine.step import (
+    BOUND,
+    COLLOCATED,
+    FRICTION,
+    NORMAL,
+    PUSH_TH,
+    PUSH_U,
+    TIP_ROTOR,
+    TIP_TH,
+    TIP_TH_RATE,
+    TIP_U,
+    TIP_U_RATE,
+    Step,
+    flow_to,
+    force_at,
+    free_response,
+    shape_forces,
+    tip_motion,
+)
+from contactlab.engine.tables import NODES, Tables, step_length
+from contactlab.geometry import contact_frame
+from contactlab.laws.base import STICK, PenaltyKernel
+
+Array = NDArray[np.float64]
+
+MOST_ITERATIONS = 25
+AGREEMENT = 1e-12
+"""Relative change of the nodal forces at which the iteration ends."""
+
+RELEASE, REVERSAL, CONE, DEEPEST = range(4)
+"""Events inside a step: gap opens, slip changes sign, stick leaves the cone, gap rate turns."""
+
+
+@inner_kernel
+def prepare(plant: Plant, tables: Tables, step: Step, level: int) -> None:
+    """Contact-free tip motion at the nodes of a level."""
+    free_response(plant, tables, step, level, 0)
+    for i in range(NODES):
+        u, th, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[i], step.node_v[i])
+        step.tip[i, TIP_U] = u
+        step.tip[i, TIP_TH] = th
+        step.tip[i, TIP_U_RATE] = u_rate
+        step.tip[i, TIP_TH_RATE] = th_rate
+        step.tip[i, TIP_ROTOR] = rotor
+
+
+@inner_kernel
+def push_node(step: Step, i: int) -> None:
+    """Generalised forces of node i from its normal force and friction."""
+    normal, friction = step.force[NORMAL, i], step.force[FRICTION, i]
+    step.force[PUSH_U, i] = normal * step.rows[i, 0] + friction * step.rows[i, 2]
+    step.force[PUSH_TH, i] = normal * step.rows[i, 1] + friction * step.rows[i, 3]
+
+
+@inner_kernel
+def collocate(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    level: int,
+    mode: int,
+    sign: float,
+    force: PenaltyKernel,
+    parameters: Array,
+    momentum: float,
+) -> int:
+    """Iterate the nodal forces of a step that `prepare` made ready, starting from those that stand.
+
+    Args:
+        plant, tables, step, level: the step.
+        mode: SLIP or STICK.
+        sign: direction of the slip in SLIP.
+        force, parameters: the law.
+        momentum: impulse scale of the contact [N s].
+
+    Returns:
+        Sweeps that were needed, or 0 where the iteration does not contract.
+    """
+    h = step_length(tables, level)
+    factored = False
+    for sweep in range(1, MOST_ITERATIONS + 1):
+        change = 0.0
+        largest = 0.0
+        for i in range(NODES):
+            old_normal, old_friction = step.force[NORMAL, i], step.force[FRICTION, i]
+            _law_at_node(plant, tables, step, level, i, force, parameters)
+            if mode != STICK:
+                step.force[FRICTION, i] = -sign * step.force[BOUND, i]
+            push_node(step, i)
+            change = max(change, abs(step.force[NORMAL, i] - old_normal))
+            change = max(change, abs(step.force[FRICTION, i] - old_friction))
+            largest = max(largest, step.force[NORMAL, i])
+        if mode == STICK:
+            if not factored:
+                _factor_stick(tables, step, level)
+                factored = True
+            change = max(change, _hold_slip(step))
+        if not np.isfinite(change):
+            return 0
+        if change <= AGREEMENT * largest or change * h <= 0.1 * AGREEMENT * momentum:
+            shape_forces(tables, step)
+            return sweep
+    return 0
+
+
+@inner_kernel
+def _law_at_node(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    level: int,
+    i: int,
+    force: PenaltyKernel,
+    parameters: Array,
+) -> None:
+    """Motion of node i under the present forces, and the law's answer to it."""
+    u, th = step.tip[i, TIP_U], step.tip[i, TIP_TH]
+    u_rate, th_rate = step.tip[i, TIP_U_RATE], step.tip[i, TIP_TH_RATE]
+    rotor = step.tip[i, TIP_ROTOR]
+    for m in range(NODES):
+        push_u, push_th = step.force[PUSH_U, m], step.force[PUSH_TH, m]
+        u += tables.tip_q[level, 0, i, m] * push_u + tables.tip_q[level, 1, i, m] * push_th
+        th += tables.tip_q[level, 1, i, m] * push_u + tables.tip_q[level, 2, i, m] * push_th
+        u_rate += tables.tip_v[level, 0, i, m] * push_u + tables.tip_v[level, 1, i, m] * push_th
+        th_rate += tables.tip_v[level, 1, i, m] * push_u + tables.tip_v[level, 2, i, m] * push_th
+        rotor += tables.tip_v[level, 3, i, m] * step.force[FRICTION, m]
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, plant.tip_length, plant.radius, plant.clearance
+    )
+    rate = n_u * u_rate + n_th * th_rate
+    slip = t_u * u_rate + t_th * th_rate + rotor
+    normal, bound, loss = 0.0, 0.0, 0.0
+    if gap < 0.0:
+        normal, bound, _, loss = force(gap, rate, slip, parameters)
+    step.rows[i, 0], step.rows[i, 1], step.rows[i, 2], step.rows[i, 3] = n_u, n_th, t_u, t_th
+    step.force[NORMAL, i] = normal
+    step.force[BOUND, i] = bound
+    step.loss[i] = loss
+    step.gap[i] = gap
+    step.gap_rate[i] = rate
+    step.slip[i] = slip
+
+
+@inner_kernel
+def _factor_stick(tables: Tables, step: Step, level: int) -> None:
+    """Factor d slip_i / d friction_m (LU without pivoting: the matrix is h a_im D_tt nearly)."""
+    for i in range(NODES):
+        t_u, t_th = step.rows[i, 2], step.rows[i, 3]
+        for m in range(NODES):
+            s_u, s_th = step.rows[m, 2], step.rows[m, 3]
+            step.stick[i, m] = (
+                t_u * (tables.tip_v[level, 0, i, m] * s_u + tables.tip_v[level, 1, i, m] * s_th)
+                + t_th * (tables.tip_v[level, 1, i, m] * s_u + tables.tip_v[level, 2, i, m] * s_th)
+                + tables.tip_v[level, 3, i, m]
+            )
+    for p in range(NODES):
+        for i in range(p + 1, NODES):
+            step.stick[i, p] /= step.stick[p, p]
+            for m in range(p + 1, NODES):
+                step.stick[i, m] -= step.stick[i, p] * step.stick[p, m]
+
+
+@inner_kernel
+def _hold_slip(step: Step) -> float:
+    """Correct the friction at all nodes so that the slip vanishes; returns the largest correction [N]."""
+    right = NODES
+    for i in range(NODES):
+        step.stick[i, right] = -step.slip[i]
+        for m in range(i):
+            step.stick[i, right] -= step.stick[i, m] * step.stick[m, right]
+    largest = 0.0
+    for i in range(NODES - 1, -1, -1):
+        for m in range(i + 1, NODES):
+            step.stick[i, right] -= step.stick[i, m] * step.stick[m, right]
+        step.stick[i, right] /= step.stick[i, i]
+        step.force[FRICTION, i] += step.stick[i, right]
+        push_node(step, i)
+        largest = max(largest, abs(step.stick[i, right]))
+    return largest
+
+
+@inner_kernel
+def event_value(plant: Plant, step: Step, s: float, h: float, event: int) -> float:
+    """A function of time in the step whose zero is the event."""
+    if event == CONE:
+        x = s / h
+        return force_at(step, BOUND, x) - abs(force_at(step, FRICTION, x))
+    flow_to(plant, step, s, h, COLLOCATED)
+    u, th, u_rate, th_rate, rotor = tip_motion(plant, step.other_q, step.other_v)
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, plant.tip_length, plant.radius, plant.clearance
+    )
+    if event == RELEASE:
+        return gap
+    if event == REVERSAL:
+        return t_u * u_rate + t_th * th_rate + rotor
+    return n_u * u_rate + n_th * th_rate
+
+
+@inner_kernel
+def locate(plant: Plant, step: Step, h: float, event: int, left: float, right: float) -> float:
+    """Time of an event between left and right, where its function has different signs.
+
+    Regula falsi that halves the value of an end that stays twice (the Illinois rule).
+    """
+    at_left = event_value(plant, step, left, h, event)
+    at_right = event_value(plant, step, right, h, event)
+    if at_left == 0.0 or at_left * at_right > 0.0:
+        # The zero lies at an end, to round-off: the nearer one.
+        return left if abs(at_left) <= abs(at_right) else right
+    stayed = 0
+    before = left
+    s = right
+    for _ in range(100):
+        s = (at_left * right - at_right * left) / (at_left - at_right)
+        if not left < s < right:
+            s = 0.5 * (left + right)
+        value = event_value(plant, step, s, h, event)
+        if value == 0.0 or abs(s - before) <= 1e-14 * h:
+            break
+        before = s
+        if value * at_right > 0.0:
+            right, at_right = s, value
+            if stayed < 0:
+                at_left *= 0.5
+            stayed = -1
+        else:
+            left, at_left = s, value
+            if stayed > 0:
+                at_right *= 0.5
+            stayed = 1
+    return s

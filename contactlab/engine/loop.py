@@ -1,0 +1,66 @@
+"""The hybrid loop: flight and contact in turn, one committed step at a time."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import kernel
+from contactlab.engine.compliant_contact import press
+from contactlab.engine.flight import fly
+from contactlab.engine.plant import Plant
+from contactlab.engine.rigid_contact import hold_contact
+from contactlab.engine.run import (
+    END,
+    ENDING,
+    PHASE,
+    RUNNING,
+    STORED,
+    TIME,
+    TOUCHING,
+    Run,
+)
+from contactlab.engine.step import Step, begin
+from contactlab.engine.tables import Tables
+from contactlab.laws.base import MultiplierKernel, PenaltyKernel
+
+Array = NDArray[np.float64]
+
+TOUCH_REFINEMENT = 6
+"""Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
+
+
+@kernel
+def advance(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    force: PenaltyKernel,
+    solve: MultiplierKernel,
+    compliant: bool,
+    parameters: Array,
+    budget: int,
+) -> None:
+    """Run until the end, an ending, full contact storage or a number of steps; call again to go on.
+
+    Args:
+        plant, tables, step, run: the motor and the memory of its run; they hold all of the state,
+            so that it does not matter into how many calls a run is cut.
+        force: kernel of a penalty law, used where `compliant`.
+        solve: kernel of a multiplier law, used otherwise.
+        compliant: the law's family.
+        parameters: the law's parameters.
+        budget: number of steps.
+    """
+    touch_level = tables.contact_level + (TOUCH_REFINEMENT if compliant else 0)
+    for _ in range(budget):
+        if run.real[TIME] >= run.real[END] or run.whole[ENDING] != RUNNING:
+            return
+        if run.whole[STORED] >= run.contacts.shape[0] - 1:
+            return
+        begin(plant, step, run.real[TIME])
+        if run.whole[PHASE] != TOUCHING:
+            fly(plant, tables, step, run, touch_level, force, parameters)
+        elif compliant:
+            press(plant, tables, step, run, force, parameters)
+        else:
+            hold_contact(plant, tables, step, run, solve, force, parameters)

@@ -1,0 +1,188 @@
+"""One step of a rigid contact: the paper's predictor and index-2 corrector around the exact flow.
+
+    predict   the impulse that ends the step without gap rate (eqs. 50-51), and the displacement
+              that the exact flow under drive and this constant force reaches (eq. 49)
+    correct   the displacement onto the constraint along its gradient (eq. 57), and at the corrected
+              place the impulse that leaves no gap rate (eqs. 58-59)
+
+The paper takes backward Euler for the whole step; here the linear part is exact and only the contact
+force is held over the step, which keeps the order (one) and any stiff or overdamped mode stable.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.plant import Plant
+from contactlab.engine.run import (
+    CONTACT_STEPS,
+    DEPTH,
+    DURATION,
+    END,
+    FRICTION_BEFORE,
+    LEVEL,
+    MODE,
+    NORMAL_BEFORE,
+    PEAK,
+    TIME,
+    Run,
+    close_contact,
+    commit,
+)
+from contactlab.engine.step import (
+    FRICTION,
+    HELD,
+    NORMAL,
+    PUSH_TH,
+    PUSH_U,
+    Step,
+    add_held,
+    add_held_rates,
+    free_response,
+    hold_forces,
+    tip_motion,
+)
+from contactlab.engine.tables import NODES, Tables, build_level, step_length
+from contactlab.geometry import contact_frame
+from contactlab.laws.base import SLIP, MultiplierKernel, PenaltyKernel
+
+Array = NDArray[np.float64]
+
+
+@inner_kernel
+def hold_contact(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    solve: MultiplierKernel,
+    force: PenaltyKernel,
+    parameters: Array,
+) -> None:
+    """Advance a step that `begin` made ready through rigid contact."""
+    level = run.whole[LEVEL]
+    build_level(plant, tables, level)
+    h = step_length(tables, level)
+    last = NODES - 1
+    gap, slip = _turn_frame(plant, step, step.q, step.v)
+    run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
+
+    free_response(plant, tables, step, level, last)
+    _, _, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[last], step.node_v[last])
+    p_n, p_t, mode = _impulse(
+        plant, tables, step, level, u_rate, th_rate, rotor, slip, solve, parameters
+    )
+    _hold(step, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
+    add_held(plant, tables, step, level, last)
+    _project(plant, step, step.node_q[last])
+
+    _turn_frame(plant, step, step.node_q[last], step.v)
+    p_n, p_t, mode = _impulse(
+        plant, tables, step, level, u_rate, th_rate, rotor, slip, solve, parameters
+    )
+    if p_n <= 0.0:
+        _release(plant, tables, step, run, h, p_n / h, force, parameters)
+        return
+    _hold(step, p_n / h, p_t / h)
+    add_held_rates(plant, tables, step, level)
+    s = min(h, run.real[END] - run.real[TIME])
+    impact = run.contact[DURATION] == 0.0
+    commit(plant, tables, step, run, h, s, HELD, mode, force, parameters)
+    run.contact[PEAK] = max(run.contact[PEAK], p_n / h)
+    # An impact's force says nothing about the one at which the contact will open.
+    run.real[NORMAL_BEFORE] = 0.0 if impact else p_n / h
+    run.real[FRICTION_BEFORE] = 0.0 if impact else p_t / h
+    run.whole[MODE] = mode
+    run.whole[CONTACT_STEPS] += 1
+
+
+@inner_kernel
+def _turn_frame(plant: Plant, step: Step, q: Array, v: Array) -> tuple[float, float]:
+    """Set the directions of the step's contact from displacements q; gap [m], slip of rates v [m/s]."""
+    u, th, u_rate, th_rate, rotor = tip_motion(plant, q, v)
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, plant.tip_length, plant.radius, plant.clearance
+    )
+    step.frame[0], step.frame[1], step.frame[2], step.frame[3] = n_u, n_th, t_u, t_th
+    return gap, t_u * u_rate + t_th * th_rate + rotor
+
+
+@inner_kernel
+def _impulse(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    level: int,
+    u_rate: float,
+    th_rate: float,
+    rotor: float,
+    slip: float,
+    solve: MultiplierKernel,
+    parameters: Array,
+) -> tuple[float, float, int]:
+    """The law's impulses for contact-free rates at the step's end, in the step's directions.
+
+    The Delassus matrix is that of a force held over the step: int w(s) ds / h in place of 1/m.
+    """
+    n_u, n_th, t_u, t_th = step.frame[0], step.frame[1], step.frame[2], step.frame[3]
+    h = step_length(tables, level)
+    nn, nt, tt = 0.0, 0.0, 0.0
+    for j in range(plant.stiffness.size):
+        normal = n_u * plant.row_u[j] + n_th * plant.row_th[j]
+        tangential = t_u * plant.row_u[j] + t_th * plant.row_th[j] + plant.row_r[j]
+        mobility = tables.hold[level, NODES - 1, 1, j] / h
+        nn += mobility * normal * normal
+        nt += mobility * normal * tangential
+        tt += mobility * tangential * tangential
+    normal_rate = n_u * u_rate + n_th * th_rate
+    tangential_rate = t_u * u_rate + t_th * th_rate + rotor
+    return solve(normal_rate, tangential_rate, slip, nn, nt, tt, parameters)
+
+
+@inner_kernel
+def _hold(step: Step, normal: float, friction: float) -> None:
+    """Hold forces [N] along the step's directions."""
+    step.force[NORMAL, 0] = normal
+    step.force[FRICTION, 0] = friction
+    step.force[PUSH_U, 0] = normal * step.frame[0] + friction * step.frame[2]
+    step.force[PUSH_TH, 0] = normal * step.frame[1] + friction * step.frame[3]
+    hold_forces(step)
+
+
+@inner_kernel
+def _project(plant: Plant, step: Step, q: Array) -> None:
+    """Move displacements onto the closed gap along its gradient, in the metric of the masses (eq. 57)."""
+    gap, _ = _turn_frame(plant, step, q, step.v)
+    gradient = 0.0
+    for j in range(q.size):
+        gradient += (step.frame[0] * plant.row_u[j] + step.frame[1] * plant.row_th[j]) ** 2
+    for j in range(q.size):
+        q[j] -= gap / gradient * (step.frame[0] * plant.row_u[j] + step.frame[1] * plant.row_th[j])
+
+
+@inner_kernel
+def _release(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    h: float,
+    normal: float,
+    force: PenaltyKernel,
+    parameters: Array,
+) -> None:
+    """End the contact where the normal force, linear between steps, reaches zero.
+
+    Args:
+        plant, tables, step, run, h: the step that would have to pull.
+        normal: the force it would pull with [N], not positive.
+        force, parameters: passed on to the recorder.
+    """
+    before = run.real[NORMAL_BEFORE]
+    s = h * before / (before - normal) if before > 0.0 else 0.0
+    s = min(s, run.real[END] - run.real[TIME])
+    if s > 0.0:
+        _hold(step, 0.5 * before, 0.5 * run.real[FRICTION_BEFORE])
+        commit(plant, tables, step, run, h, s, HELD, SLIP, force, parameters)
+        run.whole[CONTACT_STEPS] += 1
+    close_contact(plant, tables, step, run)

@@ -1,0 +1,275 @@
+"""The memory of a run and what every committed step does to it: time, state, ledger, records, contacts."""
+
+from math import sin
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.engine.ledger import (
+    FRICTION_IMPULSE,
+    FRICTIONAL,
+    NORMAL_IMPULSE,
+    NORMAL_LOSS,
+    TERMS,
+    increments_of_step,
+    increments_until,
+)
+from contactlab.engine.plant import Plant, delassus
+from contactlab.engine.step import COLLOCATED, Step, tip_motion
+from contactlab.engine.tables import Tables
+from contactlab.geometry import contact_frame
+from contactlab.laws.base import FREE, SLIP, STICK, PenaltyKernel
+from contactlab.variables import CONTACTS, SERIES
+
+Array = NDArray[np.float64]
+
+TIME, END, INTERVAL, WINDOW, WINDOW_START, MOMENTUM, NORMAL_BEFORE, FRICTION_BEFORE, TOLERANCE = range(9)
+"""Places in `Run.real`: time, its end, record interval, the chatter window and its start [s], the
+contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1]."""
+
+PHASE, MODE, SIGN, LEVEL, RECORDED, STORED, ENDING, EVENTS, IDLE = range(9)
+"""Places in `Run.whole`: phase, contact mode, slip direction, level of the next step, records and
+contacts written, ending, events in the window, steps without progress; the counts follow."""
+
+FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES = range(9, 15)
+COUNTS = (
+    "flight_steps",
+    "contact_steps",
+    "rejected_steps",
+    "sweeps",
+    "touchdowns",
+    "friction_switches",
+)
+
+SEPARATING, OPEN, TOUCHING = range(3)
+"""Phases. SEPARATING is open but not yet clear of the release that began it."""
+
+RUNNING, DIVERGED, CHATTERED = range(3)
+"""Endings as the kernels know them."""
+
+START, DURATION, STUCK, IMPULSE, FRICTIONAL_IMPULSE, PEAK, DEPTH, APPROACH, SEPARATION, LOSS = range(
+    len(CONTACTS)
+)
+"""Columns of a contact, in the order of `variables.CONTACTS`."""
+
+EVENT_LIMIT = 1000
+"""Touch-downs and friction switches within one window that count as chattering."""
+
+IDLE_LIMIT = 1000
+"""Steps in a row that do not move the clock."""
+
+
+class Run(NamedTuple):
+    """Memory of a run.
+
+    Args:
+        real, whole: scalars, see the places above.
+        total: ledger terms and impulses since the start, shape (term,).
+        step_terms, part_terms: the same over one step and a part of one.
+        contact: the contact that is going on, shape (column,).
+        series: records, columns of `variables.SERIES`; the force columns hold impulses since the
+            start until the run is read.
+        modes: contact mode of each record.
+        contacts: finished contacts that are not yet collected, shape (row, column).
+        stack: scratch of the touch-down search.
+    """
+
+    real: Array
+    whole: NDArray[np.int64]
+    total: Array
+    step_terms: Array
+    part_terms: Array
+    contact: Array
+    series: Array
+    modes: NDArray[np.int8]
+    contacts: Array
+    stack: Array
+
+
+def run_for(records: int, contact_rows: int = 4096) -> Run:
+    """Zeroed memory for a number of records."""
+    return Run(
+        real=np.zeros(9),
+        whole=np.zeros(9 + len(COUNTS), dtype=np.int64),
+        total=np.zeros(len(TERMS)),
+        step_terms=np.zeros(len(TERMS)),
+        part_terms=np.zeros(len(TERMS)),
+        contact=np.zeros(len(CONTACTS)),
+        series=np.zeros((records, len(SERIES))),
+        modes=np.zeros(records, dtype=np.int8),
+        contacts=np.zeros((contact_rows, len(CONTACTS))),
+        stack=np.zeros((96, 3)),
+    )
+
+
+@inner_kernel
+def record_time(run: Run, index: int) -> float:
+    """Time of a record [s]; the last one lies at the end of the run."""
+    if index >= run.series.shape[0] - 1:
+        return run.real[END]
+    return index * run.real[INTERVAL]
+
+
+@kernel
+def write_record(
+    plant: Plant,
+    run: Run,
+    q: Array,
+    v: Array,
+    part: Array,
+    mode: int,
+    compliant: bool,
+    force: PenaltyKernel,
+    parameters: Array,
+) -> None:
+    """Write the next record from a state and the ledger terms since the step's start."""
+    index = run.whole[RECORDED]
+    u, th, u_rate, th_rate, rotor = tip_motion(plant, q, v)
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, plant.tip_length, plant.radius, plant.clearance
+    )
+    slip = t_u * u_rate + t_th * th_rate + rotor
+    stored = 0.0
+    if compliant and gap < 0.0:
+        stored = force(gap, n_u * u_rate + n_th * th_rate, slip, parameters)[2]
+    kinetic = 0.0
+    strain = 0.0
+    angle = 0.0
+    for j in range(q.size):
+        kinetic += 0.5 * v[j] * v[j]
+        strain += 0.5 * plant.stiffness[j] * q[j] * q[j]
+        angle -= plant.row_r[j] * q[j] / plant.radius
+    row = run.series[index]
+    row[0], row[1], row[2] = u, -plant.tip_length * sin(th), th
+    row[3], row[4], row[5], row[6] = gap, slip, -rotor / plant.radius, angle
+    row[7] = run.total[NORMAL_IMPULSE] + part[NORMAL_IMPULSE]
+    row[8] = run.total[FRICTION_IMPULSE] + part[FRICTION_IMPULSE]
+    row[9], row[10], row[11] = kinetic, strain, stored
+    for term in range(NORMAL_IMPULSE):
+        row[12 + term] = run.total[term] + part[term]
+    run.modes[index] = mode
+    run.whole[RECORDED] = index + 1
+
+
+@inner_kernel
+def commit(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    h: float,
+    s: float,
+    degree: int,
+    mode: int,
+    force: PenaltyKernel,
+    parameters: Array,
+) -> None:
+    """Accept [0, s] of a step of length h: ledger, records, contact sums, clock and state."""
+    if s == h:
+        increments_of_step(plant, tables, step, h, degree, run.step_terms)
+    else:
+        increments_until(
+            plant, tables, step, s, h, degree, force, parameters, run.step_terms
+        )
+        for j in range(step.q.size):
+            step.node_q[-1, j] = step.other_q[j]
+            step.node_v[-1, j] = step.other_v[j]
+    start = run.real[TIME]
+    # The step that reaches the end of the run must land on it, whatever start + s rounds to.
+    now = run.real[END] if run.real[END] - start <= s else start + s
+    while run.whole[RECORDED] < run.series.shape[0]:
+        due = record_time(run, run.whole[RECORDED])
+        if due > now:
+            break
+        at = min(due - start, s)
+        increments_until(plant, tables, step, at, h, degree, force, parameters, run.part_terms)
+        compliant = degree == COLLOCATED
+        write_record(
+            plant, run, step.other_q, step.other_v, run.part_terms, mode, compliant, force, parameters
+        )
+    for term in range(run.total.size):
+        run.total[term] += run.step_terms[term]
+    if mode != FREE:
+        run.contact[DURATION] += s
+        run.contact[STUCK] += s if mode == STICK else 0.0
+        run.contact[IMPULSE] += run.step_terms[NORMAL_IMPULSE]
+        run.contact[FRICTIONAL_IMPULSE] += run.step_terms[FRICTION_IMPULSE]
+        run.contact[LOSS] += run.step_terms[FRICTIONAL] + run.step_terms[NORMAL_LOSS]
+    run.whole[IDLE] = run.whole[IDLE] + 1 if now == start else 0
+    if run.whole[IDLE] > IDLE_LIMIT:
+        run.whole[ENDING] = CHATTERED
+    run.real[TIME] = now
+    for j in range(step.q.size):
+        step.q[j] = step.node_q[-1, j]
+        step.v[j] = step.node_v[-1, j]
+    _watch(plant, step, run)
+
+
+@inner_kernel
+def _watch(plant: Plant, step: Step, run: Run) -> None:
+    """End a run whose state is no longer a motor's: not finite, or deep inside the rotor."""
+    u, th, u_rate, th_rate, rotor = tip_motion(plant, step.q, step.v)
+    gap = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)[0]
+    finite = np.isfinite(u_rate) and np.isfinite(th_rate) and np.isfinite(rotor)
+    if not (finite and abs(th) < 1.0 and gap > -0.1 * plant.radius):
+        run.whole[ENDING] = DIVERGED
+
+
+@inner_kernel
+def count_event(run: Run) -> None:
+    """Count a touch-down or friction switch; too many in one window is chattering."""
+    run.whole[EVENTS] += 1
+    if run.real[TIME] - run.real[WINDOW_START] > run.real[WINDOW]:
+        run.real[WINDOW_START] = run.real[TIME]
+        run.whole[EVENTS] = 0
+    elif run.whole[EVENTS] > EVENT_LIMIT:
+        run.whole[ENDING] = CHATTERED
+
+
+@inner_kernel
+def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
+    """A touch-down at the present state: start a contact at a level of the ladder."""
+    u, th, u_rate, th_rate, rotor = tip_motion(plant, step.q, step.v)
+    _, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, plant.tip_length, plant.radius, plant.clearance
+    )
+    rate = n_u * u_rate + n_th * th_rate
+    slip = t_u * u_rate + t_th * th_rate + rotor
+    for column in range(run.contact.size):
+        run.contact[column] = 0.0
+    run.contact[START] = run.real[TIME]
+    run.contact[APPROACH] = rate
+    vibration = 0.0
+    for k in range(plant.omega.size):
+        vibration += plant.omega[k] * abs(plant.steady_u[k])
+    d_nn = delassus(plant, n_u, n_th, t_u, t_th)[0]
+    run.real[MOMENTUM] = (abs(rate) + vibration) / d_nn
+    run.real[NORMAL_BEFORE] = 0.0
+    run.real[FRICTION_BEFORE] = 0.0
+    run.whole[PHASE] = TOUCHING
+    run.whole[MODE] = SLIP if slip != 0.0 else STICK
+    run.whole[SIGN] = 1 if slip > 0.0 else -1
+    run.whole[LEVEL] = level
+    run.whole[TOUCHDOWNS] += 1
+    count_event(run)
+
+
+@inner_kernel
+def close_contact(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
+    """A release at the present state: store the contact and begin to separate."""
+    u, th, u_rate, th_rate, _ = tip_motion(plant, step.q, step.v)
+    _, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
+    run.contact[SEPARATION] = n_u * u_rate + n_th * th_rate
+    store_contact(run)
+    run.whole[PHASE] = SEPARATING
+    run.whole[LEVEL] = tables.fresh_level
+
+
+@inner_kernel
+def store_contact(run: Run) -> None:
+    """Append the present contact to those that are to be collected."""
+    for column in range(run.contact.size):
+        run.contacts[run.whole[STORED], column] = run.contact[column]
+    run.whole[STORED] += 1

@@ -1,0 +1,233 @@
+"""Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
+
+import sys
+import threading
+from collections.abc import Callable
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from contactlab.compiled import kernel
+from contactlab.engine.ledger import TERMS
+from contactlab.engine.loop import advance
+from contactlab.engine.plant import Plant, plant_of
+from contactlab.engine.run import (
+    CHATTERED,
+    COUNTS,
+    DIVERGED,
+    END,
+    ENDING,
+    FLIGHT_STEPS,
+    INTERVAL,
+    LEVEL,
+    PHASE,
+    RECORDED,
+    RUNNING,
+    SEPARATION,
+    SEPARATING,
+    STORED,
+    TIME,
+    TOLERANCE,
+    TOUCHING,
+    WINDOW,
+    Run,
+    run_for,
+    store_contact,
+    write_record,
+)
+from contactlab.engine.step import Step, step_for
+from contactlab.engine.tables import Tables, tables_for
+from contactlab.engine.touchdown import gap_and_rate
+from contactlab.laws.base import (
+    FREE,
+    MULTIPLIER_SIGNATURE,
+    PENALTY_SIGNATURE,
+    ContactLaw,
+    MultiplierLaw,
+    PenaltyLaw,
+)
+from contactlab.motor import Motor
+from contactlab.trajectory import Ending, Trajectory
+from contactlab.variables import CONTACTS, SERIES
+
+Array = NDArray[np.float64]
+
+DEFAULT_TOLERANCE = 1e-6
+"""Error of the force at a compliant step's start, as an impulse over that of the contact. The step
+itself is far better: its end converges with nearly twice the order of this estimate."""
+
+STEPS_PER_CALL = 50_000
+"""Steps between two looks at progress and Ctrl-C."""
+
+COMPILE_NOTICE_AFTER = 1.5
+"""Seconds after which a first run says why it takes long."""
+
+
+@kernel
+def _no_force(
+    gap: float, gap_rate: float, slip: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Stands for the penalty law in a run of a multiplier law."""
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def _no_impulse(
+    normal_rate: float,
+    tangential_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    parameters: Array,
+) -> tuple[float, float, int]:
+    """Stands for the multiplier law in a run of a penalty law."""
+    return 0.0, 0.0, 0
+
+
+def simulate(
+    motor: Motor,
+    law: ContactLaw,
+    *,
+    duration: float,
+    record_interval: float,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Simulate a motor from rest at t = 0, when the drive is switched on.
+
+    Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located.
+    In contact a penalty law is collocated at order 9 with steps that follow its error, a
+    multiplier law is stepped at order 1. The trajectory does not depend on the record interval.
+
+    Args:
+        motor: what moves.
+        law: what acts between tip and rotor.
+        duration: [s], positive.
+        record_interval: [s], positive and at most the duration. The last record lies at the end.
+        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the law's default.
+        tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
+        progress: called now and then with the simulated time [s].
+
+    Returns:
+        The trajectory; one that is not complete says why and holds what it had.
+
+    Raises:
+        ValueError: an argument out of range, or an undamped mode that a tone meets.
+        TypeError: a law of neither family.
+    """
+    contact_step = law.default_contact_step if contact_step is None else contact_step
+    _check(law, duration, record_interval, contact_step, tolerance)
+    plant = plant_of(motor)
+    tables = tables_for(plant, contact_step)
+    step = step_for(plant)
+    run = run_for(_count_records(duration, record_interval))
+    _start(motor, plant, tables, step, run, duration, record_interval, tolerance)
+    force, solve = _kernels(law)
+    parameters = law.parameters()
+    _compile(plant, tables, step, run, parameters)
+
+    write_record(plant, run, step.q, step.v, run.part_terms, FREE, False, force, parameters)
+    finished: list[Array] = []
+    compliant = isinstance(law, PenaltyLaw)
+    interrupted = False
+    while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
+        try:
+            advance(plant, tables, step, run, force, solve, compliant, parameters, STEPS_PER_CALL)
+            if progress is not None:
+                progress(float(run.real[TIME]))
+        except KeyboardInterrupt:
+            interrupted = True
+            break
+        finished.append(_collect(run))
+    if run.whole[PHASE] == TOUCHING:
+        run.contact[SEPARATION] = np.nan
+        store_contact(run)
+    finished.append(_collect(run))
+    return _trajectory(
+        motor, law, run, np.vstack(finished), duration, contact_step, record_interval, interrupted
+    )
+
+
+def _check(
+    law: ContactLaw,
+    duration: float,
+    record_interval: float,
+    contact_step: float,
+    tolerance: float | None,
+) -> None:
+    if not 0.0 < duration < np.inf:
+        raise ValueError(f"The duration is {duration} s; it must be positive and finite.")
+    if not 0.0 < record_interval <= duration:
+        raise ValueError(
+            f"The record interval is {record_interval} s; it must be positive and at most the "
+            f"duration, {duration} s."
+        )
+    if not 0.0 < contact_step < np.inf:
+        raise ValueError(f"The contact step is {contact_step} s; it must be positive and finite.")
+    if not isinstance(law, PenaltyLaw | MultiplierLaw):
+        raise TypeError(
+            f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."
+        )
+    if tolerance is not None:
+        if isinstance(law, MultiplierLaw):
+            raise ValueError(
+                f"The tolerance is {tolerance}, but {law.name} has no error control: its contact "
+                "step sets its error. Leave the tolerance out."
+            )
+        if not 0.0 < tolerance < 1.0:
+            raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
+
+
+def _count_records(duration: float, interval: float) -> int:
+    """Records at 0, interval, 2 interval, ... and at the end; a rest below 1e-6 of the interval is round-off."""
+    return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
+
+
+def _start(
+    motor: Motor,
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    duration: float,
+    record_interval: float,
+    tolerance: float | None,
+) -> None:
+    """Initial state: the resonator at rest, the rotor at its initial velocity."""
+    step.v[-1] = -motor.rotor.initial_velocity * plant.radius / plant.row_r[-1]
+    run.real[END] = duration
+    run.real[INTERVAL] = record_interval
+    run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    rates = np.concatenate([np.sqrt(plant.stiffness[:-1]), plant.omega])
+    run.real[WINDOW] = 2.0 * np.pi / rates.min()
+    gap, _ = gap_and_rate(plant, step.q, step.v)
+    run.whole[PHASE] = SEPARATING
+    run.whole[LEVEL] = tables.fresh_level
+    if gap < 0.0:
+        raise ValueError(
+            f"The clearance is {plant.clearance} m; it must not be negative: tip and rotor would "
+            "overlap at rest."
+        )
+
+
+def _kernels(law: ContactLaw) -> tuple[object, object]:
+    """The law's compiled kernel and the idle one of the other family."""
+    force = law.force if isinstance(law, PenaltyLaw) else _no_force
+    solve = law.solve if isinstance(law, MultiplierLaw) else _no_impulse
+    force.compile(PENALTY_SIGNATURE)
+    solve.compile(MULTIPLIER_SIGNATURE)
+    return force, solve
+
+
+def _compile(plant, tables, step, run, parameters):
+    pass
+
+
+def _collect(run: Run) -> Array:
+    """Take the finished contacts out of the run's storage."""
+    rows = run.contacts[: run.whole[STORED]].copy()
+    run.whole[STORED] = 0
+    return rows

@@ -1,0 +1,271 @@
+"""One step of the motor: exact flow under the drive and a polynomial contact force.
+
+A step starts at a state (q, v), lasts h and is of one of three kinds, named by the degree of its force
+polynomial in s/h: FLIGHT has no force, HELD a constant one, and a collocated step passes through its
+values at the nodes. Whatever its kind, its state can be read anywhere in [0, h].
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.oscillator import impulse_integrals
+from contactlab.engine.plant import Plant
+from contactlab.engine.tables import NODES, Tables
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
+"""Degree of the force polynomial."""
+
+PUSH_U, PUSH_TH, FRICTION, NORMAL, BOUND = range(5)
+"""Rows of a step's force: generalised forces along u and th, friction, normal force, friction bound."""
+
+TIP_U, TIP_TH, TIP_U_RATE, TIP_TH_RATE, TIP_ROTOR = range(5)
+"""Columns of the contact-free tip motion: u, th, their rates, and -R Omega."""
+
+
+class Step(NamedTuple):
+    """Working memory of one step; i node, j coordinate, k tone.
+
+    Args:
+        q, v: state at the start, shape (j,).
+        free_q, free_v: the same without the steady state, shape (j,).
+        phase: exp(i omega_k t) at the start, shape (k,).
+        force: values at the nodes, shape (5, i); rows PUSH_U ... BOUND.
+        shape: their polynomials in s/h, shape (5, i).
+        gap, gap_rate, slip, loss: contact [m, m/s, m/s] and normal loss [W] at the nodes, shape (i,).
+        frame: directions of the contact that a HELD step keeps, shape (4,).
+        node_q, node_v: state at the nodes; node_q is sure at the last one only, shape (i, j).
+        node_turn: exp(i omega_k t) at the nodes, shape (i, k).
+        tip: contact-free tip motion at the nodes, shape (i, 5).
+        other_q, other_v, other_turn: state and exp(i omega_k t) at a time in between.
+        integrals: scratch of the oscillator, shape (i + 2,).
+        stick: scratch of the stick condition, shape (i, i + 1).
+        rows: directions of the contact at the nodes, shape (i, 4).
+    """
+
+    q: Array
+    v: Array
+    free_q: Array
+    free_v: Array
+    phase: ComplexArray
+    force: Array
+    shape: Array
+    gap: Array
+    gap_rate: Array
+    slip: Array
+    loss: Array
+    frame: Array
+    node_q: Array
+    node_v: Array
+    node_turn: ComplexArray
+    tip: Array
+    other_q: Array
+    other_v: Array
+    other_turn: ComplexArray
+    integrals: Array
+    stick: Array
+    rows: Array
+
+
+def step_for(plant: Plant) -> Step:
+    """Zeroed working memory for a plant."""
+    j, k = plant.stiffness.size, plant.omega.size
+    return Step(
+        q=np.zeros(j),
+        v=np.zeros(j),
+        free_q=np.zeros(j),
+        free_v=np.zeros(j),
+        phase=np.zeros(k, dtype=np.complex128),
+        force=np.zeros((5, NODES)),
+        shape=np.zeros((5, NODES)),
+        gap=np.zeros(NODES),
+        gap_rate=np.zeros(NODES),
+        slip=np.zeros(NODES),
+        loss=np.zeros(NODES),
+        frame=np.zeros(4),
+        node_q=np.zeros((NODES, j)),
+        node_v=np.zeros((NODES, j)),
+        node_turn=np.zeros((NODES, k), dtype=np.complex128),
+        tip=np.zeros((NODES, 5)),
+        other_q=np.zeros(j),
+        other_v=np.zeros(j),
+        other_turn=np.zeros(k, dtype=np.complex128),
+        integrals=np.zeros(NODES + 2),
+        stick=np.zeros((NODES, NODES + 1)),
+        rows=np.zeros((NODES, 4)),
+    )
+
+
+@inner_kernel
+def begin(plant: Plant, step: Step, time: float) -> None:
+    """Split the state at the step's start into steady state and free motion."""
+    for k in range(plant.omega.size):
+        step.phase[k] = np.exp(1j * plant.omega[k] * time)
+    for j in range(plant.stiffness.size):
+        q = step.q[j]
+        v = step.v[j]
+        for k in range(plant.omega.size):
+            turned = plant.steady[j, k] * step.phase[k]
+            q -= turned.real
+            v += plant.omega[k] * turned.imag
+        step.free_q[j] = q
+        step.free_v[j] = v
+
+
+@inner_kernel
+def shape_forces(tables: Tables, step: Step) -> None:
+    """Polynomials through the forces at the nodes."""
+    for row in range(5):
+        for d in range(NODES):
+            total = 0.0
+            for m in range(NODES):
+                total += step.force[row, m] * tables.lagrange[m, d]
+            step.shape[row, d] = total
+
+
+@inner_kernel
+def largest(values: Array) -> float:
+    """Largest of a few values."""
+    most = values[0]
+    for value in values:
+        most = max(most, value)
+    return most
+
+
+@inner_kernel
+def hold_forces(step: Step) -> None:
+    """Polynomials of a constant force that stands at the first node."""
+    for row in range(5):
+        step.shape[row, 0] = step.force[row, 0]
+        for d in range(1, NODES):
+            step.shape[row, d] = 0.0
+
+
+@inner_kernel
+def force_at(step: Step, row: int, x: float) -> float:
+    """Value of one row of the force polynomial at x = s/h."""
+    total = 0.0
+    for d in range(NODES - 1, -1, -1):
+        total = total * x + step.shape[row, d]
+    return total
+
+
+@inner_kernel
+def flow_to(plant: Plant, step: Step, s: float, h: float, degree: int) -> None:
+    """State at time s after the start, 0 <= s <= h, into other_q, other_v and other_turn."""
+    top = max(degree + 1, 1)
+    for k in range(plant.omega.size):
+        step.other_turn[k] = step.phase[k] * np.exp(1j * plant.omega[k] * s)
+    for j in range(plant.stiffness.size):
+        c = plant.damping[j]
+        stiffness = plant.stiffness[j]
+        impulse_integrals(stiffness, c, s, top, step.integrals)
+        rate = step.integrals[0]
+        w = step.integrals[1]
+        q = (rate + c * w) * step.free_q[j] + w * step.free_v[j]
+        v = -stiffness * w * step.free_q[j] + rate * step.free_v[j]
+        q += plant.constant[j] * step.integrals[2]
+        v += plant.constant[j] * w
+        scale = 1.0
+        for d in range(degree + 1):
+            if d > 0:
+                scale *= d / h
+            push = scale * (
+                plant.row_u[j] * step.shape[PUSH_U, d]
+                + plant.row_th[j] * step.shape[PUSH_TH, d]
+                + plant.row_r[j] * step.shape[FRICTION, d]
+            )
+            q += push * step.integrals[d + 2]
+            v += push * step.integrals[d + 1]
+        for k in range(plant.omega.size):
+            turned = plant.steady[j, k] * step.other_turn[k]
+            q += turned.real
+            v -= plant.omega[k] * turned.imag
+        step.other_q[j] = q
+        step.other_v[j] = v
+
+
+@inner_kernel
+def tip_motion(plant: Plant, q: Array, v: Array) -> tuple[float, float, float, float, float]:
+    """u [m], th [rad], their rates, and -R Omega [m/s] of a state."""
+    u = 0.0
+    th = 0.0
+    u_rate = 0.0
+    th_rate = 0.0
+    rotor = 0.0
+    for j in range(q.size):
+        u += plant.row_u[j] * q[j]
+        th += plant.row_th[j] * q[j]
+        u_rate += plant.row_u[j] * v[j]
+        th_rate += plant.row_th[j] * v[j]
+        rotor += plant.row_r[j] * v[j]
+    return u, th, u_rate, th_rate, rotor
+
+
+@inner_kernel
+def free_response(plant: Plant, tables: Tables, step: Step, level: int, first: int) -> None:
+    """State at the nodes of a level without contact: rates at all of them, displacements from `first` on."""
+    for i in range(NODES):
+        for k in range(plant.omega.size):
+            step.node_turn[i, k] = step.phase[k] * tables.turn[level, i, k]
+        for j in range(plant.stiffness.size):
+            q0 = step.free_q[j]
+            v0 = step.free_v[j]
+            v = tables.flow[level, i, 2, j] * q0 + tables.flow[level, i, 3, j] * v0
+            v += tables.hold[level, i, 1, j] * plant.constant[j]
+            q = 0.0
+            for k in range(plant.omega.size):
+                turned = plant.steady[j, k] * step.node_turn[i, k]
+                q += turned.real
+                v -= plant.omega[k] * turned.imag
+            step.node_v[i, j] = v
+            if i >= first:
+                q += tables.flow[level, i, 0, j] * q0 + tables.flow[level, i, 1, j] * v0
+                step.node_q[i, j] = q + tables.hold[level, i, 0, j] * plant.constant[j]
+
+
+@inner_kernel
+def add_collocated(plant: Plant, tables: Tables, step: Step, level: int) -> None:
+    """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
+    last = NODES - 1
+    for m in range(NODES):
+        for j in range(plant.stiffness.size):
+            push = (
+                plant.row_u[j] * step.force[PUSH_U, m]
+                + plant.row_th[j] * step.force[PUSH_TH, m]
+                + plant.row_r[j] * step.force[FRICTION, m]
+            )
+            for i in range(NODES):
+                step.node_v[i, j] += tables.answer_v[level, i, m, j] * push
+            step.node_q[last, j] += tables.answer_q[level, last, m, j] * push
+
+
+@inner_kernel
+def held_push(plant: Plant, step: Step, j: int) -> float:
+    """Constant force of a HELD step on one coordinate."""
+    return (
+        plant.row_u[j] * step.force[PUSH_U, 0]
+        + plant.row_th[j] * step.force[PUSH_TH, 0]
+        + plant.row_r[j] * step.force[FRICTION, 0]
+    )
+
+
+@inner_kernel
+def add_held(plant: Plant, tables: Tables, step: Step, level: int, i: int) -> None:
+    """Add the constant force's answer to the displacements at node i."""
+    for j in range(plant.stiffness.size):
+        step.node_q[i, j] += tables.hold[level, i, 0, j] * held_push(plant, step, j)
+
+
+@inner_kernel
+def add_held_rates(plant: Plant, tables: Tables, step: Step, level: int) -> None:
+    """Add the constant force's answer to the rates at all nodes."""
+    for j in range(plant.stiffness.size):
+        push = held_push(plant, step, j)
+        for i in range(NODES):
+            step.node_v[i, j] += tables.hold[level, i, 1, j] * push

@@ -1,0 +1,181 @@
+"""Exact step responses at the nodes of one quadrature rule, for a ladder of step lengths.
+
+All steps of the engine live on one ladder h = longest / 2^level. Over a step the contact force is a
+polynomial through its values at the Radau nodes c_i h (the last one is the step's end), and the
+oscillators answer it exactly. What the nodes see of it is a few small matrices that do not depend on
+the state, built once per level that is used.
+"""
+
+from math import ceil, floor, log2
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import Legendre, Polynomial
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.engine.oscillator import impulse_integrals
+from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+NODES = 5
+"""Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
+
+FINEST = 44
+"""Levels of the ladder."""
+
+
+class Tables(NamedTuple):
+    """Step responses; l level, i node of evaluation, m node of force, j coordinate, k tone.
+
+    Args:
+        nodes, weights: c_i and b_i on (0, 1].
+        lagrange: basis polynomials, l_m(x) = sum_d lagrange[m, d] x^d.
+        longest: length of level 0 [s].
+        contact_level: level of the longest step in contact.
+        fresh_level: level of the first step after a release.
+        built: 1 where the level is filled, shape (l,).
+        flow: free flow, q from q0, q from v0, v from q0, v from v0, shape (l, i, 4, j).
+        hold: q and v from a unit constant force, shape (l, i, 2, j).
+        answer_q, answer_v: q and v from l_m, shape (l, i, m, j).
+        turn: exp(i omega_k c_i h), shape (l, i, k).
+        tip_q: u and th from f_u and f_th: uu, uth, thth, shape (l, 3, i, m).
+        tip_v: their rates, and the rotor's row: uu, uth, thth, rr, shape (l, 4, i, m).
+        integrals: scratch of the oscillator, shape (i + 2,).
+    """
+
+    nodes: Array
+    weights: Array
+    lagrange: Array
+    longest: float
+    contact_level: int
+    fresh_level: int
+    built: NDArray[np.int64]
+    flow: Array
+    hold: Array
+    answer_q: Array
+    answer_v: Array
+    turn: ComplexArray
+    tip_q: Array
+    tip_v: Array
+    integrals: Array
+
+
+def radau_rule(count: int) -> tuple[Array, Array, Array]:
+    """Nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1]."""
+    difference = Legendre.basis(count) - Legendre.basis(count - 1)
+    nodes = np.sort(0.5 * (difference.roots().real + 1.0))
+    nodes[-1] = 1.0
+    lagrange = np.zeros((count, count))
+    for m in range(count):
+        others = np.delete(nodes, m)
+        lagrange[m] = (Polynomial.fromroots(others) / np.prod(nodes[m] - others)).coef
+    weights = lagrange @ (1.0 / np.arange(1, count + 1))
+    return nodes, weights, lagrange
+
+
+def tables_for(plant: Plant, contact_step: float) -> Tables:
+    """An empty ladder that has the contact step as one of its levels.
+
+    The longest step resolves what persists in flight; after a release the steps start short
+    enough for the fastest transient and double from there.
+    """
+    nodes, weights, lagrange = radau_rule(NODES)
+    contact_level = max(0, floor(log2(0.5 / resolved_rate(plant) / contact_step)))
+    longest = contact_step * 2.0**contact_level
+    fresh_level = min(max(8, ceil(log2(longest * fastest_rate(plant))) + 2), FINEST - 8)
+    count, tones = plant.stiffness.size, plant.omega.size
+    return Tables(
+        nodes=nodes,
+        weights=weights,
+        lagrange=lagrange,
+        longest=longest,
+        contact_level=contact_level,
+        fresh_level=fresh_level,
+        built=np.zeros(FINEST, dtype=np.int64),
+        flow=np.empty((FINEST, NODES, 4, count)),
+        hold=np.empty((FINEST, NODES, 2, count)),
+        answer_q=np.empty((FINEST, NODES, NODES, count)),
+        answer_v=np.empty((FINEST, NODES, NODES, count)),
+        turn=np.empty((FINEST, NODES, tones), dtype=np.complex128),
+        tip_q=np.empty((FINEST, 3, NODES, NODES)),
+        tip_v=np.empty((FINEST, 4, NODES, NODES)),
+        integrals=np.empty(NODES + 2),
+    )
+
+
+@inner_kernel
+def step_length(tables: Tables, level: int) -> float:
+    """Length of a level's step [s], building its responses' place in the ladder only by name."""
+    return tables.longest * 0.5**level
+
+
+@kernel
+def build_level(plant: Plant, tables: Tables, level: int) -> None:
+    """Fill one level; a second call does nothing."""
+    if tables.built[level] == 1:
+        return
+    tables.built[level] = 1
+    h = step_length(tables, level)
+    count = tables.nodes.size
+    integrals = tables.integrals
+    for i in range(count):
+        s = tables.nodes[i] * h
+        for k in range(plant.omega.size):
+            tables.turn[level, i, k] = np.exp(1j * plant.omega[k] * s)
+        for j in range(plant.stiffness.size):
+            impulse_integrals(plant.stiffness[j], plant.damping[j], s, count, integrals)
+            _fill(plant, tables, level, i, j, h, integrals)
+    _reduce(plant, tables, level)
+
+
+@inner_kernel
+def _fill(
+    plant: Plant, tables: Tables, level: int, i: int, j: int, h: float, integrals: Array
+) -> None:
+    """Responses of one coordinate at one node."""
+    w = integrals[1]
+    tables.flow[level, i, 0, j] = integrals[0] + plant.damping[j] * w
+    tables.flow[level, i, 1, j] = w
+    tables.flow[level, i, 2, j] = -plant.stiffness[j] * w
+    tables.flow[level, i, 3, j] = integrals[0]
+    tables.hold[level, i, 0, j] = integrals[2]
+    tables.hold[level, i, 1, j] = w
+    count = tables.nodes.size
+    for m in range(count):
+        q = 0.0
+        v = 0.0
+        scale = 1.0
+        for d in range(count):
+            # (s/h)^d = d!/h^d times s^d/d!, whose answers are I_(d+1) and I_d.
+            if d > 0:
+                scale *= d / h
+            q += tables.lagrange[m, d] * scale * integrals[d + 2]
+            v += tables.lagrange[m, d] * scale * integrals[d + 1]
+        tables.answer_q[level, i, m, j] = q
+        tables.answer_v[level, i, m, j] = v
+
+
+@inner_kernel
+def _reduce(plant: Plant, tables: Tables, level: int) -> None:
+    """What the contact sees of the responses: sums over the coordinates."""
+    count = tables.nodes.size
+    for i in range(count):
+        for m in range(count):
+            for row in range(3):
+                tables.tip_q[level, row, i, m] = 0.0
+            for row in range(4):
+                tables.tip_v[level, row, i, m] = 0.0
+            for j in range(plant.stiffness.size):
+                u, th, r = plant.row_u[j], plant.row_th[j], plant.row_r[j]
+                q = tables.answer_q[level, i, m, j]
+                v = tables.answer_v[level, i, m, j]
+                tables.tip_q[level, 0, i, m] += u * u * q
+                tables.tip_q[level, 1, i, m] += u * th * q
+                tables.tip_q[level, 2, i, m] += th * th * q
+                tables.tip_v[level, 0, i, m] += u * u * v
+                tables.tip_v[level, 1, i, m] += u * th * v
+                tables.tip_v[level, 2, i, m] += th * th * v
+                tables.tip_v[level, 3, i, m] += r * r * v

@@ -1,0 +1,154 @@
+"""Finding the touch-down of a free flight: the first zero of the gap, and never a later one.
+
+Over a stretch of flight the gap's second derivative is bounded by B. Between two instants at which
+gap and gap rate are known, the gap lies above both parabolas that leave them with curvature -B. Where
+these stay positive there is no contact; where they do not, the stretch is halved, left half first,
+until every piece is either proven open or holds one falling zero.
+"""
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.engine.plant import Plant
+from contactlab.engine.step import FLIGHT, Step, flow_to, tip_motion
+from contactlab.geometry import contact_frame
+
+Array = NDArray[np.float64]
+
+RESOLUTION = 1e-22
+"""Gap [m] below which open and touching cannot be told apart in float64."""
+
+NO_TOUCH = -1.0
+
+
+@kernel
+def gap_and_rate(plant: Plant, q: Array, v: Array) -> tuple[float, float]:
+    """Gap [m] and gap rate [m/s] of a state."""
+    u, th, u_rate, th_rate, _ = tip_motion(plant, q, v)
+    gap, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
+    return gap, n_u * u_rate + n_th * th_rate
+
+
+@inner_kernel
+def curvature_bound(plant: Plant, step: Step, h: float) -> float:
+    """B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
+
+    A free oscillator's acceleration a obeys the oscillator's own equation, so that
+    |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes.
+    The rest is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R and the centripetal terms.
+    """
+    u_acc = 0.0
+    th_acc = 0.0
+    u = 0.0
+    th = 0.0
+    u_rate = 0.0
+    th_rate = 0.0
+    for j in range(plant.stiffness.size):
+        k, c = plant.stiffness[j], plant.damping[j]
+        acceleration = -c * step.free_v[j] - k * step.free_q[j]
+        jerk = -c * acceleration - k * step.free_v[j]
+        reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
+        bound = abs(acceleration) + abs(jerk) * reach + abs(plant.constant[j])
+        u_acc += abs(plant.row_u[j]) * bound
+        th_acc += abs(plant.row_th[j]) * bound
+        u += plant.row_u[j] * step.q[j]
+        th += plant.row_th[j] * step.q[j]
+        u_rate += plant.row_u[j] * step.v[j]
+        th_rate += plant.row_th[j] * step.v[j]
+    for k in range(plant.omega.size):
+        u_acc += plant.omega[k] ** 2 * abs(plant.steady_u[k])
+        th_acc += plant.omega[k] ** 2 * abs(plant.steady_th[k])
+    u_rate = abs(u_rate) + u_acc * h
+    th_rate = abs(th_rate) + th_acc * h
+    u = abs(u) + u_rate * h
+    th = abs(th) + th_rate * h
+    tip = plant.tip_length
+    excess = plant.clearance + u + 0.5 * tip * th * th
+    lever = tip * th * (tip + plant.radius + excess) / plant.radius
+    speed = u_rate + tip * th_rate
+    return u_acc + lever * th_acc + tip * th_rate * th_rate + speed * speed / plant.radius
+
+
+@inner_kernel
+def stays_open(a: float, gap_a: float, rate_a: float, b: float, gap_b: float, rate_b: float,
+               bound: float) -> bool:
+    """Whether the gap is proven positive on [a, b]."""
+    if gap_a <= 0.0 or gap_b <= 0.0:
+        return False
+    h = b - a
+    # The parabolas from both ends have the same curvature, so they cross once.
+    slope = bound * h - rate_a + rate_b
+    if slope <= 0.0:
+        # Only round-off or a zero bound gets here: the left parabola lies above all along.
+        return gap_a + rate_a * h - 0.5 * bound * h * h > 0.0
+    s = (gap_a - gap_b + rate_b * h + 0.5 * bound * h * h) / slope
+    s = min(max(s, 0.0), h)
+    lowest = max(
+        gap_a + rate_a * s - 0.5 * bound * s * s,
+        gap_b - rate_b * (h - s) - 0.5 * bound * (h - s) * (h - s),
+    )
+    return lowest > 0.0
+
+
+@inner_kernel
+def first_touch(
+    plant: Plant, step: Step, h: float, gap_end: float, rate_end: float, stack: Array
+) -> float:
+    """Time of the first touch-down in (0, h] of a flight that starts open, or NO_TOUCH.
+
+    Args:
+        plant, step: the flight, as `begin` left it.
+        h: length of the stretch [s].
+        gap_end, rate_end: gap [m] and its rate [m/s] at h.
+        stack: scratch, shape (>= 64, 3).
+    """
+    a = 0.0
+    gap_a, rate_a = gap_and_rate(plant, step.q, step.v)
+    b, gap_b, rate_b = h, gap_end, rate_end
+    bound = curvature_bound(plant, step, h)
+    waiting = 0
+    while True:
+        width = b - a
+        indistinct = bound * width * width < RESOLUTION or waiting >= stack.shape[0]
+        if stays_open(a, gap_a, rate_a, b, gap_b, rate_b, bound) or (indistinct and gap_b > 0.0):
+            if waiting == 0:
+                return NO_TOUCH
+            waiting -= 1
+            a, gap_a, rate_a = b, gap_b, rate_b
+            b, gap_b, rate_b = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2]
+        elif indistinct:
+            return b
+        elif gap_b <= 0.0 and rate_a + bound * width < 0.0:
+            return _falling_zero(plant, step, h, a, gap_a, b, gap_b)
+        else:
+            stack[waiting, 0], stack[waiting, 1], stack[waiting, 2] = b, gap_b, rate_b
+            waiting += 1
+            b = 0.5 * (a + b)
+            flow_to(plant, step, b, h, FLIGHT)
+            gap_b, rate_b = gap_and_rate(plant, step.other_q, step.other_v)
+
+
+@inner_kernel
+def _falling_zero(
+    plant: Plant, step: Step, h: float, a: float, gap_a: float, b: float, gap_b: float
+) -> float:
+    """The zero of a falling gap in [a, b]: Newton, kept inside the bracket."""
+    s = a + (b - a) * gap_a / (gap_a - gap_b)
+    for _ in range(60):
+        flow_to(plant, step, s, h, FLIGHT)
+        gap, rate = gap_and_rate(plant, step.other_q, step.other_v)
+        if gap > 0.0:
+            a = s
+        else:
+            b = s
+        if abs(gap) < RESOLUTION or b - a < 1e-18:
+            break
+        target = s - gap / rate if rate < 0.0 else 0.5 * (a + b)
+        following = target if a < target < b else 0.5 * (a + b)
+        if following == s:
+            break
+        s = following
+    return s

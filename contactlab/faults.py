@@ -1,0 +1,91 @@
+"""What a configuration gets wrong, in sentences: key, value, what is admitted, the way out."""
+
+from difflib import get_close_matches
+from typing import get_args
+
+from pydantic_core import ErrorDetails
+
+from contactlab.quantity import FAULT, describe
+from contactlab.schema import KINDS, Configuration, Section
+
+
+class ConfigurationError(ValueError):
+    """A configuration that cannot run.
+
+    Args:
+        faults: one sentence each.
+    """
+
+    def __init__(self, faults: list[str]) -> None:
+        super().__init__("\n".join(faults))
+        self.faults = faults
+
+
+def sentence(fault: ErrorDetails) -> str:
+    """One of pydantic's findings in a sentence that starts with the key."""
+    steps = [str(step) for step in fault["loc"]]
+    kind = ""
+    # A section of several kinds is entered by the kind's name, which is no part of the key.
+    if len(steps) > 2 and steps[0] in KINDS:
+        kind = steps.pop(1)
+    key = ".".join(steps)
+    match fault["type"]:
+        case str(found) if found == FAULT:
+            return f"{key} {fault['ctx']['sentence']}"
+        case "extra_forbidden":
+            return _unknown(key, kind)
+        case "missing":
+            return f"{key} is missing; it must be given. Add it to the configuration."
+        case "union_tag_not_found":
+            return f"{key}.{KINDS[key]} is missing; it must be given. Choose one by {key}=NAME."
+        case "union_tag_invalid":
+            return (
+                f"{key}.{KINDS[key]} is {describe(fault['ctx']['tag'])}; it must be one of "
+                f"{fault['ctx']['expected_tags']}. Choose one by {key}=NAME."
+            )
+        case _:
+            value = describe(fault["input"])
+            if not key:
+                return f"The configuration is {value}; it must be a mapping of groups of keys."
+            return (
+                f"{key} is {value}; it must be a group of keys. "
+                f"Set a single one by {key}.KEY=VALUE or choose a file by {key}=NAME."
+            )
+
+
+def known_keys() -> list[str]:
+    """Every full key of every choice, in the order of the schema."""
+    return list(dict.fromkeys(_keys_of(Configuration)))
+
+
+def _keys_of(section: type[Section]) -> list[str]:
+    keys = []
+    for name, field in section.model_fields.items():
+        kinds = [k for k in (field.annotation, *get_args(field.annotation)) if isinstance(k, type)]
+        below = [kind for kind in kinds if issubclass(kind, Section)]
+        keys += [key for kind in below for key in _keys_of(kind)] or [f"{section.path}{name}"]
+    return keys
+
+
+def _unknown(key: str, kind: str) -> str:
+    """The sentence for a key that does not exist, or not in this kind of section."""
+    known = known_keys()
+    if key in known:
+        group = key.partition(".")[0]
+        return (
+            f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
+            f"Leave it out or choose another {group}."
+        )
+    parent, _, leaf = key.rpartition(".")
+    near = get_close_matches(key, known, n=1, cutoff=0.8)
+    # Whoever names the last part alone, or under another group, means that one.
+    near = near or [name for name in known if name.rpartition(".")[2] == leaf]
+    near = near or get_close_matches(key, [*known, *Configuration.model_fields], n=1)
+    if near:
+        return f"{key} is not a known key. Did you mean {' or '.join(near)}?"
+    siblings = [name for name in known if parent and name.startswith(f"{parent}.")]
+    return (
+        f"{key} is not a known key; it must be one of "
+        f"{', '.join(siblings or Configuration.model_fields)}. "
+        "See contactlab --cfg job for all keys with their values."
+    )

@@ -1,0 +1,97 @@
+"""Where tip and rotor touch, and every sign of the contact.
+
+The tip end is L = (-L_tip sin th, L_tip cos th + u); the rotor's centre lies at
+(0, L_tip + clearance + R) (eqs. 35-37). With d = L - centre:
+
+    gap     g = |d| - R                        positive when open
+    normal  n = d / |d|                        from the rotor's centre to the tip, (0, -1) at rest
+    tangent t = n turned by +90 degrees        (1, 0) at rest; the paper's e_mu is -t (eqs. 43, 46)
+    force on the tip   N n + F t,  N >= 0,  |F| <= mu N
+    slip    v = t . Ldot - R Omega             friction opposes it: F = -mu N sign(v)
+    rotor   J Omegadot = -R F - C_r Omega - tau   (eq. 48 prints the torque without R)
+"""
+
+from dataclasses import dataclass
+from math import cos, sin, sqrt
+from typing import final
+
+from contactlab.compiled import kernel
+
+
+@final
+@dataclass(frozen=True)
+class ContactGeometry:
+    """Lengths of the contact.
+
+    Args:
+        tip_length: L_tip from the beam to the tip end [m].
+        rotor_radius: R [m].
+        clearance: gap of the undeformed motor [m], not negative.
+    """
+
+    tip_length: float = 19e-3
+    rotor_radius: float = 25e-3
+    clearance: float = 1e-6
+
+
+@kernel
+def contact_frame(
+    u: float, th: float, tip_length: float, radius: float, clearance: float
+) -> tuple[float, float, float, float, float]:
+    """Gap and the four partial derivatives that map tip rates to contact rates and forces back.
+
+    Args:
+        u: displacement of the beam's centre [m].
+        th: slope of the beam's centre [rad].
+        tip_length, radius, clearance: L_tip, R and clearance [m].
+
+    Returns:
+        gap [m], n.dL/du [1], n.dL/dth [m], t.dL/du [1], t.dL/dth [m]. The gap is formed from
+        |d|^2 - R^2 without cancellation, so it is good to round-off of itself, not of R.
+    """
+    sine = sin(th)
+    cosine = cos(th)
+    half = sin(0.5 * th)
+    across = tip_length * sine
+    excess = clearance - u + 2.0 * tip_length * half * half
+    distance = sqrt(across * across + (radius + excess) * (radius + excess))
+    gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
+    nx = -across / distance
+    ny = -(radius + excess) / distance
+    return (
+        gap,
+        ny,
+        -tip_length * (cosine * nx + sine * ny),
+        nx,
+        tip_length * (cosine * ny - sine * nx),
+    )
+
+
+@kernel
+def rate_bias(
+    th: float, u_rate: float, th_rate: float, gap: float, tip_length: float, radius: float,
+    n_u: float, n_th: float, t_u: float, t_th: float,
+) -> tuple[float, float]:
+    """Velocity-dependent parts of the contact accelerations.
+
+        gddot = G_n rddot + b_n,   b_n = n.(Jdot rdot) + v_T^2 / |d|
+        vTdot = G_t rddot + b_t,   b_t = t.(Jdot rdot) - v_T gdot / |d|
+        Jdot rdot = L_tip thdot^2 (sin th, -cos th)
+
+    Args:
+        th, u_rate, th_rate: slope [rad] and the rates of u [m/s] and th [rad/s].
+        gap, tip_length, radius: [m].
+        n_u, n_th, t_u, t_th: the derivatives of `contact_frame`.
+
+    Returns:
+        b_n, b_t [m/s^2].
+    """
+    distance = radius + gap
+    normal_rate = n_u * u_rate + n_th * th_rate
+    tangential_rate = t_u * u_rate + t_th * th_rate
+    # n = (t_u, n_u) and t = (-n_u, t_u): the displacement direction u is the second axis.
+    jx = tip_length * th_rate * th_rate * sin(th)
+    jy = -tip_length * th_rate * th_rate * cos(th)
+    b_n = t_u * jx + n_u * jy + tangential_rate * tangential_rate / distance
+    b_t = -n_u * jx + t_u * jy - tangential_rate * normal_rate / distance
+    return b_n, b_t

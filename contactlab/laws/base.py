@@ -1,0 +1,98 @@
+"""What a contact law is: a frozen set of parameters and one compiled scalar kernel.
+
+A law never sees a mode shape. It is given the state of one contact with a normal and a
+tangential direction (signs in `contactlab.geometry`) and gives back a force or an impulse. There
+are two families, and the engine knows only these two:
+
+* `PenaltyLaw`: the bodies interpenetrate, and the force follows from gap, gap rate and slip.
+* `MultiplierLaw`: the gap is held at zero, and the law solves for the impulse of one step.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import fields
+from typing import ClassVar
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+FREE, SLIP, STICK = 0, 1, 2
+"""Contact modes, as recorded."""
+
+_real = types.float64
+_parameters = types.Array(types.float64, 1, "C", readonly=False)
+
+PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _parameters)
+MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(
+    _real, _real, _real, _real, _real, _real, _parameters
+)
+
+PenaltyKernel = Callable[[float, float, float, Array], tuple[float, float, float, float]]
+MultiplierKernel = Callable[
+    [float, float, float, float, float, float, Array], tuple[float, float, int]
+]
+
+
+class ContactLaw(ABC):
+    """A contact law: an immutable dataclass whose fields are its parameters in SI units.
+
+    Subclass one of the two families, never a concrete law.
+    """
+
+    name: ClassVar[str]
+    """The law's word everywhere: module, option and attribute."""
+    equation: ClassVar[str]
+    """The law in one line."""
+    source: ClassVar[str]
+    """Where the law is published."""
+    default_contact_step: ClassVar[float]
+    """Step in contact [s] where the configuration gives none."""
+    kernel_parameters: ClassVar[tuple[str, ...]]
+    """Names of the fields that the kernel receives, in its order."""
+
+    def parameters(self) -> Array:
+        """The kernel's parameters, shape (parameter,), SI."""
+        return np.array([getattr(self, name) for name in self.kernel_parameters], dtype=np.float64)
+
+    def describe(self) -> dict[str, float]:
+        """The law's effective parameters by name, SI."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+
+
+class PenaltyLaw(ContactLaw):
+    """A compliant law: force from penetration."""
+
+    @property
+    @abstractmethod
+    def force(self) -> PenaltyKernel:
+        """The compiled force kernel.
+
+            force(gap, gap_rate, slip, parameters)
+                -> normal force N >= 0 [N], friction bound [N], stored energy [J], normal loss [W]
+
+        Called for gap < 0 only [m], gap_rate [m/s], slip [m/s]. Friction is set-valued: the engine
+        finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V makes
+        N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss).
+        """
+
+
+class MultiplierLaw(ContactLaw):
+    """A rigid law: the impulse of one step from the velocities that the step would end with."""
+
+    @property
+    @abstractmethod
+    def solve(self) -> MultiplierKernel:
+        """The compiled impulse kernel.
+
+            solve(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters)
+                -> normal impulse [N s], friction impulse [N s], mode
+
+        normal_rate and tangential_rate are gap rate and slip at the end of the step without
+        contact [m/s]; slip is that of its start [m/s]; d is the symmetric 2x2 Delassus matrix
+        [1/kg] of the step. With impulses p the step ends with normal_rate + d_nn p_n + d_nt p_t
+        and tangential_rate + d_nt p_n + d_tt p_t. The mode is SLIP or STICK. A normal impulse
+        that is not positive means release.
+        """

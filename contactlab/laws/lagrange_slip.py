@@ -1,0 +1,62 @@
+"""The paper's first law: a rigid contact that always slips."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import kernel
+from contactlab.laws.base import SLIP, MultiplierKernel, MultiplierLaw
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class LagrangeSlip(MultiplierLaw):
+    """Lagrange multiplier with Coulomb slip.
+
+        g = 0,  N >= 0,  F = -mu N sign(slip)    (eqs. 37, 43, 47-51, 59)
+
+    The sign is that of the slip when the step begins, in the impact step as well, whatever the
+    friction impulse then does to it. It reverses the slip in nearly every impact of the paper's
+    motor, and where the bodies would stick it chatters at the step: there is no slip-only
+    solution there. The impact is one step, so the peak force is impulse / step and grows without
+    bound as the step shrinks; the impulse converges.
+
+    Source: Andersen, Blanke and Helbo (2001), eqs. 49-59.
+
+    Args:
+        friction_coefficient: mu [1].
+    """
+
+    name: ClassVar[str] = "lagrange_slip"
+    equation: ClassVar[str] = "g = 0, N >= 0, F = -mu N sign(v)"
+    source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
+    default_contact_step: ClassVar[float] = 1e-7
+    kernel_parameters: ClassVar[tuple[str, ...]] = ("friction_coefficient",)
+
+    friction_coefficient: float
+
+    @property
+    def solve(self) -> MultiplierKernel:
+        """The kernel; see `MultiplierLaw.solve`."""
+        return slip_impulse
+
+
+@kernel
+def slip_impulse(
+    normal_rate: float,
+    tangential_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    parameters: Array,
+) -> tuple[float, float, int]:
+    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
+    mu = parameters[0]
+    s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
+    p_n = -normal_rate / (d_nn - s * mu * d_nt)
+    return p_n, -s * mu * p_n, SLIP

@@ -1,0 +1,87 @@
+"""Which code made a result: versions of the packages and the revision of the checkout."""
+
+import os
+import platform
+import subprocess
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Final
+
+UNKNOWN: Final = "unknown"
+"""Stands where nothing can be said, e.g. for the revision of an installed wheel."""
+
+PACKAGES: Final = ("contactlab", "numpy", "scipy", "numba", "xarray", "netCDF4")
+"""Distributions whose version can change a result or the file that holds it."""
+
+_SOURCES: Final = ("contactlab/", "conf/")
+"""Folders of a checkout in which a file that git does not know can still change a run."""
+
+_GIT_TIMEOUT: Final = 10.0
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Versions of Python and of `PACKAGES`, by attribute name such as `numpy_version`."""
+    found = {"contactlab_version": UNKNOWN, "python_version": platform.python_version()}
+    for package in PACKAGES:
+        try:
+            found[f"{package}_version"] = version(package)
+        except PackageNotFoundError:
+            found[f"{package}_version"] = UNKNOWN
+    return found
+
+
+@cache
+def checkout_state() -> tuple[str, int | str]:
+    """Revision and dirty flag of the checkout that this package runs from.
+
+    Asked once a process, since the code in memory does not change afterwards either.
+    """
+    return git_state(Path(__file__).resolve().parent.parent)
+
+
+def git_state(root: Path) -> tuple[str, int | str]:
+    """Revision of the checkout at `root` and whether it differs from that revision.
+
+    Dirty means a change to any tracked file, or an unknown file among the sources. Results that
+    lie about elsewhere in the checkout are no change of the code.
+
+    Args:
+        root: folder that holds `.git`. A parent's repository does not count: a wheel in a virtual
+            environment inside some other checkout has nothing to do with it.
+
+    Returns:
+        The commit and 1 (dirty) or 0 (clean); `UNKNOWN` twice where there is no such checkout, no
+        commit yet or no git.
+    """
+    if not (root / ".git").exists():
+        return UNKNOWN, UNKNOWN
+    # A git hook's own GIT_DIR would point elsewhere, and a look must not write to the index.
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("GIT_")}
+    environment["GIT_OPTIONAL_LOCKS"] = "0"
+    try:
+        status = subprocess.run(
+            ["git", "-C", str(root), "status", "--porcelain=v2", "--branch", "-z"],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=_GIT_TIMEOUT,
+            check=True,
+        ).stdout.decode(errors="replace")
+    except (OSError, subprocess.SubprocessError):
+        return UNKNOWN, UNKNOWN
+    return _parse_status(status)
+
+
+def _parse_status(status: str) -> tuple[str, int | str]:
+    """Commit and dirty flag from the output of `git status --porcelain=v2 --branch -z`."""
+    commit, dirty = UNKNOWN, 0
+    for line in status.split("\0"):
+        if line.startswith("# branch.oid "):
+            commit = line.removeprefix("# branch.oid ")
+        elif line.startswith("? "):
+            dirty |= line.removeprefix("? ").startswith(_SOURCES)
+        elif line.startswith(("1 ", "2 ", "u ")):
+            dirty = 1
+    return (UNKNOWN, UNKNOWN) if commit in {UNKNOWN, "(initial)"} else (commit, int(dirty))

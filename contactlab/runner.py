@@ -1,0 +1,84 @@
+"""One run from its setup to the files it leaves: run.nc, run.png and a summary on the terminal."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+
+from contactlab.config import Setup
+
+DATASET = "run.nc"
+PICTURE = "run.png"
+
+PROGRESS_AFTER = 1.5
+"""Seconds before a progress bar appears; most runs are over by then."""
+
+
+def execute(setup: Setup, directory: Path) -> bool:
+    """Simulate a motor, write the dataset and the picture, print a summary.
+
+    Args:
+        setup: what runs.
+        directory: where run.nc and run.png go; files of these names from an earlier run are
+            removed first, so that a run that is cut short leaves none that seems to be its own.
+
+    Returns:
+        Whether the run reached its end; one that did not is written too, marked as incomplete.
+
+    Raises:
+        KeyboardInterrupt: with a sentence, after what there was has been written.
+        OSError: the directory is missing, not writable or full.
+    """
+    # Imported here: they bring the compiler and the plotting with them, which a command that only
+    # has a fault to report does not need.
+    from contactlab import dataset, figures
+    from contactlab.engine import simulate
+    from contactlab.summary import summarise
+    from contactlab.trajectory import Ending
+
+    for name in (DATASET, PICTURE):
+        (directory / name).unlink(missing_ok=True)
+    started = perf_counter()
+    with _progress_bar(setup.duration) as progress:
+        trajectory = simulate(
+            setup.motor,
+            setup.law,
+            duration=setup.duration,
+            record_interval=setup.record_interval,
+            contact_step=setup.contact_step,
+            tolerance=setup.tolerance,
+            progress=progress,
+        )
+    wall_time = perf_counter() - started
+    tree = dataset.write(trajectory, setup.configuration, directory / DATASET)
+    figures.overview(tree, directory / PICTURE)
+    print(summarise(trajectory, wall_time))
+    print(f"Written to {directory / DATASET} and {PICTURE} beside it.", flush=True)
+    if trajectory.ending is Ending.INTERRUPTED:
+        raise KeyboardInterrupt(trajectory.message)
+    if not trajectory.complete:
+        print(trajectory.message, file=sys.stderr)
+    return trajectory.complete
+
+
+@contextmanager
+def _progress_bar(duration: float) -> Iterator[Callable[[float], None] | None]:
+    """A bar over the simulated time [s] on a terminal, nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(
+        total=duration,
+        delay=PROGRESS_AFTER,
+        leave=False,
+        file=sys.stderr,
+        bar_format="{percentage:3.0f} %|{bar}| {n:.3g} of {total:.3g} s, {remaining} left",
+    ) as bar:
+
+        def advance(time: float) -> None:
+            bar.update(time - bar.n)
+
+        yield advance

@@ -1,0 +1,282 @@
+"""The keys of a configuration: sections, units and ranges.
+
+A section has no defaults; those stand in `conf/` alone, so there is one place to read them. What
+binds several keys together is in `contactlab.rules`.
+"""
+
+from typing import Annotated, ClassVar, Literal, final, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+
+from contactlab.quantity import Quantity
+
+MOST_SHAPES = 40
+"""Beam shapes that `contactlab.beam` vouches for; repeated here because its import takes long."""
+
+MOST_FRICTION = 5.0
+"""Dry solids slide on each other at 0.05 to 1.5; beyond 5 a slip of the pen is likelier."""
+
+_PAPER = "The paper's motor has {}.".format
+
+
+class Section(BaseModel):
+    """A frozen group of keys that refuses every key it does not know.
+
+    A validation with a dictionary as its context leaves each sound value in it under its full
+    key, also where other keys are faulty, so that rules on several keys can be checked as far as
+    possible.
+    """
+
+    model_config = ConfigDict(
+        strict=True, extra="forbid", frozen=True, allow_inf_nan=False, protected_namespaces=()
+    )
+    path: ClassVar[str]
+    """Where the section stands, with the trailing dot: 'solver.'."""
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _remember(cls, value: object, info: ValidationInfo) -> object:
+        if info.context is not None and not isinstance(value, Section):
+            info.context[f"{cls.path}{info.field_name}"] = value
+        return value
+
+
+Stiffness = Annotated[
+    float | None,
+    Quantity(
+        "N/m^1.5",
+        above=0.0,
+        none=True,
+        hint="A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius.",
+    ),
+]
+TipRadius = Annotated[
+    float | None,
+    Quantity("m", above=0.0, none=True, hint="Leave it out where law.stiffness is given."),
+]
+
+
+class LawSection(Section):
+    """The law's own parameters; what all laws share is in `contact`."""
+
+    path: ClassVar[str] = "law."
+    takes_tolerance: ClassVar[bool] = False
+    """Whether the law is integrated with error control, as compliant laws are."""
+
+    name: str
+
+
+@final
+class HertzPenaltySection(LawSection):
+    """Exactly one of stiffness and tip radius is given."""
+
+    takes_tolerance: ClassVar[bool] = True
+
+    name: Literal["hertz_penalty"]
+    stiffness: Stiffness
+    tip_radius: TipRadius
+
+
+@final
+class LagrangeSlipSection(LawSection):
+    """No parameters of its own."""
+
+    name: Literal["lagrange_slip"]
+
+
+@final
+class LagrangeStickSection(LawSection):
+    """No parameters of its own."""
+
+    name: Literal["lagrange_stick"]
+
+
+AnyLaw = HertzPenaltySection | LagrangeSlipSection | LagrangeStickSection
+
+LAWS: dict[str, type[LawSection]] = {
+    get_args(section.model_fields["name"].annotation)[0]: section for section in get_args(AnyLaw)
+}
+"""The section of every law by the law's name."""
+
+
+@final
+class SteelSection(Section):
+    """The beam's material."""
+
+    path: ClassVar[str] = "resonator.steel."
+
+    youngs_modulus: Annotated[float, Quantity("Pa", above=0.0, hint="Steel has 210 GPa.")]
+    poisson_ratio: Annotated[float, Quantity("1", above=-1.0, below=0.5, hint="Steel has 0.3.")]
+    density: Annotated[float, Quantity("kg/m^3", above=0.0, hint="Steel has 7850 kg/m^3.")]
+
+
+@final
+class ResonatorSection(Section):
+    """The beam with its tip."""
+
+    path: ClassVar[str] = "resonator."
+
+    length: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.057 m"))]
+    width: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.016 m"))]
+    beam_thickness: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.001 m"))]
+    patch_thickness: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.001 m"))]
+    tip_mass: Annotated[float, Quantity("kg", at_least=0.0, hint="0 is a beam without tip.")]
+    tip_inertia: Annotated[float, Quantity("kg m^2", at_least=0.0, hint="0 is a point mass.")]
+    shapes: Annotated[
+        int, Quantity("1", at_least=1, at_most=MOST_SHAPES, whole=True, hint="The paper takes 4.")
+    ]
+    mass_damping: Annotated[float, Quantity("1/s", at_least=0.0, hint="0 switches it off.")]
+    stiffness_damping: Annotated[float, Quantity("s", at_least=0.0, hint="0 switches it off.")]
+    steel: SteelSection
+
+
+_CeramicDensity = Annotated[float, Quantity("kg/m^3", above=0.0, hint="PZ26 has 7700 kg/m^3.")]
+_Permittivity = Annotated[float, Quantity("F/m", above=0.0, hint="PZ26 has 6.2e-09 F/m.")]
+_Elastic = Annotated[float, Quantity("Pa")]
+_PositiveElastic = Annotated[float, Quantity("Pa", above=0.0)]
+_Coupling = Annotated[float, Quantity("C/m^2")]
+
+
+@final
+class BendingSection(Section):
+    """A piezoceramic by its modulus and coupling in bending."""
+
+    path: ClassVar[str] = "piezoceramic."
+
+    constants: Literal["bending"]
+    bending_modulus: Annotated[float, Quantity("Pa", above=0.0, hint="PZ26 has about 94 GPa.")]
+    bending_coupling: _Coupling
+    density: _CeramicDensity
+    permittivity: _Permittivity
+
+
+@final
+class TensorSection(Section):
+    """A piezoceramic by the constants of its datasheet."""
+
+    path: ClassVar[str] = "piezoceramic."
+
+    constants: Literal["tensor"]
+    c11: _PositiveElastic
+    c12: _Elastic
+    c13: _Elastic
+    c33: _PositiveElastic
+    e31: _Coupling
+    e33: _Coupling
+    poisson_ratio: Annotated[float, Quantity("1", hint="PZ26 has 0.334.")]
+    density: _CeramicDensity
+    permittivity: _Permittivity
+
+
+@final
+class PlacementSection(Section):
+    """Where the first patch set lies."""
+
+    path: ClassVar[str] = "placement."
+
+    start: Annotated[float, Quantity("m", at_least=0.0, hint="0 is the clamp.")]
+    end: Annotated[float, Quantity("m", above=0.0, hint="It is measured from the same clamp.")]
+
+
+@final
+class DriveSection(Section):
+    """Two tones."""
+
+    path: ClassVar[str] = "drive."
+
+    voltage_1: Annotated[float, Quantity("V")]
+    voltage_2: Annotated[float, Quantity("V")]
+    frequency: Annotated[
+        float | None,
+        Quantity("Hz", above=0.0, none=True, hint="Leave it out for the first natural frequency."),
+    ]
+    frequency_ratio: Annotated[float, Quantity("1", above=0.0, hint="The paper takes 2.")]
+    phase: Annotated[float, Quantity("rad")]
+
+
+@final
+class ContactSection(Section):
+    """What every law shares."""
+
+    path: ClassVar[str] = "contact."
+
+    tip_length: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.019 m"))]
+    clearance: Annotated[
+        float,
+        Quantity("m", at_least=0.0, hint="A motor that is pressed together at rest is no option."),
+    ]
+    friction_coefficient: Annotated[
+        float,
+        Quantity(
+            "1",
+            at_least=0.0,
+            at_most=MOST_FRICTION,
+            hint="Dry solids have 0.05 to 1.5, and 0 is frictionless.",
+        ),
+    ]
+
+
+@final
+class RotorSection(Section):
+    """The rotor."""
+
+    path: ClassVar[str] = "rotor."
+
+    radius: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.025 m"))]
+    inertia: Annotated[float, Quantity("kg m^2", above=0.0, hint=_PAPER("4.8e-05 kg m^2"))]
+    damping: Annotated[float, Quantity("N m s/rad", at_least=0.0, hint="0 switches it off.")]
+    load_torque: Annotated[float, Quantity("N m")]
+    initial_velocity: Annotated[float, Quantity("rad/s")]
+
+
+@final
+class SolverSection(Section):
+    """How long and how finely."""
+
+    path: ClassVar[str] = "solver."
+
+    duration: Annotated[float, Quantity("s", above=0.0, hint="A usual run lasts 0.02 s.")]
+    contact_step: Annotated[
+        float | None,
+        Quantity("s", above=0.0, none=True, hint="Leave it out for the law's own default."),
+    ]
+    tolerance: Annotated[
+        float | None,
+        Quantity(
+            "1",
+            at_least=1e-14,
+            at_most=1e-2,
+            none=True,
+            hint="Leave it out for the solver's own default.",
+        ),
+    ]
+
+
+@final
+class RecordSection(Section):
+    """What is kept."""
+
+    path: ClassVar[str] = "record."
+
+    interval: Annotated[float, Quantity("s", above=0.0, hint="1e-06 s is usual.")]
+
+
+@final
+class Configuration(Section):
+    """A whole configuration, every number in SI."""
+
+    path: ClassVar[str] = ""
+
+    law: Annotated[AnyLaw, Field(discriminator="name")]
+    resonator: ResonatorSection
+    piezoceramic: Annotated[BendingSection | TensorSection, Field(discriminator="constants")]
+    placement: PlacementSection
+    drive: DriveSection
+    contact: ContactSection
+    rotor: RotorSection
+    solver: SolverSection
+    record: RecordSection
+
+
+KINDS = {"law": "name", "piezoceramic": "constants"}
+"""The groups whose keys depend on a choice, and the key that tells which was made."""

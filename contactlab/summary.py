@@ -1,0 +1,67 @@
+"""A run in a few lines of text."""
+
+import numpy as np
+
+from contactlab.prefixes import prefixed
+from contactlab.trajectory import Trajectory
+
+
+def summarise(trajectory: Trajectory, wall_time: float) -> str:
+    """The numbers of a run that one looks at first, a line each.
+
+    Args:
+        trajectory: what the simulation gave back; a run cut short is summed up to where it came.
+        wall_time: what the simulation alone took [s].
+
+    Returns:
+        Lines of a label and its value, aligned, without a newline at the end; plain ASCII, which
+        every terminal and every log can show.
+    """
+    simulated = float(trajectory.time[-1])
+    velocity = float(trajectory.series["rotor_velocity"][-1])
+    peak = float(np.max(trajectory.contacts["peak_normal_force"], initial=0.0))
+    lines = {
+        "law": _law(trajectory),
+        "contacts": _contacts(trajectory),
+        "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(simulated, 's')}",
+        "peak normal force": f"{peak:.4g} N",
+        "normal impulse": f"{np.sum(trajectory.contacts['normal_impulse']):.6g} N s in all",
+        "ledger residual": _residual(trajectory),
+        "speed": _speed(simulated, wall_time),
+    }
+    if not trajectory.complete:
+        lines["incomplete"] = trajectory.message or trajectory.ending.name.lower()
+    width = max(map(len, lines)) + 2
+    text = "\n".join(f"{label:<{width}}{value}" for label, value in lines.items())
+    return text.replace("µ", "u")
+
+
+def _law(trajectory: Trajectory) -> str:
+    """The law's name and its effective parameters."""
+    parameters = (f"{name} {value:.6g}" for name, value in trajectory.law.describe().items())
+    step = prefixed(trajectory.contact_step, "s")
+    return f"{trajectory.law.name} ({', '.join([*parameters, f'contact step {step}'])})"
+
+
+def _contacts(trajectory: Trajectory) -> str:
+    """How many contacts there were, and how long they lasted and stuck."""
+    count = trajectory.contacts["duration"].size
+    if not count:
+        return "none"
+    touching = prefixed(float(np.sum(trajectory.contacts["duration"])), "s")
+    sticking = prefixed(float(np.sum(trajectory.contacts["stick_duration"])), "s")
+    return f"{count}, {touching} in contact, {sticking} of it sticking"
+
+
+def _residual(trajectory: Trajectory) -> str:
+    """The energy that the ledger cannot account for, and its share of the work of the drive."""
+    residual = float(trajectory.series["energy_residual"][-1])
+    work = abs(float(trajectory.series["drive_work"][-1]))
+    share = f"{abs(residual) / work:.2g} of the drive work" if work > 0.0 else "no drive work"
+    return f"{residual:.2g} J, {share}"
+
+
+def _speed(simulated: float, wall_time: float) -> str:
+    """How fast the simulation was against the motor itself."""
+    pace = f", {simulated / wall_time:.3g} times real time" if wall_time > 0.0 else ""
+    return f"{prefixed(simulated, 's')} of motor in {prefixed(wall_time, 's')}{pace}"

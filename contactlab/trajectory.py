@@ -1,0 +1,60 @@
+"""What a simulation gives back: recorded series, the contacts and how the run ended."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.laws.base import ContactLaw
+from contactlab.motor import Motor
+
+Array = NDArray[np.float64]
+
+
+class Ending(IntEnum):
+    """How a run ended."""
+
+    COMPLETE = 0
+    DIVERGED = 1
+    CHATTERED = 2
+    INTERRUPTED = 3
+
+
+@final
+@dataclass(frozen=True)
+class Trajectory:
+    """A run in memory.
+
+    Args:
+        motor, law: what ran.
+        duration: asked-for duration [s].
+        contact_step: largest step in contact that was used [s].
+        record_interval: time between records [s]; the last record lies at the end of the run.
+        time: of the records [s], shape (time,).
+        series: every name of `variables.SERIES`, shape (time,).
+        contact_mode: 0 free, 1 slip, 2 stick, shape (time,).
+        contacts: every name of `variables.CONTACTS`, shape (contact,).
+        statistics: counts of the solver's work.
+        ending: how the run ended; a run that is not complete holds what it had until then.
+        message: the ending in a sentence, empty for a complete run.
+    """
+
+    motor: Motor
+    law: ContactLaw
+    duration: float
+    contact_step: float
+    record_interval: float
+    time: Array
+    series: dict[str, Array]
+    contact_mode: NDArray[np.int8]
+    contacts: dict[str, Array]
+    statistics: dict[str, int]
+    ending: Ending
+    message: str
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end."""
+        return self.ending is Ending.COMPLETE

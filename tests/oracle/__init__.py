@@ -1,0 +1,21 @@
+"""Independent reference solver of the motor with contact.
+
+Event-driven, slow, in plain shape coordinates.  It shares no code with the package it judges.
+"""
+
+from oracle.compliant import solve_hertz
+from oracle.motor import OracleMotor
+from oracle.resonator import Resonator, build_resonator, natural_frequencies, shapes
+from oracle.rigid import solve_rigid_stick
+from oracle.run import OracleRun
+
+__all__ = [
+    "OracleMotor",
+    "OracleRun",
+    "Resonator",
+    "build_resonator",
+    "natural_frequencies",
+    "shapes",
+    "solve_hertz",
+    "solve_rigid_stick",
+]
