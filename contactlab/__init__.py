@@ -1,0 +1,1 @@
+"""contactlab: contact laws of standing-wave piezoelectric motors, compared on one resonator model."""

@@ -1,28 +1,81 @@
-"""The one place that names the compiler: a typed decorator for numeric kernels."""
+"""The one place that names the compiler: decorators for numeric kernels, and where their code is kept.
 
+Numba decides by a file's own date whether its machine code is still good, but a kernel holds the code
+of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
+sources of the package: a change anywhere compiles anew, and nothing stale is ever run. The folder lies
+in the package, or in the user's cache where the package cannot be written.
+"""
+
+import os
+import tempfile
 from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
+import numba.core.config
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
+PACKAGE = Path(__file__).parent
+
+
+@cache
+def code_folder() -> Path:
+    """Folder of the compiled code of exactly these sources."""
+    digest = sha256()
+    for source in sorted(PACKAGE.rglob("*.py")):
+        digest.update(source.relative_to(PACKAGE).as_posix().encode())
+        digest.update(source.read_bytes())
+    name = f"kernels-{digest.hexdigest()[:16]}"
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    parents = [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]
+    for parent in parents:
+        try:
+            (parent / name).mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=parent / name):
+                return parent / name
+        except OSError:
+            continue
+    # Nowhere to keep it: compile for this process alone.
+    return Path(tempfile.mkdtemp(prefix="contactlab-"))
+
+
+def is_compiled(name: str) -> bool:
+    """Whether the code of the kernel with this name is kept."""
+    return any(code_folder().rglob(f"*.{name}-*.nbi"))
+
 
 def kernel(function: Function) -> Function:
-    """Compile a scalar or array function on first use and keep the result in the on-disk cache.
+    """Compile a scalar or array function on first use and keep the code.
 
-    Division follows IEEE (`error_model="numpy"`), and no fast-math is used, so that the same
-    input gives the same bits and a NaN stays visible.
+    Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
+    gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
+    which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    return cast(Function, numba.njit(cache=True, error_model="numpy", _nrt=False)(function))
+    return _compile(function, {})
 
 
 def inner_kernel(function: Function) -> Function:
-    """Compile a function that only other kernels call: no way in from Python is built for it.
+    """A kernel that only kernels call: no way in from Python is built, which is most of its compilation."""
+    return _compile(function, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
 
-    Most of the time to compile a small function goes into unpacking its arguments from Python.
-    """
-    compile_it = numba.njit(
-        cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
-    )
-    return cast(Function, compile_it(function))
+
+def part_kernel(function: Function) -> Function:
+    """An inner kernel that is part of its callers: a call would cost as much as its work."""
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
+    return _compile(function, options)
+
+
+def _compile(function: Function, options: dict[str, bool]) -> Function:
+    # Numba reads the folder when it decorates, and only from its global configuration.
+    before = numba.core.config.CACHE_DIR
+    numba.core.config.CACHE_DIR = str(code_folder())
+    try:
+        decorate = numba.njit(cache=True, error_model="numpy", _nrt=False, **options)
+        return cast(Function, decorate(function))
+    finally:
+        numba.core.config.CACHE_DIR = before

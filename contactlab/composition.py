@@ -6,12 +6,12 @@ values come out together. Where the command line is sound, the result is Hydra's
 """
 
 import copy
-import tempfile
+from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, final
+from typing import final
 
 from hydra._internal.config_loader_impl import get_overrides_dirname
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
@@ -25,7 +25,9 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config import build
-from contactlab.faults import ConfigurationError
+from contactlab.faults import ConfigurationError, one_line
+from contactlab.quantity import describe
+from contactlab.runner import refusals
 
 
 def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun: bool) -> RunMode:
@@ -45,16 +47,32 @@ def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun
     """
     composer = _Composer(loader, config_name)
     overrides = composer.parse(lines)
-    base = composer.compose([o for o in overrides if not o.is_sweep_override()])
+    whole = None if multirun or composer.faults else composer.compose_whole(lines)
+    base = whole or composer.compose([o for o in overrides if not o.is_sweep_override()])
     multirun = multirun or (base is not None and base.hydra.mode == RunMode.MULTIRUN)
-    jobs = composer.jobs(overrides, base) if multirun else [composer.refuse_sweeps(overrides)]
-    directories = [composer.check_job(job, number, multirun) for number, job in enumerate(jobs)]
-    faults = composer.faults or [
-        fault for path in dict.fromkeys(directories) if path for fault in _try_directory(path)
-    ]
+    if multirun:
+        directories = [
+            composer.check_job(composer.compose_job(job), job, number, multirun=True)
+            for number, job in enumerate(composer.jobs(overrides, base))
+        ]
+    else:
+        job = composer.refuse_sweeps(overrides)
+        directories = [composer.check_job(whole or composer.compose_job(job), job, 0)]
+    known = [directory for directory in directories if directory is not None]
+    faults = composer.faults or [*_shared(known), *(f for path in known for f in refusals(path))]
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return RunMode.MULTIRUN if multirun else RunMode.RUN
+
+
+def check_composition(loader: ConfigLoader, config_name: str, lines: Sequence[str]) -> None:
+    """Check that a command line composes, whatever its values are.
+
+    Raises:
+        ConfigurationError: with every fault, those of the values included, if it does not.
+    """
+    if _Composer(loader, config_name).compose_whole(lines) is None:
+        check(loader, config_name, lines, multirun=False)
 
 
 @final
@@ -67,6 +85,8 @@ class _Composer:
         self._config_name = config_name
         self._parser = OverridesParser.create(config_loader=loader)
         self._composed: dict[tuple[str, ...], DictConfig | None] = {}
+        self._groups: dict[str, list[str]] = {}
+        self._first: DictConfig | None = None
 
     def parse(self, lines: Sequence[str]) -> list[Override]:
         """The overrides that can be read."""
@@ -77,7 +97,8 @@ class _Composer:
             except HydraException:
                 self.faults.append(
                     f"{line} cannot be read; an argument must have the form KEY=VALUE or "
-                    "GROUP=OPTION. Quote a value with special characters twice: \"KEY='VALUE'\"."
+                    "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
+                    "too if it has special characters, \"KEY='1 µm'\"."
                 )
                 continue
             if override.key_or_group:
@@ -110,19 +131,16 @@ class _Composer:
         try:
             (batch,) = BasicSweeper.split_arguments(swept, None)
         except HydraException as error:
-            self.faults.append(f"{_one_line(error)} Give a list of values or a range.")
+            self.faults.append(f"{one_line(error)} Give a list of values or a range.")
             return [shared]
         return [hydras + self._parser.parse_overrides(list(job)) for job in batch]
 
-    def check_job(self, job: list[Override], number: int, multirun: bool) -> Path | None:
+    def check_job(
+        self, composed: DictConfig | None, job: list[Override], number: int, multirun: bool = False
+    ) -> Path | None:
         """Build what a job would run; gives its output directory where it is known."""
-        composed = self.compose(job)
         if composed is None:
             return None
-        composed = copy.deepcopy(composed)
-        for override in job:
-            if self._is_value(override):
-                self._set(composed, override)
         with open_dict(composed):
             settings = composed.hydra
             del composed["hydra"]
@@ -131,11 +149,27 @@ class _Composer:
         except ConfigurationError as error:
             self.faults += error.faults
         except OmegaConfBaseException as error:
-            self.faults.append(f"{_one_line(error)} Correct the reference in ${{...}}.")
+            self.faults.append(f"{one_line(error)} Correct the reference in ${{...}}.")
         with open_dict(composed):
             composed.hydra = settings
         tasks = [override for override in job if not override.is_hydra_override()]
         return self._directory(composed, tasks, number, multirun)
+
+    def compose_whole(self, lines: Sequence[str]) -> DictConfig | None:
+        """The configuration just as Hydra composes it, None where it refuses."""
+        try:
+            return self._load(tuple(lines))
+        # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
+        except Exception:
+            return None
+
+    def compose_job(self, job: list[Override]) -> DictConfig | None:
+        """The configuration of a job as far as it can be composed."""
+        composed = copy.deepcopy(self.compose(job))
+        for override in job:
+            if composed is not None and self._is_value(override):
+                self._set(composed, override)
+        return composed
 
     def compose(self, overrides: list[Override]) -> DictConfig | None:
         """The configuration of the groups' options, without the values of single keys.
@@ -148,35 +182,44 @@ class _Composer:
         return self._composed[lines]
 
     def _compose_sound(self, lines: tuple[str, ...]) -> DictConfig | None:
-        try:
-            return self._load(lines)
-        except (HydraException, OmegaConfBaseException):
-            pass
+        if (composed := self.compose_whole(lines)) is not None:
+            return composed
         sound = []
         for line in lines:
             try:
                 self._load((line,))
                 sound.append(line)
-            except (HydraException, OmegaConfBaseException) as error:
+            except Exception as error:
                 self.faults.append(self._explain(line, error))
         try:
             return self._load(tuple(sound))
-        except (HydraException, OmegaConfBaseException) as error:
-            self.faults.append(_one_line(error))
+        except Exception as error:
+            self.faults.append(one_line(error))
             return None
 
     def _load(self, lines: tuple[str, ...]) -> DictConfig:
-        return self._loader.load_configuration(self._config_name, list(lines), RunMode.RUN)
+        # Spelled as Hydra spells it, so that a loader can tell that it is the same.
+        return self._loader.load_configuration(
+            config_name=self._config_name,
+            overrides=list(lines),
+            run_mode=RunMode.RUN,
+            from_shell=True,
+            validate_sweep_overrides=True,
+        )
 
     def _is_value(self, override: Override) -> bool:
         """Whether an override sets a key, rather than choose an option or concern Hydra."""
         if override.is_hydra_override() or override.is_delete() or override.package is not None:
             return False
-        is_choice = not override.is_sweep_override() and isinstance(override.value(), str | list)
-        return not (is_choice and self._options(override.key_or_group))
+        if not override.is_sweep_override() and isinstance(override.value(), dict):
+            return True
+        return not self._options(override.key_or_group)
 
     def _options(self, group: str) -> list[str]:
-        return self._loader.get_group_options(group)
+        """A group's options, none for what is no group."""
+        if group not in self._groups:
+            self._groups[group] = self._loader.get_group_options(group)
+        return self._groups[group]
 
     def _set(self, composed: DictConfig, override: Override) -> None:
         """Set a key, one that does not exist as well: the schema refuses it with all the others."""
@@ -186,20 +229,18 @@ class _Composer:
         try:
             OmegaConf.update(composed, key, override.value(), merge=True, force_add=True)
         except OmegaConfBaseException as error:
-            self.faults.append(f"{override.input_line} cannot be set: {_one_line(error)}")
+            self.faults.append(f"{override.input_line} cannot be set: {one_line(error)}")
 
     def _explain(self, line: str, error: Exception) -> str:
         """Why an override that is no value fails."""
         (override,) = self._parser.parse_overrides([line])
-        options = self._options(override.key_or_group)
-        if not options or not isinstance(override.value(), str):
-            return f"{line} cannot be composed: {_one_line(error)}"
-        near = get_close_matches(str(override.value()), options, n=1)
+        group, value = override.key_or_group, override.value()
+        options = self._options(group)
+        if not options or value in options:
+            return f"{line} cannot be composed: {one_line(error)}"
+        near = get_close_matches(str(value), options, n=1)
         hint = f"Did you mean {near[0]}?" if near else "Choose one of them."
-        return (
-            f"{override.key_or_group} is '{override.value()}'; it must be one of "
-            f"{', '.join(options)}. {hint}"
-        )
+        return f"{group} is {describe(value)}; it must be one of {', '.join(options)}. {hint}"
 
     def _directory(
         self, composed: DictConfig, tasks: list[Override], number: int, multirun: bool
@@ -214,13 +255,28 @@ class _Composer:
                 item_sep=composed.hydra.job.config.override_dirname.item_sep,
                 kv_sep=composed.hydra.job.config.override_dirname.kv_sep,
             )
+        # ${now:...} is one moment for all jobs, as it is for Hydra.
+        OmegaConf.copy_cache(self._first or composed, composed)
+        self._first = self._first or composed
         keys = ("hydra.sweep.dir", "hydra.sweep.subdir") if multirun else ("hydra.run.dir",)
         try:
             with _hydra_config(composed):
                 return Path(*(str(OmegaConf.select(composed, key)) for key in keys))
         except OmegaConfBaseException as error:
-            self.faults.append(f"{' or '.join(keys)} cannot be resolved: {_one_line(error)}")
+            self.faults.append(
+                f"{' or '.join(keys)} cannot be resolved: {one_line(error)} Name a directory."
+            )
             return None
+
+
+def _shared(directories: list[Path]) -> Iterator[str]:
+    """Directories that more than one job would write to."""
+    for directory, count in Counter(directories).items():
+        if count > 1:
+            yield (
+                f"hydra.sweep.subdir gives '{directory}' to {count} jobs, which would overwrite "
+                "each other; it must differ from job to job. Leave it out."
+            )
 
 
 @contextmanager
@@ -234,33 +290,3 @@ def _hydra_config(composed: DictConfig) -> Iterator[None]:
         yield
     finally:
         instance.cfg = before
-
-
-def _try_directory(directory: Path) -> Iterator[str]:
-    """Try to write into a directory, and leave everything as it was."""
-    created: list[Path] = []
-    try:
-        created = [path for path in (directory, *directory.parents) if not path.exists()]
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=directory):
-            pass
-    except OSError as error:
-        yield (
-            f"The output directory is '{directory}' and cannot be written to "
-            f"({error.strerror or error}); it must be a directory, or a place for one, with write "
-            "permission. Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
-            "hydra.sweep.subdir=NAME for -m."
-        )
-    finally:
-        for path in created:
-            with suppress(OSError):
-                path.rmdir()
-
-
-def _one_line(error: Exception) -> str:
-    """An error of Hydra's or OmegaConf's, its cause included, as a sentence on one line."""
-    parts: list[Any] = [error, error.__cause__]
-    lines = [line.strip() for part in parts if part for line in str(part).splitlines()]
-    inner = ("full_key:", "reference_type=", "object_type=")
-    text = " ".join(line for line in lines if line and not line.startswith(inner))
-    return text if text.endswith((".", "?", "!")) else f"{text}."

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from contactlab.faults import ConfigurationError, sentence
 from contactlab.rules import broken_rules
-from contactlab.schema import BendingSection, Configuration, HertzPenaltySection
+from contactlab.schema import LAWS, BendingSection, Configuration, HertzPenaltySection
 
 # The objects are imported where they are built: they bring the compiler with them, and a
 # configuration with a fault shall be told so at once.
@@ -40,7 +40,7 @@ class Setup:
         duration: simulated time [s].
         record_interval: time between records [s].
         contact_step: largest step in contact [s], the law's own default where none was given.
-        tolerance: relative tolerance in contact [1]; None for the solver's own default.
+        tolerance: relative tolerance in contact [1]; None for a law that takes none.
         configuration: the numbers that run, in SI, with nothing left to be resolved: building it
             again gives the same setup.
     """
@@ -71,6 +71,8 @@ def build(configuration: Mapping[str, object]) -> Setup:
     law = _law(checked, resolved)
     if checked.solver.contact_step is None:
         resolved["solver"]["contact_step"] = min(law.default_contact_step, checked.solver.duration)
+    if LAWS[law.name].takes_tolerance and checked.solver.tolerance is None:
+        resolved["solver"]["tolerance"] = _default_tolerance()
     drive = _drive(resolved["drive"])
     _refuse_undamped_resonance(drive, modes)
     return Setup(
@@ -79,7 +81,7 @@ def build(configuration: Mapping[str, object]) -> Setup:
         duration=checked.solver.duration,
         record_interval=checked.record.interval,
         contact_step=resolved["solver"]["contact_step"],
-        tolerance=checked.solver.tolerance,
+        tolerance=resolved["solver"]["tolerance"],
         configuration=resolved,
     )
 
@@ -147,14 +149,14 @@ def _piezoceramic(checked: Configuration) -> "Piezoceramic":
 
 def _law(checked: Configuration, resolved: dict[str, Any]) -> "ContactLaw":
     """The law; a stiffness that follows from the tip's radius replaces it in `resolved`."""
-    from contactlab.laws import LAWS, hertz_stiffness
+    from contactlab import laws
 
     section = checked.law
     if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
-        stiffness = hertz_stiffness(section.tip_radius, checked.rotor.radius)
+        stiffness = laws.hertz_stiffness(section.tip_radius, checked.rotor.radius)
         resolved["law"] |= {"stiffness": stiffness, "tip_radius": None}
     given = {k: v for k, v in resolved["law"].items() if k not in ("name", "tip_radius")}
-    law: Callable[..., ContactLaw] = LAWS[section.name]
+    law: Callable[..., ContactLaw] = laws.LAWS[section.name]
     return law(**given, friction_coefficient=checked.contact.friction_coefficient)
 
 
@@ -162,6 +164,12 @@ def _drive(settings: Mapping[str, float]) -> "Drive":
     from contactlab.drive import Drive
 
     return Drive.two_mode(**settings)
+
+
+def _default_tolerance() -> float:
+    from contactlab.engine.simulate import DEFAULT_TOLERANCE
+
+    return DEFAULT_TOLERANCE
 
 
 def _motor(checked: Configuration, modes: "NormalModes", drive: "Drive") -> "Motor":

@@ -53,6 +53,15 @@ def sentence(fault: ErrorDetails) -> str:
             )
 
 
+def one_line(error: BaseException) -> str:
+    """What composing a configuration raised, its cause included, as a sentence on one line."""
+    parts = [part for part in (error, error.__cause__) if part is not None]
+    lines = [line.strip() for part in parts for line in str(part).splitlines()]
+    inner = ("full_key:", "reference_type=", "object_type=")
+    text = " ".join(line for line in lines if line and not line.startswith(inner))
+    return text if text.endswith((".", "?", "!")) else f"{text}."
+
+
 def known_keys() -> list[str]:
     """Every full key of every choice, in the order of the schema."""
     return list(dict.fromkeys(_keys_of(Configuration)))
@@ -77,10 +86,13 @@ def _unknown(key: str, kind: str) -> str:
             f"Leave it out or choose another {group}."
         )
     parent, _, leaf = key.rpartition(".")
-    near = get_close_matches(key, known, n=1, cutoff=0.8)
-    # Whoever names the last part alone, or under another group, means that one.
-    near = near or [name for name in known if name.rpartition(".")[2] == leaf]
-    near = near or get_close_matches(key, [*known, *Configuration.model_fields], n=1)
+    # Whoever names the last part alone, or under another group, means the key that ends so.
+    endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
+    near = (
+        get_close_matches(key, known, 1, 0.8)
+        or [name for name in known if name.rpartition(".")[2] in endings]
+        or get_close_matches(key, known if parent else Configuration.model_fields, 1)
+    )
     if near:
         return f"{key} is not a known key. Did you mean {' or '.join(near)}?"
     siblings = [name for name in known if parent and name.startswith(f"{parent}.")]

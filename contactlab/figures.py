@@ -53,6 +53,7 @@ STYLE: Final[dict[Any, Any]] = {
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.major.width": 0.6,
+    "xtick.major.pad": 4.5,
     "ytick.major.width": 0.6,
     "lines.linewidth": 0.9,
     "legend.fontsize": 7,

@@ -1,9 +1,11 @@
 """One run from its setup to the files it leaves: run.nc, run.png and a summary on the terminal."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from time import perf_counter
 
 from contactlab.config import Setup
@@ -60,6 +62,30 @@ def execute(setup: Setup, directory: Path) -> bool:
     if not trajectory.complete:
         print(trajectory.message, file=sys.stderr)
     return trajectory.complete
+
+
+def refusals(directory: Path) -> Iterator[str]:
+    """Why a run cannot be written into a directory, if so; everything is left as it was."""
+    created: list[Path] = []
+    try:
+        created = [path for path in (directory, *directory.parents) if not path.exists()]
+        directory.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=directory):
+            pass
+        # The netCDF library takes it for a separator, whatever the system says.
+        if os.sep == "/" and "\\" in str(directory.absolute()):
+            raise OSError(None, "netCDF files cannot lie in a path with a backslash")
+    except OSError as error:
+        yield (
+            f"The output directory is '{directory}' and cannot be written to "
+            f"({error.strerror or error}); it must be a directory, or a place for one, with write "
+            "permission. Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
+            "hydra.sweep.subdir=NAME for -m."
+        )
+    finally:
+        for path in created:
+            with suppress(OSError):
+                path.rmdir()
 
 
 @contextmanager

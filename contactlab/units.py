@@ -45,7 +45,9 @@ def to_si(text: str, unit: str) -> float:
     factor, units = given
     wanted = _root(unit)
     assert wanted is not None, f"{unit} is a unit of this package and known to pint"
-    if units != wanted[1]:
+    # A damper's N m s per rad is usually written without the rad.
+    spelled = (wanted, _root(unit.removesuffix("/rad")))
+    if units not in [found[1] for found in spelled if found]:
         expected = "a pure number" if unit == "1" else unit
         raise UnitError(f"whose unit '{parts['unit'].strip()}' cannot be converted to {expected}")
     return float(Decimal(parts["number"]) * factor / wanted[0])

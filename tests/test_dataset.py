@@ -239,7 +239,7 @@ def test_a_writing_that_stops_half_way_leaves_nothing(
     def stop_at_the_contacts(group: netCDF4.Dataset, name: str, variable: xarray.Variable) -> None:
         names.append(name)
         if name == "peak_normal_force":
-            assert len(os.listdir(tmp_path)) == 1
+            assert len(list(tmp_path.iterdir())) == 1
             raise reason
         write_variable(group, name, variable)
 
@@ -247,7 +247,7 @@ def test_a_writing_that_stops_half_way_leaves_nothing(
     with pytest.raises(type(reason)):
         write(trajectory, CONFIGURATION, tmp_path / "run.nc")
     assert len(names) > len(ROOT)
-    assert os.listdir(tmp_path) == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_file_that_cannot_grow_raises_a_sentence_and_leaves_nothing(
@@ -257,11 +257,11 @@ def test_a_file_that_cannot_grow_raises_a_sentence_and_leaves_nothing(
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, hard))
     try:
-        with pytest.raises(OSError, match="'run.nc' cannot be written .* has space left"):
+        with pytest.raises(OSError, match=r"'run\.nc' cannot be written .* has space left"):
             write(trajectory, CONFIGURATION, tmp_path / "run.nc")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-    assert os.listdir(tmp_path) == []
+    assert not list(tmp_path.iterdir())
     write(trajectory, CONFIGURATION, tmp_path / "run.nc")
 
 
@@ -278,7 +278,7 @@ def test_an_unwritable_folder_raises_a_sentence(tmp_path: Path, trajectory: Traj
             write(trajectory, CONFIGURATION, tmp_path / "run.nc")
     finally:
         tmp_path.chmod(0o700)
-    assert os.listdir(tmp_path) == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_that_refuses_the_file_raises_a_sentence(
@@ -286,9 +286,9 @@ def test_a_folder_that_refuses_the_file_raises_a_sentence(
 ) -> None:
     # A folder takes a file's place, for users who may write anywhere.
     (tmp_path / "run.nc").mkdir()
-    with pytest.raises(OSError, match="'run.nc' cannot be written"):
+    with pytest.raises(OSError, match=r"'run\.nc' cannot be written"):
         write(trajectory, CONFIGURATION, tmp_path / "run.nc")
-    assert os.listdir(tmp_path) == ["run.nc"]
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
 
 
 def test_the_tree_shares_the_trajectory_instead_of_copying_it(trajectory: Trajectory) -> None:

@@ -1,7 +1,6 @@
 """The overview of a run: what it shows, that it can be read, and that it never fails."""
 
 import dataclasses
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -122,7 +121,7 @@ def test_every_kind_of_run_leaves_a_picture(case: str, tmp_path: Path) -> None:
     content = (tmp_path / "run.png").read_bytes()
     assert content.startswith(b"\x89PNG")
     assert len(content) > 20_000
-    assert os.listdir(tmp_path) == ["run.png"]
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.png"]
 
 
 @pytest.mark.parametrize("case", CASES)

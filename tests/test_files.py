@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from contactlab import files
 from contactlab.files import whole_file
 
 
@@ -19,7 +18,7 @@ def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:
         assert partial.name.startswith(".run.nc.")
         assert partial.name.endswith(".partial")
     assert path.read_text() == "whole"
-    assert os.listdir(tmp_path) == ["run.nc"]
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
 
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, ValueError, MemoryError])
@@ -31,7 +30,7 @@ def test_whatever_stops_the_body_leaves_nothing(tmp_path: Path, stop: type[BaseE
 
     with pytest.raises(stop):
         stop_half_way()
-    assert os.listdir(tmp_path) == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_failed_file_leaves_its_predecessor_alone(tmp_path: Path) -> None:
@@ -46,24 +45,24 @@ def test_a_failed_file_leaves_its_predecessor_alone(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="cannot be written"):
         fail()
     assert path.read_text() == "before"
-    assert os.listdir(tmp_path) == ["run.nc"]
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
 
 
 def test_a_failed_synchronisation_fails_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(descriptor: int) -> None:
+    def fail(_descriptor: int) -> None:
         raise OSError(errno.EIO, os.strerror(errno.EIO))
 
-    monkeypatch.setattr(files.os, "fsync", fail)
+    monkeypatch.setattr(os, "fsync", fail)
 
     def write() -> None:
         with whole_file(tmp_path / "run.nc") as partial:
             partial.write_text("whole")
 
-    with pytest.raises(OSError, match="'run.nc' cannot be written"):
+    with pytest.raises(OSError, match=r"'run\.nc' cannot be written"):
         write()
-    assert os.listdir(tmp_path) == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_file_is_on_the_disk_before_it_takes_its_name(
@@ -71,12 +70,17 @@ def test_the_file_is_on_the_disk_before_it_takes_its_name(
 ) -> None:
     steps: list[str] = []
     synchronise, replace = os.fsync, Path.replace
-    monkeypatch.setattr(
-        files.os, "fsync", lambda descriptor: (steps.append("fsync"), synchronise(descriptor))[1]
-    )
-    monkeypatch.setattr(
-        Path, "replace", lambda self, target: (steps.append("name"), replace(self, target))[1]
-    )
+
+    def note_synchronise(descriptor: int) -> None:
+        steps.append("fsync")
+        synchronise(descriptor)
+
+    def note_replace(self: Path, target: Path) -> Path:
+        steps.append("name")
+        return replace(self, target)
+
+    monkeypatch.setattr(os, "fsync", note_synchronise)
+    monkeypatch.setattr(Path, "replace", note_replace)
     with whole_file(tmp_path / "run.nc") as partial:
         partial.write_text("whole")
     assert steps == ["fsync", "name", "fsync"]

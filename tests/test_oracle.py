@@ -92,53 +92,32 @@ def test_mirrored_set_couples_with_the_parity_of_the_shapes() -> None:
     assert coupling[:, 1] == pytest.approx(coupling[:, 0] * [1.0, -1.0, 1.0, -1.0], rel=1e-12)
 
 
-# Case A: solver, motor, and per quantity the reference number with the unit of its last digit.
-CASE_A_TABLE: dict[str, tuple[Solver, OracleMotor, dict[str, tuple[float, float]]]] = {
-    "hertz": (
-        hertz,
-        CASE_A,
-        {
-            "rotor_velocity": (-0.4468048, 1e-7),
-            "u": (-2.3727588e-6, 1e-13),
-            "theta": (1.0026338e-4, 1e-11),
-            "time_in_contact": (9.908710e-4, 1e-10),
-            "second_touch": (424.7e-6, 0.1e-6),
-        },
-    ),
-    "hertz_smooth": (
-        hertz,
-        CASE_A_SMOOTH,
-        {
-            "rotor_velocity": (0.0, 1e-12),
-            "u": (-2.3728353e-6, 1e-13),
-            "theta": (1.0207838e-4, 1e-11),
-            "time_in_contact": (9.908446e-4, 1e-10),
-            "second_touch": (424.7e-6, 0.1e-6),
-        },
-    ),
-    "rigid": (
-        rigid,
-        CASE_A,
-        {
-            "rotor_velocity": (-0.448569, 1e-6),
-            "u": (-2.331869e-6, 1e-12),
-            "theta": (9.901627e-5, 1e-11),
-            "time_in_contact": (5.198480e-4, 1e-10),
-            "second_touch": (430.4e-6, 0.1e-6),
-        },
-    ),
-}
+# Case A: rotor velocity, u, theta, time in contact, second touch-down; then one unit of each.
+HERTZ_ENDS = [-0.4468048, -2.3727588e-6, 1.0026338e-4, 9.908710e-4, 424.7e-6]
+SMOOTH_ENDS = [0.0, -2.3728353e-6, 1.0207838e-4, 9.908446e-4, 424.7e-6]
+HERTZ_DIGITS = [1e-7, 1e-13, 1e-11, 1e-10, 1e-7]
+RIGID_ENDS = [-0.448569, -2.331869e-6, 9.901627e-5, 5.198480e-4, 430.4e-6]
+RIGID_DIGITS = [1e-6, 1e-12, 1e-11, 1e-10, 1e-7]
 
 
-@pytest.mark.parametrize("column", CASE_A_TABLE)
-def test_case_a_ends_where_the_reference_ends(column: str) -> None:
-    solve, motor, reference = CASE_A_TABLE[column]
+@pytest.mark.parametrize(
+    ("solve", "motor", "reference", "digits"),
+    [
+        (hertz, CASE_A, HERTZ_ENDS, HERTZ_DIGITS),
+        (hertz, CASE_A_SMOOTH, SMOOTH_ENDS, HERTZ_DIGITS),
+        (rigid, CASE_A, RIGID_ENDS, RIGID_DIGITS),
+    ],
+    ids=["hertz", "hertz_smooth", "rigid"],
+)
+def test_case_a_ends_where_the_reference_ends(
+    solve: Solver, motor: OracleMotor, reference: list[float], digits: list[float]
+) -> None:
     run = solve(motor)
     assert len(run.start_time) == 16
     assert run.start_time[0] == pytest.approx(131.07e-6, abs=0.01e-6)
-    for name, (value, unit) in reference.items():
-        found = run.start_time[1] if name == "second_touch" else getattr(run, name)
-        assert found == pytest.approx(value, abs=unit), name
+    found = [run.rotor_velocity, run.u, run.theta, run.time_in_contact, run.start_time[1]]
+    for value, expected, digit in zip(found, reference, digits, strict=True):
+        assert value == pytest.approx(expected, abs=digit)
 
 
 def test_case_a_sticks_and_peaks_as_the_reference() -> None:

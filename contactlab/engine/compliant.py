@@ -8,12 +8,13 @@ the law's bound against the slip; in stick it is the friction that holds the sli
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.engine.events import CONE, RELEASE, REVERSAL
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
     BOUND,
-    COLLOCATED,
     FRICTION,
+    LENGTH,
     NORMAL,
     PUSH_TH,
     PUSH_U,
@@ -36,14 +37,12 @@ from contactlab.laws.base import STICK, PenaltyKernel
 Array = NDArray[np.float64]
 
 MOST_ITERATIONS = 25
-AGREEMENT = 1e-12
-"""Relative change of the nodal forces at which the iteration ends."""
-
-RELEASE, REVERSAL, CONE, DEEPEST = range(4)
-"""Events inside a step: gap opens, slip changes sign, stick leaves the cone, gap rate turns."""
+AGREEMENT = 1e-10
+"""Relative change of the nodal forces at which the iteration ends; it contracts by far more than ten a
+sweep, so that what is left is round-off."""
 
 
-@inner_kernel
+@part_kernel
 def prepare(plant: Plant, tables: Tables, step: Step, level: int) -> None:
     """Contact-free tip motion at the nodes of a level."""
     free_response(plant, tables, step, level, 0)
@@ -64,7 +63,7 @@ def push_node(step: Step, i: int) -> None:
     step.force[PUSH_TH, i] = normal * step.rows[i, 1] + friction * step.rows[i, 3]
 
 
-@inner_kernel
+@part_kernel
 def collocate(
     plant: Plant,
     tables: Tables,
@@ -109,13 +108,13 @@ def collocate(
             change = max(change, _hold_slip(step))
         if not np.isfinite(change):
             return 0
-        if change <= AGREEMENT * largest or change * h <= 0.1 * AGREEMENT * momentum:
+        if change <= AGREEMENT * largest or change * h <= 1e-3 * AGREEMENT * momentum:
             shape_forces(tables, step)
             return sweep
     return 0
 
 
-@inner_kernel
+@part_kernel
 def _law_at_node(
     plant: Plant,
     tables: Tables,
@@ -153,7 +152,7 @@ def _law_at_node(
     step.slip[i] = slip
 
 
-@inner_kernel
+@part_kernel
 def _factor_stick(tables: Tables, step: Step, level: int) -> None:
     """Factor d slip_i / d friction_m (LU without pivoting: the matrix is h a_im D_tt nearly)."""
     for i in range(NODES):
@@ -172,7 +171,7 @@ def _factor_stick(tables: Tables, step: Step, level: int) -> None:
                 step.stick[i, m] -= step.stick[i, p] * step.stick[p, m]
 
 
-@inner_kernel
+@part_kernel
 def _hold_slip(step: Step) -> float:
     """Correct the friction at all nodes so that the slip vanishes; returns the largest correction [N]."""
     right = NODES
@@ -192,12 +191,12 @@ def _hold_slip(step: Step) -> float:
 
 
 @inner_kernel
-def event_value(plant: Plant, step: Step, s: float, h: float, event: int) -> float:
+def event_value(plant: Plant, step: Step, s: float, event: int) -> float:
     """A function of time in the step whose zero is the event."""
     if event == CONE:
-        x = s / h
+        x = s / step.real[LENGTH]
         return force_at(step, BOUND, x) - abs(force_at(step, FRICTION, x))
-    flow_to(plant, step, s, h, COLLOCATED)
+    flow_to(plant, step, s)
     u, th, u_rate, th_rate, rotor = tip_motion(plant, step.other_q, step.other_v)
     gap, n_u, n_th, t_u, t_th = contact_frame(
         u, th, plant.tip_length, plant.radius, plant.clearance
@@ -210,13 +209,13 @@ def event_value(plant: Plant, step: Step, s: float, h: float, event: int) -> flo
 
 
 @inner_kernel
-def locate(plant: Plant, step: Step, h: float, event: int, left: float, right: float) -> float:
+def locate(plant: Plant, step: Step, event: int, left: float, right: float) -> float:
     """Time of an event between left and right, where its function has different signs.
 
     Regula falsi that halves the value of an end that stays twice (the Illinois rule).
     """
-    at_left = event_value(plant, step, left, h, event)
-    at_right = event_value(plant, step, right, h, event)
+    at_left = event_value(plant, step, left, event)
+    at_right = event_value(plant, step, right, event)
     if at_left == 0.0 or at_left * at_right > 0.0:
         # The zero lies at an end, to round-off: the nearer one.
         return left if abs(at_left) <= abs(at_right) else right
@@ -227,8 +226,8 @@ def locate(plant: Plant, step: Step, h: float, event: int, left: float, right: f
         s = (at_left * right - at_right * left) / (at_left - at_right)
         if not left < s < right:
             s = 0.5 * (left + right)
-        value = event_value(plant, step, s, h, event)
-        if value == 0.0 or abs(s - before) <= 1e-14 * h:
+        value = event_value(plant, step, s, event)
+        if value == 0.0 or abs(s - before) <= 1e-14 * step.real[LENGTH]:
             break
         before = s
         if value * at_right > 0.0:

@@ -3,26 +3,24 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.compliant import (
-    CONE,
-    DEEPEST,
-    RELEASE,
-    REVERSAL,
     collocate,
     locate,
     prepare,
     push_node,
 )
+from contactlab.engine.events import CONE, DEEPEST, NOTHING, RELEASE, REVERSAL
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
     DEPTH,
     DIVERGED,
+    DURATION,
     END,
     ENDING,
     LEVEL,
-    MODE,
+    LEVEL_BEFORE,
     MOMENTUM,
     PEAK,
     REJECTED_STEPS,
@@ -32,15 +30,17 @@ from contactlab.engine.run import (
     TIME,
     TOLERANCE,
     Run,
-    close_contact,
-    commit,
     count_event,
 )
 from contactlab.engine.step import (
     BOUND,
     COLLOCATED,
     FRICTION,
+    KIND,
+    LENGTH,
+    MODE,
     NORMAL,
+    TAKEN,
     Step,
     add_collocated,
     flow_to,
@@ -54,7 +54,6 @@ from contactlab.laws.base import SLIP, STICK, PenaltyKernel
 
 Array = NDArray[np.float64]
 
-NO_EVENT = -1
 SLIP_ROUND_OFF = 1e-13
 """Slip velocity [m/s] that a located reversal may leave."""
 
@@ -62,7 +61,7 @@ CONE_ROUND_OFF = 1e-9
 """Relative excess of friction over its bound that still sticks: the bound is reached, not left."""
 
 
-@inner_kernel
+@part_kernel
 def press(
     plant: Plant,
     tables: Tables,
@@ -70,16 +69,22 @@ def press(
     run: Run,
     force: PenaltyKernel,
     parameters: Array,
-) -> None:
-    """Advance a step that `begin` made ready through compliant contact."""
+) -> int:
+    """Take a step that `begin` made ready through compliant contact; returns the event that ends it.
+
+    The mode of the step that follows is set by `switch_friction` once the step is committed.
+    """
+    step.whole[KIND] = COLLOCATED
     gap, rate, normal, bound, slip = _start(plant, step, force, parameters)
     level = _separation_level(tables, run, gap, rate, normal)
     flips = 0
+    _guess(step, run, normal, bound)
     while True:
         if level >= FINEST:
             run.whole[ENDING] = DIVERGED
-            return
-        error = _attempt(plant, tables, step, run, level, normal, bound, force, parameters)
+            step.real[TAKEN] = 0.0
+            return NOTHING
+        error = _attempt(plant, tables, step, run, level, normal, force, parameters)
         if error > 1.0:
             run.whole[REJECTED_STEPS] += 1
             level += 1 + (1 if error > 500.0 else 0)
@@ -89,29 +94,50 @@ def press(
         # Neither slipping nor sticking fits at this length: look closer before trying again.
         flips += 1
         level += 2 * (flips // 2)
-    h = step_length(tables, level)
-    event, s = _first_event(plant, tables, step, run, gap, slip, h)
-    s = min(s, run.real[END] - run.real[TIME])
-    _track_extremes(plant, tables, step, run, rate, s, h)
-    if s == h:
+    remaining = run.real[END] - run.real[TIME]
+    event, s = _first_event(plant, tables, step, run)
+    if s > remaining:
+        event, s = NOTHING, remaining
+    step.real[TAKEN] = s
+    _track_extremes(plant, tables, step, run, rate)
+    if s == step.real[LENGTH]:
         add_collocated(plant, tables, step, level)
-    mode = run.whole[MODE]
-    friction = force_at(step, FRICTION, s / h)
-    commit(plant, tables, step, run, h, s, COLLOCATED, mode, force, parameters)
     run.whole[CONTACT_STEPS] += 1
+    run.whole[LEVEL_BEFORE] = level
     run.whole[LEVEL] = _following_level(tables, level, error)
-    # An event that lies beyond the end of the run has not happened.
-    if run.real[TIME] >= run.real[END] and event != NO_EVENT:
+    return event
+
+
+@inner_kernel
+def _guess(step: Step, run: Run, normal: float, bound: float) -> None:
+    """Make TAKEN the place x = s/h of the step's start on the force polynomial that stands.
+
+    The first attempt continues the step before; every further one starts on its own forerunner, at
+    x = 0. Where there is no such step, or a coarser one is to follow, the forces start constant.
+    """
+    if run.contact[DURATION] > 0.0 and run.whole[LEVEL] >= run.whole[LEVEL_BEFORE]:
+        step.real[TAKEN] /= step.real[LENGTH]
         return
-    if event == RELEASE:
-        close_contact(plant, tables, step, run)
-    elif event == REVERSAL:
-        run.whole[MODE] = STICK
-        _count_switch(run)
-    elif event == CONE:
-        run.whole[MODE] = SLIP
-        run.whole[SIGN] = -1 if friction > 0.0 else 1
-        _count_switch(run)
+    step.real[TAKEN] = 0.0
+    for d in range(NODES):
+        step.shape[NORMAL, d] = normal if d == 0 else 0.0
+        step.shape[BOUND, d] = bound if d == 0 else 0.0
+
+
+@inner_kernel
+def switch_friction(step: Step, run: Run, event: int) -> None:
+    """Set the friction mode after a step that ended in REVERSAL or CONE."""
+    if event == REVERSAL:
+        step.whole[MODE] = STICK
+    else:
+        _slip_against(step, run, force_at(step, FRICTION, step.real[TAKEN] / step.real[LENGTH]))
+    _count_switch(run)
+
+
+@inner_kernel
+def _slip_against(step: Step, run: Run, friction: float) -> None:
+    step.whole[MODE] = SLIP
+    run.whole[SIGN] = -1 if friction > 0.0 else 1
 
 
 @inner_kernel
@@ -120,7 +146,7 @@ def _count_switch(run: Run) -> None:
     count_event(run)
 
 
-@inner_kernel
+@part_kernel
 def _start(
     plant: Plant, step: Step, force: PenaltyKernel, parameters: Array
 ) -> tuple[float, float, float, float, float]:
@@ -139,7 +165,7 @@ def _start(
     return gap, rate, normal, bound, slip
 
 
-@inner_kernel
+@part_kernel
 def _separation_level(tables: Tables, run: Run, gap: float, rate: float, normal: float) -> int:
     """Level that walks up to a release instead of stepping over it while the force still matters."""
     level = run.whole[LEVEL]
@@ -152,7 +178,7 @@ def _separation_level(tables: Tables, run: Run, gap: float, rate: float, normal:
     return level
 
 
-@inner_kernel
+@part_kernel
 def _attempt(
     plant: Plant,
     tables: Tables,
@@ -160,7 +186,6 @@ def _attempt(
     run: Run,
     level: int,
     normal: float,
-    bound: float,
     force: PenaltyKernel,
     parameters: Array,
 ) -> float:
@@ -172,17 +197,24 @@ def _attempt(
     """
     build_level(plant, tables, level)
     prepare(plant, tables, step, level)
-    mode, sign = run.whole[MODE], float(run.whole[SIGN])
+    mode, sign = step.whole[MODE], float(run.whole[SIGN])
+    stretch = step_length(tables, level) / step.real[LENGTH]
+    step.real[LENGTH] = step_length(tables, level)
     for i in range(NODES):
-        step.force[NORMAL, i] = normal
-        step.force[FRICTION, i] = -sign * bound if mode == SLIP else step.force[FRICTION, i]
+        x = step.real[TAKEN] + tables.nodes[i] * stretch
+        step.force[NORMAL, i] = max(force_at(step, NORMAL, x), 0.0)
+        step.force[BOUND, i] = max(force_at(step, BOUND, x), 0.0)
+        step.force[FRICTION, i] = force_at(step, FRICTION, x)
+        if mode == SLIP:
+            step.force[FRICTION, i] = -sign * step.force[BOUND, i]
         push_node(step, i)
+    step.real[TAKEN] = 0.0
     momentum = run.real[MOMENTUM]
     sweeps = collocate(plant, tables, step, level, mode, sign, force, parameters, momentum)
     run.whole[SWEEPS] += sweeps
     if sweeps == 0:
         return np.inf
-    h = step_length(tables, level)
+    h = step.real[LENGTH]
     allowed = run.real[TOLERANCE] * momentum
     if largest(step.gap) >= 0.0:
         return 0.5 if normal * h <= allowed else np.inf
@@ -192,7 +224,7 @@ def _attempt(
     return error * h / allowed
 
 
-@inner_kernel
+@part_kernel
 def _following_level(tables: Tables, level: int, error: float) -> int:
     """Level of the next step: the error falls as h^(NODES + 1)."""
     growth = 2.0 ** (NODES + 1)
@@ -203,65 +235,66 @@ def _following_level(tables: Tables, level: int, error: float) -> int:
     return level
 
 
-@inner_kernel
+@part_kernel
 def _contradicted(step: Step, run: Run, slip: float) -> bool:
     """Whether the step denies its own friction mode from its start; the other mode is then set.
 
     Stick whose friction leaves the cone at once must slip against it; slip that starts from
     zero into the wrong direction must stick.
     """
-    if run.whole[MODE] == STICK:
+    if step.whole[MODE] == STICK:
         bound = step.force[BOUND, 0]
         friction = step.force[FRICTION, 0]
         if abs(friction) > bound * (1.0 + CONE_ROUND_OFF) and (
             force_at(step, BOUND, 0.0) <= abs(force_at(step, FRICTION, 0.0))
         ):
-            run.whole[MODE] = SLIP
-            run.whole[SIGN] = -1 if friction > 0.0 else 1
+            _slip_against(step, run, friction)
             _count_switch(run)
             return True
         return False
     sign = run.whole[SIGN]
     if largest(step.force[BOUND]) > 0.0 and sign * step.slip[0] < 0.0 and sign * slip <= SLIP_ROUND_OFF:
-        run.whole[MODE] = STICK
+        step.whole[MODE] = STICK
         _count_switch(run)
         return True
     return False
 
 
-@inner_kernel
+@part_kernel
 def _first_event(
-    plant: Plant, tables: Tables, step: Step, run: Run, gap: float, slip: float, h: float
+    plant: Plant, tables: Tables, step: Step, run: Run
 ) -> tuple[int, float]:
-    """The earliest event in the step and its time, or NO_EVENT and the step's length."""
-    first = NO_EVENT
-    s = h
+    """The earliest event in the step and its time, or NOTHING and the step's length."""
     left = 0.0
-    sticks = run.whole[MODE] == STICK
+    sticks = step.whole[MODE] == STICK
     rubs = largest(step.force[BOUND]) > 0.0
     for i in range(NODES):
-        right = tables.nodes[i] * h
-        if step.gap[i] >= 0.0:
-            at = locate(plant, step, h, RELEASE, left, right) if gap < 0.0 else 0.0
-            first, s = (RELEASE, at) if at < s else (first, s)
-        if rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0:
-            at = locate(plant, step, h, REVERSAL, left, right)
-            first, s = (REVERSAL, at) if at < s else (first, s)
-        excess = abs(step.force[FRICTION, i]) - step.force[BOUND, i] * (1.0 + CONE_ROUND_OFF)
-        if sticks and excess > 0.0:
-            at = locate(plant, step, h, CONE, left, right)
-            first, s = (CONE, at) if at < s else (first, s)
-        if first != NO_EVENT:
-            break
+        right = tables.nodes[i] * step.real[LENGTH]
+        first = NOTHING
+        s = right
+        for event in (CONE, REVERSAL, RELEASE):
+            if event == RELEASE:
+                happened = step.gap[i] >= 0.0
+            elif event == REVERSAL:
+                happened = rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0
+            else:
+                ceiling = step.force[BOUND, i] * (1.0 + CONE_ROUND_OFF)
+                happened = sticks and abs(step.force[FRICTION, i]) > ceiling
+            if happened:
+                at = locate(plant, step, event, left, right)
+                first, s = (event, at) if first == NOTHING or at < s else (first, s)
+        if first != NOTHING:
+            return first, s
         left = right
-    return first, s
+    return NOTHING, step.real[LENGTH]
 
 
 @inner_kernel
 def _track_extremes(
-    plant: Plant, tables: Tables, step: Step, run: Run, rate: float, s: float, h: float
+    plant: Plant, tables: Tables, step: Step, run: Run, rate: float
 ) -> None:
     """Largest normal force and penetration of the contact so far, between the nodes as well."""
+    s, h = step.real[TAKEN], step.real[LENGTH]
     closing = rate < 0.0
     left = 0.0
     for i in range(NODES):
@@ -271,8 +304,8 @@ def _track_extremes(
         run.contact[PEAK] = max(run.contact[PEAK], step.force[NORMAL, i])
         run.contact[DEPTH] = max(run.contact[DEPTH], -step.gap[i])
         if closing and step.gap_rate[i] >= 0.0:
-            at = locate(plant, step, h, DEEPEST, left, right)
-            flow_to(plant, step, at, h, COLLOCATED)
+            at = locate(plant, step, DEEPEST, left, right)
+            flow_to(plant, step, at)
             u, th, _, _, _ = tip_motion(plant, step.other_q, step.other_v)
             gap = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)[0]
             run.contact[DEPTH] = max(run.contact[DEPTH], -gap)

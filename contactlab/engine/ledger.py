@@ -14,13 +14,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
     COLLOCATED,
     FLIGHT,
     FRICTION,
     HELD,
+    KIND,
+    LENGTH,
     NORMAL,
     Step,
     flow_to,
@@ -45,15 +47,17 @@ TERMS: Final = (
 DRIVE, DAMPING, FRICTIONAL, NORMAL_LOSS, LOAD, NORMAL_IMPULSE, FRICTION_IMPULSE = range(len(TERMS))
 
 
-@inner_kernel
-def add_node(plant: Plant, turn: NDArray[np.complex128], v: Array, weight: float, out: Array) -> None:
-    """Add the powers of drive, damping and load at one node, times its weight [s], to `out`."""
+@part_kernel
+def add_node(plant: Plant, phase: Array, v: Array, weight: float, out: Array) -> None:
+    """Add the powers of drive, damping and load at phases and rates v, times a weight [s], to `out`."""
     drive = 0.0
     for k in range(plant.omega.size):
-        coupled = 0.0 + 0.0j
+        in_phase = 0.0
+        quadrature = 0.0
         for j in range(v.size):
-            coupled += plant.force[j, k] * v[j]
-        drive += (coupled * turn[k]).real
+            in_phase += plant.force_re[j, k] * v[j]
+            quadrature += plant.force_im[j, k] * v[j]
+        drive += in_phase * phase[0, k] - quadrature * phase[1, k]
     damping = 0.0
     load = 0.0
     for j in range(v.size):
@@ -64,7 +68,7 @@ def add_node(plant: Plant, turn: NDArray[np.complex128], v: Array, weight: float
     out[LOAD] += weight * load
 
 
-@inner_kernel
+@part_kernel
 def add_contact(
     normal: float, friction: float, slip: float, loss: float, weight: float, out: Array
 ) -> None:
@@ -83,16 +87,18 @@ def held_rates(plant: Plant, step: Step, v: Array) -> tuple[float, float]:
     return normal_rate, step.frame[2] * u_rate + step.frame[3] * th_rate + rotor
 
 
-@inner_kernel
+@part_kernel
 def increments_of_step(
-    plant: Plant, tables: Tables, step: Step, h: float, degree: int, out: Array
+    plant: Plant, tables: Tables, step: Step, out: Array
 ) -> None:
     """Terms over a whole step of a level, from what is known at its nodes, into `out`."""
+    h = step.real[LENGTH]
+    degree = step.whole[KIND]
     for term in range(out.size):
         out[term] = 0.0
     for i in range(NODES):
         weight = tables.weights[i] * h
-        add_node(plant, step.node_turn[i], step.node_v[i], weight, out)
+        add_node(plant, step.node_phase[i], step.node_v[i], weight, out)
         if degree == COLLOCATED:
             add_contact(
                 step.force[NORMAL, i],
@@ -114,20 +120,20 @@ def increments_until(
     tables: Tables,
     step: Step,
     s: float,
-    h: float,
-    degree: int,
     force: PenaltyKernel,
     parameters: Array,
     out: Array,
 ) -> None:
-    """Terms over [0, s] of a step of length h, s <= h, into `out`; the last node leaves the state at s in other_q, other_v."""
+    """Terms over [0, s] of a step, into `out`; the last node leaves the state at s in other_q, other_v."""
+    h = step.real[LENGTH]
+    degree = step.whole[KIND]
     for term in range(out.size):
         out[term] = 0.0
     for i in range(NODES):
         at = tables.nodes[i] * s
         weight = tables.weights[i] * s
-        flow_to(plant, step, at, h, degree)
-        add_node(plant, step.other_turn, step.other_v, weight, out)
+        flow_to(plant, step, at)
+        add_node(plant, step.other_phase, step.other_v, weight, out)
         if degree == FLIGHT:
             continue
         normal, friction = force_at(step, NORMAL, at / h), force_at(step, FRICTION, at / h)

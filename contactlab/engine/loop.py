@@ -1,10 +1,11 @@
-"""The hybrid loop: flight and contact in turn, one committed step at a time."""
+"""The hybrid loop: a phase proposes a step, the step is committed, and its event opens the next phase."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.engine.compliant_contact import press
+from contactlab.engine.compliant_contact import press, switch_friction
+from contactlab.engine.events import NOTHING, RELEASE, TOUCH
 from contactlab.engine.flight import fly
 from contactlab.engine.plant import Plant
 from contactlab.engine.rigid_contact import hold_contact
@@ -17,6 +18,9 @@ from contactlab.engine.run import (
     TIME,
     TOUCHING,
     Run,
+    close_contact,
+    commit,
+    open_contact,
 )
 from contactlab.engine.step import Step, begin
 from contactlab.engine.tables import Tables
@@ -51,7 +55,6 @@ def advance(
         parameters: the law's parameters.
         budget: number of steps.
     """
-    touch_level = tables.contact_level + (TOUCH_REFINEMENT if compliant else 0)
     for _ in range(budget):
         if run.real[TIME] >= run.real[END] or run.whole[ENDING] != RUNNING:
             return
@@ -59,8 +62,16 @@ def advance(
             return
         begin(plant, step, run.real[TIME])
         if run.whole[PHASE] != TOUCHING:
-            fly(plant, tables, step, run, touch_level, force, parameters)
+            event = fly(plant, tables, step, run)
         elif compliant:
-            press(plant, tables, step, run, force, parameters)
+            event = press(plant, tables, step, run, force, parameters)
         else:
-            hold_contact(plant, tables, step, run, solve, force, parameters)
+            event = hold_contact(plant, tables, step, run, solve, parameters)
+        commit(plant, tables, step, run, force, parameters)
+        if event == TOUCH:
+            refinement = TOUCH_REFINEMENT if compliant else 0
+            open_contact(plant, step, run, tables.contact_level + refinement)
+        elif event == RELEASE:
+            close_contact(plant, tables, step, run)
+        elif event != NOTHING:
+            switch_friction(step, run, event)

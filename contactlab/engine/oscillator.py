@@ -19,9 +19,18 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiled import kernel, part_kernel
 
 Array = NDArray[np.float64]
+
+REACH = 0.25
+"""Largest (c + sqrt k) d that the power series is asked for; the rest is doubled."""
+
+TERMS = 11
+"""Terms of the series, REACH^TERMS / TERMS! being far below round-off."""
+
+RECIPROCALS = 1.0 / np.maximum(np.arange(64.0), 1.0)
+"""1/n: a division costs more than a term of the series."""
 
 
 @kernel
@@ -38,7 +47,7 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
     reach = (c + sqrt(k)) * s
     doublings = 0
     d = s
-    while reach > 0.5:
+    while reach > REACH:
         reach *= 0.5
         d *= 0.5
         doublings += 1
@@ -48,7 +57,7 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
         d *= 2.0
 
 
-@inner_kernel
+@part_kernel
 def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
     """The two highest integrals by power series, the others down the recurrence.
 
@@ -67,14 +76,12 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
     upper = lower / (top + 1)
     highest = 0.0
     second = 0.0
-    for n in range(1, 24):
+    for n in range(1, TERMS):
         second += now * lower
         highest += now * upper
         lower = upper
-        upper = upper / (n + top + 1)
+        upper = upper * RECIPROCALS[n + top + 1]
         before, now = now, -cd * now - kdd * before
-        if abs(now) * lower < 1e-18 * abs(second) and abs(before) * lower < 1e-16 * abs(second):
-            break
     out[top + 1] = highest * power * d
     out[top] = second * power
     moment = power / factorial
@@ -84,7 +91,7 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
         out[m - 1] = moment - c * out[m] - k * out[m + 1]
 
 
-@inner_kernel
+@part_kernel
 def _double(k: float, c: float, d: float, top: int, out: Array) -> None:
     """From I(d) to I(2 d): flow the answer of the first half, add that of the second."""
     w = out[1]

@@ -2,7 +2,7 @@
 
 Every coordinate is a scalar oscillator
 
-    qdd_j + c_j qd_j + k_j q_j = a_j + Re sum_k force[j, k] exp(i omega_k t)
+    qdd_j + c_j qd_j + k_j q_j = a_j + Re sum_k force_jk exp(i omega_k t)
                                  + row_u[j] f_u + row_th[j] f_th + row_r[j] F.
 
 The rotor is the last one, q = sqrt(J) alpha with k = 0, c = C_r / J, a = -tau / sqrt(J) and
@@ -21,7 +21,6 @@ from contactlab.compiled import kernel
 from contactlab.motor import Motor
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
@@ -35,9 +34,10 @@ class Plant(NamedTuple):
         constant: constant force a_j.
         row_u, row_th, row_r: contact rows.
         omega: tones [rad/s].
-        force: force phasors, shape (coordinate, tone).
-        steady: steady-state displacement phasors, shape (coordinate, tone).
-        steady_u, steady_th: the same seen at the tip, shape (tone,) [m], [rad].
+        force_re, force_im: force phasors, shape (coordinate, tone). Real and imaginary parts stand
+            apart because complex products are slow in compiled loops this short.
+        steady_re, steady_im: steady-state displacement phasors, shape (coordinate, tone).
+        steady_u, steady_th: their amplitudes seen at the tip, shape (tone,) [m], [rad].
         tip_length, radius, clearance: contact geometry [m].
     """
 
@@ -48,10 +48,12 @@ class Plant(NamedTuple):
     row_th: Array
     row_r: Array
     omega: Array
-    force: ComplexArray
-    steady: ComplexArray
-    steady_u: ComplexArray
-    steady_th: ComplexArray
+    force_re: Array
+    force_im: Array
+    steady_re: Array
+    steady_im: Array
+    steady_u: Array
+    steady_th: Array
     tip_length: float
     radius: float
     clearance: float
@@ -89,10 +91,12 @@ def plant_of(motor: Motor) -> Plant:
         row_th=row_th,
         row_r=np.append(np.zeros(modes.stiffness.size), -geometry.rotor_radius / root),
         omega=omega,
-        force=force,
-        steady=steady,
-        steady_u=row_u @ steady,
-        steady_th=row_th @ steady,
+        force_re=force.real.copy(),
+        force_im=force.imag.copy(),
+        steady_re=steady.real.copy(),
+        steady_im=steady.imag.copy(),
+        steady_u=np.abs(row_u @ steady),
+        steady_th=np.abs(row_th @ steady),
         tip_length=geometry.tip_length,
         radius=geometry.rotor_radius,
         clearance=geometry.clearance,

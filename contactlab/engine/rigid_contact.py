@@ -12,7 +12,8 @@ force is held over the step, which keeps the order (one) and any stiff or overda
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.engine.events import NOTHING, RELEASE
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
@@ -21,20 +22,21 @@ from contactlab.engine.run import (
     END,
     FRICTION_BEFORE,
     LEVEL,
-    MODE,
     NORMAL_BEFORE,
     PEAK,
     TIME,
     Run,
-    close_contact,
-    commit,
 )
 from contactlab.engine.step import (
     FRICTION,
     HELD,
+    KIND,
+    LENGTH,
+    MODE,
     NORMAL,
     PUSH_TH,
     PUSH_U,
+    TAKEN,
     Step,
     add_held,
     add_held_rates,
@@ -44,25 +46,26 @@ from contactlab.engine.step import (
 )
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import SLIP, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import SLIP, MultiplierKernel
 
 Array = NDArray[np.float64]
 
 
-@inner_kernel
+@part_kernel
 def hold_contact(
     plant: Plant,
     tables: Tables,
     step: Step,
     run: Run,
     solve: MultiplierKernel,
-    force: PenaltyKernel,
     parameters: Array,
-) -> None:
-    """Advance a step that `begin` made ready through rigid contact."""
+) -> int:
+    """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING."""
     level = run.whole[LEVEL]
     build_level(plant, tables, level)
     h = step_length(tables, level)
+    step.whole[KIND] = HELD
+    step.real[LENGTH] = h
     last = NODES - 1
     gap, slip = _turn_frame(plant, step, step.q, step.v)
     run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
@@ -81,19 +84,19 @@ def hold_contact(
         plant, tables, step, level, u_rate, th_rate, rotor, slip, solve, parameters
     )
     if p_n <= 0.0:
-        _release(plant, tables, step, run, h, p_n / h, force, parameters)
-        return
+        _shorten_to_release(step, run, p_n / h)
+        return RELEASE
     _hold(step, p_n / h, p_t / h)
     add_held_rates(plant, tables, step, level)
-    s = min(h, run.real[END] - run.real[TIME])
+    step.real[TAKEN] = min(h, run.real[END] - run.real[TIME])
+    step.whole[MODE] = mode
     impact = run.contact[DURATION] == 0.0
-    commit(plant, tables, step, run, h, s, HELD, mode, force, parameters)
     run.contact[PEAK] = max(run.contact[PEAK], p_n / h)
     # An impact's force says nothing about the one at which the contact will open.
     run.real[NORMAL_BEFORE] = 0.0 if impact else p_n / h
     run.real[FRICTION_BEFORE] = 0.0 if impact else p_t / h
-    run.whole[MODE] = mode
     run.whole[CONTACT_STEPS] += 1
+    return NOTHING
 
 
 @inner_kernel
@@ -160,29 +163,16 @@ def _project(plant: Plant, step: Step, q: Array) -> None:
         q[j] -= gap / gradient * (step.frame[0] * plant.row_u[j] + step.frame[1] * plant.row_th[j])
 
 
-@inner_kernel
-def _release(
-    plant: Plant,
-    tables: Tables,
-    step: Step,
-    run: Run,
-    h: float,
-    normal: float,
-    force: PenaltyKernel,
-    parameters: Array,
-) -> None:
-    """End the contact where the normal force, linear between steps, reaches zero.
+@part_kernel
+def _shorten_to_release(step: Step, run: Run, normal: float) -> None:
+    """Shorten a step to where the normal force, linear from the step before, reaches zero.
 
     Args:
-        plant, tables, step, run, h: the step that would have to pull.
+        step, run: the step that would have to pull.
         normal: the force it would pull with [N], not positive.
-        force, parameters: passed on to the recorder.
     """
     before = run.real[NORMAL_BEFORE]
-    s = h * before / (before - normal) if before > 0.0 else 0.0
-    s = min(s, run.real[END] - run.real[TIME])
-    if s > 0.0:
-        _hold(step, 0.5 * before, 0.5 * run.real[FRICTION_BEFORE])
-        commit(plant, tables, step, run, h, s, HELD, SLIP, force, parameters)
-        run.whole[CONTACT_STEPS] += 1
-    close_contact(plant, tables, step, run)
+    s = step.real[LENGTH] * before / (before - normal) if before > 0.0 else 0.0
+    step.real[TAKEN] = min(s, run.real[END] - run.real[TIME])
+    step.whole[MODE] = SLIP
+    _hold(step, 0.5 * before, 0.5 * run.real[FRICTION_BEFORE])

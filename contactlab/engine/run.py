@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiled import inner_kernel, kernel, part_kernel
 from contactlab.engine.ledger import (
     FRICTION_IMPULSE,
     FRICTIONAL,
@@ -17,7 +17,7 @@ from contactlab.engine.ledger import (
     increments_until,
 )
 from contactlab.engine.plant import Plant, delassus
-from contactlab.engine.step import COLLOCATED, Step, tip_motion
+from contactlab.engine.step import COLLOCATED, KIND, LENGTH, MODE, TAKEN, Step, tip_motion
 from contactlab.engine.tables import Tables
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import FREE, SLIP, STICK, PenaltyKernel
@@ -29,9 +29,9 @@ TIME, END, INTERVAL, WINDOW, WINDOW_START, MOMENTUM, NORMAL_BEFORE, FRICTION_BEF
 """Places in `Run.real`: time, its end, record interval, the chatter window and its start [s], the
 contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1]."""
 
-PHASE, MODE, SIGN, LEVEL, RECORDED, STORED, ENDING, EVENTS, IDLE = range(9)
-"""Places in `Run.whole`: phase, contact mode, slip direction, level of the next step, records and
-contacts written, ending, events in the window, steps without progress; the counts follow."""
+PHASE, SIGN, LEVEL, LEVEL_BEFORE, RECORDED, STORED, ENDING, EVENTS, IDLE = range(9)
+"""Places in `Run.whole`: phase, slip direction, level of the next step and of the one before, records
+and contacts written, ending, events in the window, steps without progress; the counts follow."""
 
 FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES = range(9, 15)
 COUNTS = (
@@ -104,7 +104,7 @@ def run_for(records: int, contact_rows: int = 4096) -> Run:
     )
 
 
-@inner_kernel
+@part_kernel
 def record_time(run: Run, index: int) -> float:
     """Time of a record [s]; the last one lies at the end of the run."""
     if index >= run.series.shape[0] - 1:
@@ -112,19 +112,12 @@ def record_time(run: Run, index: int) -> float:
     return index * run.real[INTERVAL]
 
 
-@kernel
+@inner_kernel
 def write_record(
-    plant: Plant,
-    run: Run,
-    q: Array,
-    v: Array,
-    part: Array,
-    mode: int,
-    compliant: bool,
-    force: PenaltyKernel,
-    parameters: Array,
+    plant: Plant, step: Step, run: Run, force: PenaltyKernel, parameters: Array
 ) -> None:
-    """Write the next record from a state and the ledger terms since the step's start."""
+    """Write the next record from other_q, other_v and the ledger terms since the step's start."""
+    q, v, part = step.other_q, step.other_v, run.part_terms
     index = run.whole[RECORDED]
     u, th, u_rate, th_rate, rotor = tip_motion(plant, q, v)
     gap, n_u, n_th, t_u, t_th = contact_frame(
@@ -132,7 +125,7 @@ def write_record(
     )
     slip = t_u * u_rate + t_th * th_rate + rotor
     stored = 0.0
-    if compliant and gap < 0.0:
+    if step.whole[KIND] == COLLOCATED and gap < 0.0:
         stored = force(gap, n_u * u_rate + n_th * th_rate, slip, parameters)[2]
     kinetic = 0.0
     strain = 0.0
@@ -149,30 +142,25 @@ def write_record(
     row[9], row[10], row[11] = kinetic, strain, stored
     for term in range(NORMAL_IMPULSE):
         row[12 + term] = run.total[term] + part[term]
-    run.modes[index] = mode
+    run.modes[index] = step.whole[MODE]
     run.whole[RECORDED] = index + 1
 
 
-@inner_kernel
+@part_kernel
 def commit(
     plant: Plant,
     tables: Tables,
     step: Step,
     run: Run,
-    h: float,
-    s: float,
-    degree: int,
-    mode: int,
     force: PenaltyKernel,
     parameters: Array,
 ) -> None:
-    """Accept [0, s] of a step of length h: ledger, records, contact sums, clock and state."""
-    if s == h:
-        increments_of_step(plant, tables, step, h, degree, run.step_terms)
+    """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
+    s = step.real[TAKEN]
+    if s == step.real[LENGTH]:
+        increments_of_step(plant, tables, step, run.step_terms)
     else:
-        increments_until(
-            plant, tables, step, s, h, degree, force, parameters, run.step_terms
-        )
+        increments_until(plant, tables, step, s, force, parameters, run.step_terms)
         for j in range(step.q.size):
             step.node_q[-1, j] = step.other_q[j]
             step.node_v[-1, j] = step.other_v[j]
@@ -184,16 +172,13 @@ def commit(
         if due > now:
             break
         at = min(due - start, s)
-        increments_until(plant, tables, step, at, h, degree, force, parameters, run.part_terms)
-        compliant = degree == COLLOCATED
-        write_record(
-            plant, run, step.other_q, step.other_v, run.part_terms, mode, compliant, force, parameters
-        )
+        increments_until(plant, tables, step, at, force, parameters, run.part_terms)
+        write_record(plant, step, run, force, parameters)
     for term in range(run.total.size):
         run.total[term] += run.step_terms[term]
-    if mode != FREE:
+    if step.whole[MODE] != FREE:
         run.contact[DURATION] += s
-        run.contact[STUCK] += s if mode == STICK else 0.0
+        run.contact[STUCK] += s if step.whole[MODE] == STICK else 0.0
         run.contact[IMPULSE] += run.step_terms[NORMAL_IMPULSE]
         run.contact[FRICTIONAL_IMPULSE] += run.step_terms[FRICTION_IMPULSE]
         run.contact[LOSS] += run.step_terms[FRICTIONAL] + run.step_terms[NORMAL_LOSS]
@@ -207,7 +192,7 @@ def commit(
     _watch(plant, step, run)
 
 
-@inner_kernel
+@part_kernel
 def _watch(plant: Plant, step: Step, run: Run) -> None:
     """End a run whose state is no longer a motor's: not finite, or deep inside the rotor."""
     u, th, u_rate, th_rate, rotor = tip_motion(plant, step.q, step.v)
@@ -243,13 +228,13 @@ def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
     run.contact[APPROACH] = rate
     vibration = 0.0
     for k in range(plant.omega.size):
-        vibration += plant.omega[k] * abs(plant.steady_u[k])
+        vibration += plant.omega[k] * plant.steady_u[k]
     d_nn = delassus(plant, n_u, n_th, t_u, t_th)[0]
     run.real[MOMENTUM] = (abs(rate) + vibration) / d_nn
     run.real[NORMAL_BEFORE] = 0.0
     run.real[FRICTION_BEFORE] = 0.0
     run.whole[PHASE] = TOUCHING
-    run.whole[MODE] = SLIP if slip != 0.0 else STICK
+    step.whole[MODE] = SLIP if slip != 0.0 else STICK
     run.whole[SIGN] = 1 if slip > 0.0 else -1
     run.whole[LEVEL] = level
     run.whole[TOUCHDOWNS] += 1
@@ -263,6 +248,7 @@ def close_contact(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
     _, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
     run.contact[SEPARATION] = n_u * u_rate + n_th * th_rate
     store_contact(run)
+    step.whole[MODE] = FREE
     run.whole[PHASE] = SEPARATING
     run.whole[LEVEL] = tables.fresh_level
 

@@ -1,24 +1,22 @@
 """Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
 
 import sys
-import threading
 from collections.abc import Callable
+from typing import Any
 
+import numba
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
-from contactlab.compiled import kernel
-from contactlab.engine.ledger import TERMS
+from contactlab.compiled import is_compiled, kernel
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant, plant_of
 from contactlab.engine.run import (
     CHATTERED,
     COUNTS,
-    DIVERGED,
     END,
     ENDING,
-    FLIGHT_STEPS,
+    EVENT_LIMIT,
     INTERVAL,
     LEVEL,
     PHASE,
@@ -34,13 +32,11 @@ from contactlab.engine.run import (
     Run,
     run_for,
     store_contact,
-    write_record,
 )
 from contactlab.engine.step import Step, step_for
 from contactlab.engine.tables import Tables, tables_for
 from contactlab.engine.touchdown import gap_and_rate
 from contactlab.laws.base import (
-    FREE,
     MULTIPLIER_SIGNATURE,
     PENALTY_SIGNATURE,
     ContactLaw,
@@ -59,10 +55,6 @@ itself is far better: its end converges with nearly twice the order of this esti
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
-
-COMPILE_NOTICE_AFTER = 1.5
-"""Seconds after which a first run says why it takes long."""
-
 
 @kernel
 def _no_force(
@@ -125,29 +117,45 @@ def simulate(
     step = step_for(plant)
     run = run_for(_count_records(duration, record_interval))
     _start(motor, plant, tables, step, run, duration, record_interval, tolerance)
-    force, solve = _kernels(law)
     parameters = law.parameters()
-    _compile(plant, tables, step, run, parameters)
+    force, solve = _kernels(law)
+    _compile(plant, tables, step, run)
 
-    write_record(plant, run, step.q, step.v, run.part_terms, FREE, False, force, parameters)
     finished: list[Array] = []
     compliant = isinstance(law, PenaltyLaw)
-    interrupted = False
-    while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
-        try:
+    ending, message = Ending.COMPLETE, ""
+    try:
+        while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
             advance(plant, tables, step, run, force, solve, compliant, parameters, STEPS_PER_CALL)
+            finished.append(_collect(run))
             if progress is not None:
                 progress(float(run.real[TIME]))
-        except KeyboardInterrupt:
-            interrupted = True
-            break
-        finished.append(_collect(run))
+    except KeyboardInterrupt:
+        ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
+    if run.whole[ENDING] != RUNNING:
+        ending, message = _explain(run, contact_step)
     if run.whole[PHASE] == TOUCHING:
         run.contact[SEPARATION] = np.nan
         store_contact(run)
     finished.append(_collect(run))
-    return _trajectory(
-        motor, law, run, np.vstack(finished), duration, contact_step, record_interval, interrupted
+    records = int(run.whole[RECORDED])
+    series, modes = _read_series(run, records)
+    rows = np.vstack(finished)
+    return Trajectory(
+        motor=motor,
+        law=law,
+        duration=duration,
+        contact_step=contact_step,
+        record_interval=record_interval,
+        time=_record_times(run, records),
+        series=series,
+        contact_mode=modes,
+        contacts={v.name: rows[:, column].copy() for column, v in enumerate(CONTACTS)},
+        statistics={
+            name: int(count) for name, count in zip(COUNTS, run.whole[-len(COUNTS) :], strict=True)
+        },
+        ending=ending,
+        message=message,
     )
 
 
@@ -213,17 +221,42 @@ def _start(
         )
 
 
-def _kernels(law: ContactLaw) -> tuple[object, object]:
-    """The law's compiled kernel and the idle one of the other family."""
-    force = law.force if isinstance(law, PenaltyLaw) else _no_force
-    solve = law.solve if isinstance(law, MultiplierLaw) else _no_impulse
+def _kernels(law: ContactLaw) -> tuple[Any, Any]:
+    """The law's compiled kernel, and the idle one of the other family."""
+    force: Any = law.force if isinstance(law, PenaltyLaw) else _no_force
+    solve: Any = law.solve if isinstance(law, MultiplierLaw) else _no_impulse
     force.compile(PENALTY_SIGNATURE)
     solve.compile(MULTIPLIER_SIGNATURE)
     return force, solve
 
 
-def _compile(plant, tables, step, run, parameters):
-    pass
+def _compile(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
+    """Compile the loop, or load its code, for laws that are called by address.
+
+    A law is a first-class function of one type, so that the loop is compiled once for all laws; left
+    to itself the compiler would take each law for a type of its own.
+    """
+    loop: Any = advance
+    if loop.signatures:
+        return
+    if not is_compiled("advance"):
+        print(
+            "contactlab: compiling the engine; this happens once for an installation and takes "
+            "up to a minute.",
+            file=sys.stderr,
+            flush=True,
+        )
+    loop.compile(
+        (
+            *(numba.typeof(memory) for memory in (plant, tables, step, run)),
+            numba.types.FunctionType(PENALTY_SIGNATURE),
+            numba.types.FunctionType(MULTIPLIER_SIGNATURE),
+            numba.types.boolean,
+            PENALTY_SIGNATURE.args[-1],
+            numba.types.int64,
+        )
+    )
+    loop.disable_compile()
 
 
 def _collect(run: Run) -> Array:
@@ -231,3 +264,42 @@ def _collect(run: Run) -> Array:
     rows = run.contacts[: run.whole[STORED]].copy()
     run.whole[STORED] = 0
     return rows
+
+
+def _explain(run: Run, contact_step: float) -> tuple[Ending, str]:
+    """The ending of a run that stopped by itself, and a sentence on it."""
+    time = float(run.real[TIME])
+    if run.whole[ENDING] == CHATTERED:
+        return Ending.CHATTERED, (
+            f"The contact chatters at {time:.6g} s: more than {EVENT_LIMIT} touch-downs and friction "
+            f"switches within {run.real[WINDOW]:.3g} s, or no progress. The run stops there; a "
+            f"shorter contact step than {contact_step:.3g} s or another law may pass it."
+        )
+    return Ending.DIVERGED, (
+        f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deep inside the "
+        f"rotor, or no step down to {contact_step / 2**30:.1g} s satisfies the law. Check the law's "
+        "parameters and the drive, or shorten the contact step."
+    )
+
+
+def _record_times(run: Run, records: int) -> Array:
+    """Times of the records [s], as the recorder took them."""
+    time = np.arange(records) * run.real[INTERVAL]
+    if records == run.series.shape[0]:
+        time[-1] = run.real[END]
+    return np.asarray(time, dtype=np.float64)
+
+
+def _read_series(run: Run, records: int) -> tuple[dict[str, Array], NDArray[np.int8]]:
+    """The recorded columns by name: mean forces out of impulses, and the ledger's residual."""
+    table = run.series[:records]
+    series = {v.name: table[:, column].copy() for column, v in enumerate(SERIES)}
+    interval = np.diff(_record_times(run, records))
+    for name in ("normal_force", "friction_force"):
+        series[name] = np.concatenate([[0.0], np.diff(series[name]) / interval])
+    energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
+    losses = sum(
+        series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
+    )
+    series["energy_residual"] = energy - energy[0] - (series["drive_work"] - losses)
+    return series, run.modes[:records].copy()

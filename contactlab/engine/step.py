@@ -5,21 +5,27 @@ polynomial in s/h: FLIGHT has no force, HELD a constant one, and a collocated st
 values at the nodes. Whatever its kind, its state can be read anywhere in [0, h].
 """
 
+from math import cos, sin
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals
 from contactlab.engine.plant import Plant
 from contactlab.engine.tables import NODES, Tables
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
-"""Degree of the force polynomial."""
+"""Kinds of a step: the degree of its force polynomial."""
+
+KIND, MODE = 0, 1
+"""Places in `Step.whole`: the kind and the contact mode."""
+
+LENGTH, TAKEN = 0, 1
+"""Places in `Step.real`: the length h of the step and the part of it that is taken [s]."""
 
 PUSH_U, PUSH_TH, FRICTION, NORMAL, BOUND = range(5)
 """Rows of a step's force: generalised forces along u and th, friction, normal force, friction bound."""
@@ -32,27 +38,30 @@ class Step(NamedTuple):
     """Working memory of one step; i node, j coordinate, k tone.
 
     Args:
+        whole, real: scalars, see the places above.
         q, v: state at the start, shape (j,).
         free_q, free_v: the same without the steady state, shape (j,).
-        phase: exp(i omega_k t) at the start, shape (k,).
+        phase: cosine and sine of omega_k t at the start, shape (2, k).
         force: values at the nodes, shape (5, i); rows PUSH_U ... BOUND.
         shape: their polynomials in s/h, shape (5, i).
         gap, gap_rate, slip, loss: contact [m, m/s, m/s] and normal loss [W] at the nodes, shape (i,).
         frame: directions of the contact that a HELD step keeps, shape (4,).
         node_q, node_v: state at the nodes; node_q is sure at the last one only, shape (i, j).
-        node_turn: exp(i omega_k t) at the nodes, shape (i, k).
+        node_phase: the phases at the nodes, shape (i, 2, k).
         tip: contact-free tip motion at the nodes, shape (i, 5).
-        other_q, other_v, other_turn: state and exp(i omega_k t) at a time in between.
+        other_q, other_v, other_phase: state and phases at a time in between.
         integrals: scratch of the oscillator, shape (i + 2,).
         stick: scratch of the stick condition, shape (i, i + 1).
         rows: directions of the contact at the nodes, shape (i, 4).
     """
 
+    whole: NDArray[np.int64]
+    real: Array
     q: Array
     v: Array
     free_q: Array
     free_v: Array
-    phase: ComplexArray
+    phase: Array
     force: Array
     shape: Array
     gap: Array
@@ -62,11 +71,11 @@ class Step(NamedTuple):
     frame: Array
     node_q: Array
     node_v: Array
-    node_turn: ComplexArray
+    node_phase: Array
     tip: Array
     other_q: Array
     other_v: Array
-    other_turn: ComplexArray
+    other_phase: Array
     integrals: Array
     stick: Array
     rows: Array
@@ -76,11 +85,13 @@ def step_for(plant: Plant) -> Step:
     """Zeroed working memory for a plant."""
     j, k = plant.stiffness.size, plant.omega.size
     return Step(
+        whole=np.zeros(2, dtype=np.int64),
+        real=np.zeros(2),
         q=np.zeros(j),
         v=np.zeros(j),
         free_q=np.zeros(j),
         free_v=np.zeros(j),
-        phase=np.zeros(k, dtype=np.complex128),
+        phase=np.zeros((2, k)),
         force=np.zeros((5, NODES)),
         shape=np.zeros((5, NODES)),
         gap=np.zeros(NODES),
@@ -90,34 +101,35 @@ def step_for(plant: Plant) -> Step:
         frame=np.zeros(4),
         node_q=np.zeros((NODES, j)),
         node_v=np.zeros((NODES, j)),
-        node_turn=np.zeros((NODES, k), dtype=np.complex128),
+        node_phase=np.zeros((NODES, 2, k)),
         tip=np.zeros((NODES, 5)),
         other_q=np.zeros(j),
         other_v=np.zeros(j),
-        other_turn=np.zeros(k, dtype=np.complex128),
+        other_phase=np.zeros((2, k)),
         integrals=np.zeros(NODES + 2),
         stick=np.zeros((NODES, NODES + 1)),
         rows=np.zeros((NODES, 4)),
     )
 
 
-@inner_kernel
+@part_kernel
 def begin(plant: Plant, step: Step, time: float) -> None:
     """Split the state at the step's start into steady state and free motion."""
     for k in range(plant.omega.size):
-        step.phase[k] = np.exp(1j * plant.omega[k] * time)
+        step.phase[0, k] = cos(plant.omega[k] * time)
+        step.phase[1, k] = sin(plant.omega[k] * time)
     for j in range(plant.stiffness.size):
         q = step.q[j]
         v = step.v[j]
         for k in range(plant.omega.size):
-            turned = plant.steady[j, k] * step.phase[k]
-            q -= turned.real
-            v += plant.omega[k] * turned.imag
+            cosine, sine = step.phase[0, k], step.phase[1, k]
+            q -= plant.steady_re[j, k] * cosine - plant.steady_im[j, k] * sine
+            v += plant.omega[k] * (plant.steady_re[j, k] * sine + plant.steady_im[j, k] * cosine)
         step.free_q[j] = q
         step.free_v[j] = v
 
 
-@inner_kernel
+@part_kernel
 def shape_forces(tables: Tables, step: Step) -> None:
     """Polynomials through the forces at the nodes."""
     for row in range(5):
@@ -156,11 +168,15 @@ def force_at(step: Step, row: int, x: float) -> float:
 
 
 @inner_kernel
-def flow_to(plant: Plant, step: Step, s: float, h: float, degree: int) -> None:
-    """State at time s after the start, 0 <= s <= h, into other_q, other_v and other_turn."""
+def flow_to(plant: Plant, step: Step, s: float) -> None:
+    """State at time s after the start, 0 <= s <= h, into other_q, other_v and other_phase."""
+    degree = step.whole[KIND]
+    h = step.real[LENGTH]
     top = max(degree + 1, 1)
     for k in range(plant.omega.size):
-        step.other_turn[k] = step.phase[k] * np.exp(1j * plant.omega[k] * s)
+        cosine, sine = cos(plant.omega[k] * s), sin(plant.omega[k] * s)
+        step.other_phase[0, k] = step.phase[0, k] * cosine - step.phase[1, k] * sine
+        step.other_phase[1, k] = step.phase[0, k] * sine + step.phase[1, k] * cosine
     for j in range(plant.stiffness.size):
         c = plant.damping[j]
         stiffness = plant.stiffness[j]
@@ -183,9 +199,9 @@ def flow_to(plant: Plant, step: Step, s: float, h: float, degree: int) -> None:
             q += push * step.integrals[d + 2]
             v += push * step.integrals[d + 1]
         for k in range(plant.omega.size):
-            turned = plant.steady[j, k] * step.other_turn[k]
-            q += turned.real
-            v -= plant.omega[k] * turned.imag
+            cosine, sine = step.other_phase[0, k], step.other_phase[1, k]
+            q += plant.steady_re[j, k] * cosine - plant.steady_im[j, k] * sine
+            v -= plant.omega[k] * (plant.steady_re[j, k] * sine + plant.steady_im[j, k] * cosine)
         step.other_q[j] = q
         step.other_v[j] = v
 
@@ -207,12 +223,14 @@ def tip_motion(plant: Plant, q: Array, v: Array) -> tuple[float, float, float, f
     return u, th, u_rate, th_rate, rotor
 
 
-@inner_kernel
+@part_kernel
 def free_response(plant: Plant, tables: Tables, step: Step, level: int, first: int) -> None:
     """State at the nodes of a level without contact: rates at all of them, displacements from `first` on."""
     for i in range(NODES):
         for k in range(plant.omega.size):
-            step.node_turn[i, k] = step.phase[k] * tables.turn[level, i, k]
+            cosine, sine = tables.turn_cos[level, i, k], tables.turn_sin[level, i, k]
+            step.node_phase[i, 0, k] = step.phase[0, k] * cosine - step.phase[1, k] * sine
+            step.node_phase[i, 1, k] = step.phase[0, k] * sine + step.phase[1, k] * cosine
         for j in range(plant.stiffness.size):
             q0 = step.free_q[j]
             v0 = step.free_v[j]
@@ -220,16 +238,17 @@ def free_response(plant: Plant, tables: Tables, step: Step, level: int, first: i
             v += tables.hold[level, i, 1, j] * plant.constant[j]
             q = 0.0
             for k in range(plant.omega.size):
-                turned = plant.steady[j, k] * step.node_turn[i, k]
-                q += turned.real
-                v -= plant.omega[k] * turned.imag
+                cosine, sine = step.node_phase[i, 0, k], step.node_phase[i, 1, k]
+                steady_re, steady_im = plant.steady_re[j, k], plant.steady_im[j, k]
+                q += steady_re * cosine - steady_im * sine
+                v -= plant.omega[k] * (steady_re * sine + steady_im * cosine)
             step.node_v[i, j] = v
             if i >= first:
                 q += tables.flow[level, i, 0, j] * q0 + tables.flow[level, i, 1, j] * v0
                 step.node_q[i, j] = q + tables.hold[level, i, 0, j] * plant.constant[j]
 
 
-@inner_kernel
+@part_kernel
 def add_collocated(plant: Plant, tables: Tables, step: Step, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     last = NODES - 1

@@ -6,7 +6,8 @@ oscillators answer it exactly. What the nodes see of it is a few small matrices 
 the state, built once per level that is used.
 """
 
-from math import ceil, floor, log2
+from functools import cache
+from math import ceil, cos, floor, log2, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +19,12 @@ from contactlab.engine.oscillator import impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 NODES = 5
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
+
+RESOLUTION = 1.0
+"""Longest step times the fastest rate that persists in flight."""
 
 FINEST = 44
 """Levels of the ladder."""
@@ -40,7 +43,7 @@ class Tables(NamedTuple):
         flow: free flow, q from q0, q from v0, v from q0, v from v0, shape (l, i, 4, j).
         hold: q and v from a unit constant force, shape (l, i, 2, j).
         answer_q, answer_v: q and v from l_m, shape (l, i, m, j).
-        turn: exp(i omega_k c_i h), shape (l, i, k).
+        turn_cos, turn_sin: of omega_k c_i h, shape (l, i, k).
         tip_q: u and th from f_u and f_th: uu, uth, thth, shape (l, 3, i, m).
         tip_v: their rates, and the rotor's row: uu, uth, thth, rr, shape (l, 4, i, m).
         integrals: scratch of the oscillator, shape (i + 2,).
@@ -57,12 +60,14 @@ class Tables(NamedTuple):
     hold: Array
     answer_q: Array
     answer_v: Array
-    turn: ComplexArray
+    turn_cos: Array
+    turn_sin: Array
     tip_q: Array
     tip_v: Array
     integrals: Array
 
 
+@cache
 def radau_rule(count: int) -> tuple[Array, Array, Array]:
     """Nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1]."""
     difference = Legendre.basis(count) - Legendre.basis(count - 1)
@@ -83,9 +88,9 @@ def tables_for(plant: Plant, contact_step: float) -> Tables:
     enough for the fastest transient and double from there.
     """
     nodes, weights, lagrange = radau_rule(NODES)
-    contact_level = max(0, floor(log2(0.5 / resolved_rate(plant) / contact_step)))
+    contact_level = max(0, floor(log2(RESOLUTION / resolved_rate(plant) / contact_step)))
     longest = contact_step * 2.0**contact_level
-    fresh_level = min(max(8, ceil(log2(longest * fastest_rate(plant))) + 2), FINEST - 8)
+    fresh_level = min(max(6, ceil(log2(longest * fastest_rate(plant))) + 2), FINEST - 8)
     count, tones = plant.stiffness.size, plant.omega.size
     return Tables(
         nodes=nodes,
@@ -99,7 +104,8 @@ def tables_for(plant: Plant, contact_step: float) -> Tables:
         hold=np.empty((FINEST, NODES, 2, count)),
         answer_q=np.empty((FINEST, NODES, NODES, count)),
         answer_v=np.empty((FINEST, NODES, NODES, count)),
-        turn=np.empty((FINEST, NODES, tones), dtype=np.complex128),
+        turn_cos=np.empty((FINEST, NODES, tones)),
+        turn_sin=np.empty((FINEST, NODES, tones)),
         tip_q=np.empty((FINEST, 3, NODES, NODES)),
         tip_v=np.empty((FINEST, 4, NODES, NODES)),
         integrals=np.empty(NODES + 2),
@@ -124,7 +130,8 @@ def build_level(plant: Plant, tables: Tables, level: int) -> None:
     for i in range(count):
         s = tables.nodes[i] * h
         for k in range(plant.omega.size):
-            tables.turn[level, i, k] = np.exp(1j * plant.omega[k] * s)
+            tables.turn_cos[level, i, k] = cos(plant.omega[k] * s)
+            tables.turn_sin[level, i, k] = sin(plant.omega[k] * s)
         for j in range(plant.stiffness.size):
             impulse_integrals(plant.stiffness[j], plant.damping[j], s, count, integrals)
             _fill(plant, tables, level, i, j, h, integrals)

@@ -11,9 +11,9 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiled import inner_kernel, kernel, part_kernel
 from contactlab.engine.plant import Plant
-from contactlab.engine.step import FLIGHT, Step, flow_to, tip_motion
+from contactlab.engine.step import Step, flow_to, tip_motion
 from contactlab.geometry import contact_frame
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ def gap_and_rate(plant: Plant, q: Array, v: Array) -> tuple[float, float]:
     return gap, n_u * u_rate + n_th * th_rate
 
 
-@inner_kernel
+@part_kernel
 def curvature_bound(plant: Plant, step: Step, h: float) -> float:
     """B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
 
@@ -59,8 +59,8 @@ def curvature_bound(plant: Plant, step: Step, h: float) -> float:
         u_rate += plant.row_u[j] * step.v[j]
         th_rate += plant.row_th[j] * step.v[j]
     for k in range(plant.omega.size):
-        u_acc += plant.omega[k] ** 2 * abs(plant.steady_u[k])
-        th_acc += plant.omega[k] ** 2 * abs(plant.steady_th[k])
+        u_acc += plant.omega[k] ** 2 * plant.steady_u[k]
+        th_acc += plant.omega[k] ** 2 * plant.steady_th[k]
     u_rate = abs(u_rate) + u_acc * h
     th_rate = abs(th_rate) + th_acc * h
     u = abs(u) + u_rate * h
@@ -122,23 +122,23 @@ def first_touch(
         elif indistinct:
             return b
         elif gap_b <= 0.0 and rate_a + bound * width < 0.0:
-            return _falling_zero(plant, step, h, a, gap_a, b, gap_b)
+            return _falling_zero(plant, step, a, gap_a, b, gap_b)
         else:
             stack[waiting, 0], stack[waiting, 1], stack[waiting, 2] = b, gap_b, rate_b
             waiting += 1
             b = 0.5 * (a + b)
-            flow_to(plant, step, b, h, FLIGHT)
+            flow_to(plant, step, b)
             gap_b, rate_b = gap_and_rate(plant, step.other_q, step.other_v)
 
 
 @inner_kernel
 def _falling_zero(
-    plant: Plant, step: Step, h: float, a: float, gap_a: float, b: float, gap_b: float
+    plant: Plant, step: Step, a: float, gap_a: float, b: float, gap_b: float
 ) -> float:
     """The zero of a falling gap in [a, b]: Newton, kept inside the bracket."""
     s = a + (b - a) * gap_a / (gap_a - gap_b)
     for _ in range(60):
-        flow_to(plant, step, s, h, FLIGHT)
+        flow_to(plant, step, s)
         gap, rate = gap_and_rate(plant, step.other_q, step.other_v)
         if gap > 0.0:
             a = s

@@ -33,7 +33,7 @@ class HertzPenalty(PenaltyLaw):
     name: ClassVar[str] = "hertz_penalty"
     equation: ClassVar[str] = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
-    default_contact_step: ClassVar[float] = 2e-6
+    default_contact_step: ClassVar[float] = 4e-6
     kernel_parameters: ClassVar[tuple[str, ...]] = ("stiffness", "friction_coefficient")
 
     stiffness: float

@@ -1,0 +1,77 @@
+"""Texts with units become numbers in SI, and none becomes a wrong number."""
+
+import math
+
+import pytest
+
+from contactlab.units import UnitError, to_si
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("1 um", "m", 1e-6),
+        ("1µm", "m", 1e-6),
+        ("0.5 mm", "m", 0.5e-3),
+        ("3.2 kHz", "Hz", 3200.0),
+        ("7.5 Hz", "1/s", 7.5),
+        ("5 ms", "s", 5e-3),
+        ("311 us", "s", 311e-6),
+        ("-36 deg", "rad", -math.pi / 5),
+        ("-36°", "rad", -math.pi / 5),
+        ("10 rpm", "rad/s", math.pi / 3),
+        ("210 GPa", "Pa", 210e9),
+        ("1.2 g", "kg", 1.2e-3),
+        ("480 g cm**2", "kg m^2", 4.8e-5),
+        ("7.85 g/cm^3", "kg/m^3", 7850.0),
+        ("2 mN m", "N m", 2e-3),
+        ("1 uN m s", "N m s/rad", 1e-6),
+        ("1 uN m s/rad", "N m s/rad", 1e-6),
+        ("1e10 N/m**1.5", "N/m^1.5", 1e10),
+        ("50 %", "1", 0.5),
+        ("1e-6", "m", 1e-6),
+        ("-3", "N m", -3.0),
+    ],
+)
+def test_a_text_with_a_unit_becomes_the_nearest_number_in_si(
+    text: str, unit: str, expected: float
+) -> None:
+    assert to_si(text, unit) == pytest.approx(expected, rel=4e-16, abs=0.0)
+
+
+def test_a_decimal_prefix_costs_no_digit() -> None:
+    # In binary 311 * 1e-6 is another number than 311e-6, and so is 0.3 * 1e-3 than 0.3e-3.
+    assert to_si("311 us", "s") == 311e-6
+    assert to_si("0.3 ms", "s") == 0.3e-3
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("1 kg", "m"),
+        ("1 um", "s"),
+        ("20 krad/s", "Hz"),
+        ("2 Hz", "rad/s"),
+        ("3 rad", "1"),
+        ("1 m", "1"),
+        ("20 degC", "m"),
+    ],
+)
+def test_a_unit_of_another_dimension_is_refused(text: str, unit: str) -> None:
+    with pytest.raises(UnitError, match="cannot be converted"):
+        to_si(text, unit)
+
+
+@pytest.mark.parametrize("text", ["1 umm", "1 parsnip", "5 m s if", "1 m**", "2 m^^2"])
+def test_an_unknown_unit_is_refused(text: str) -> None:
+    with pytest.raises(UnitError, match="is unknown"):
+        to_si(text, "m")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "abc", "um", "1 2 m", "3 2 m", "1 um 3", "one um", "1,5 mm", "1 m; 2", "0x10", "1 'm'"],
+)
+def test_a_text_that_is_no_number_is_refused(text: str) -> None:
+    with pytest.raises(UnitError):
+        to_si(text, "m")
