@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.events import CONE, RELEASE, REVERSAL
+from contactlab.engine.events import CONE, RELEASE
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
     BOUND,
@@ -198,14 +198,10 @@ def event_value(plant: Plant, step: Step, s: float, event: int) -> float:
         return force_at(step, BOUND, x) - abs(force_at(step, FRICTION, x))
     flow_to(plant, step, s)
     u, th, u_rate, th_rate, rotor = tip_motion(plant, step.other_q, step.other_v)
-    gap, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, plant.tip_length, plant.radius, plant.clearance
-    )
+    gap, _, _, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
     if event == RELEASE:
         return gap
-    if event == REVERSAL:
-        return t_u * u_rate + t_th * th_rate + rotor
-    return n_u * u_rate + n_th * th_rate
+    return t_u * u_rate + t_th * th_rate + rotor
 
 
 @inner_kernel

@@ -10,7 +10,7 @@ from contactlab.engine.compliant import (
     prepare,
     push_node,
 )
-from contactlab.engine.events import CONE, DEEPEST, NOTHING, RELEASE, REVERSAL
+from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
@@ -49,6 +49,7 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
+from contactlab.engine.touchdown import gap_and_rate
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import SLIP, STICK, PenaltyKernel
 
@@ -295,7 +296,7 @@ def _track_extremes(
 ) -> None:
     """Largest normal force and penetration of the contact so far, between the nodes as well."""
     s, h = step.real[TAKEN], step.real[LENGTH]
-    closing = rate < 0.0
+    before = rate
     left = 0.0
     for i in range(NODES):
         right = tables.nodes[i] * h
@@ -303,13 +304,13 @@ def _track_extremes(
             break
         run.contact[PEAK] = max(run.contact[PEAK], step.force[NORMAL, i])
         run.contact[DEPTH] = max(run.contact[DEPTH], -step.gap[i])
-        if closing and step.gap_rate[i] >= 0.0:
-            at = locate(plant, step, DEEPEST, left, right)
-            flow_to(plant, step, at)
-            u, th, _, _, _ = tip_motion(plant, step.other_q, step.other_v)
-            gap = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)[0]
-            run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
-        closing = step.gap_rate[i] < 0.0
+        if before < 0.0 <= step.gap_rate[i]:
+            # The turning point by a line through the rates, and from there by the parabola of the gap.
+            curvature = (step.gap_rate[i] - before) / (right - left)
+            flow_to(plant, step, left - before / curvature)
+            gap, slope = gap_and_rate(plant, step.other_q, step.other_v)
+            run.contact[DEPTH] = max(run.contact[DEPTH], 0.5 * slope * slope / curvature - gap)
+        before = step.gap_rate[i]
         left = right
     _track_peak(step, run, s / h)
 

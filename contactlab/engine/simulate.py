@@ -225,8 +225,10 @@ def _kernels(law: ContactLaw) -> tuple[Any, Any]:
     """The law's compiled kernel, and the idle one of the other family."""
     force: Any = law.force if isinstance(law, PenaltyLaw) else _no_force
     solve: Any = law.solve if isinstance(law, MultiplierLaw) else _no_impulse
-    force.compile(PENALTY_SIGNATURE)
-    solve.compile(MULTIPLIER_SIGNATURE)
+    # Asking for a compilation that is there already costs as much as a tenth of a short run.
+    for chosen, signature in ((force, PENALTY_SIGNATURE), (solve, MULTIPLIER_SIGNATURE)):
+        if not chosen.signatures:
+            chosen.compile(signature)
     return force, solve
 
 
