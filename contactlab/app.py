@@ -28,13 +28,14 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from contactlab import interrupts
 from contactlab.composition import check, check_composition
 from contactlab.config import build
 from contactlab.faults import ConfigurationError, one_line
 from contactlab.runner import execute
 
-COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
-"""Exit statuses."""
+COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
+"""Exit statuses; that of an interrupted command is in `contactlab.interrupts`."""
 
 CONFIG_NAME = "config"
 VERSION_BASE = "1.3"
@@ -77,14 +78,15 @@ def main() -> int:
     # the time of a default run.
     gc.disable()
     try:
-        return _dispatch()
+        with interrupts.ending_at_once():
+            return _dispatch()
     except ConfigurationError as error:
         return _refuse(error.faults)
     except (HydraException, OmegaConfBaseException) as error:
         return _refuse([one_line(error)])
     except KeyboardInterrupt as interrupt:
-        print(str(interrupt) or "Interrupted before the run was written.", file=sys.stderr)
-        return INTERRUPTED
+        print(str(interrupt) or interrupts.MESSAGE, file=sys.stderr)
+        return interrupts.STATUS
     finally:
         gc.enable()
 

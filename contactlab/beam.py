@@ -45,7 +45,9 @@ class ClampedBeam:
         roots = []
         for i in range(1, self.shapes + 1):
             centre = (i + 0.5) * np.pi
-            roots.append(brentq(_characteristic, centre - 0.5, centre + 0.5, xtol=1e-15, rtol=1e-15))
+            roots.append(
+                brentq(_characteristic, centre - 0.5, centre + 0.5, xtol=1e-15, rtol=1e-15)
+            )
         return np.array(roots) / self.length
 
     def evaluate(self, position: Array | float, derivative: int = 0) -> Array:

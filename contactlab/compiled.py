@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 import numba.core.config
@@ -72,10 +72,12 @@ def part_kernel(function: Function) -> Function:
 
 def _compile(function: Function, options: dict[str, bool]) -> Function:
     # Numba reads the folder when it decorates, and only from its global configuration.
-    before = numba.core.config.CACHE_DIR
-    numba.core.config.CACHE_DIR = str(code_folder())
+    settings: Any = numba.core.config
+    njit: Any = numba.njit
+    before = settings.CACHE_DIR
+    settings.CACHE_DIR = str(code_folder())
     try:
-        decorate = numba.njit(cache=True, error_model="numpy", _nrt=False, **options)
+        decorate = njit(cache=True, error_model="numpy", _nrt=False, **options)
         return cast(Function, decorate(function))
     finally:
-        numba.core.config.CACHE_DIR = before
+        settings.CACHE_DIR = before

@@ -33,7 +33,7 @@ RESONANCE = 1e-9
 @final
 @dataclass(frozen=True)
 class Setup:
-    """A run, ready to start: the arguments of `contactlab.engine.simulate` and their origin.
+    """A run, ready to start: the arguments of `contactlab.engine.simulation` and their origin.
 
     Args:
         motor, law: what runs.
@@ -167,7 +167,7 @@ def _drive(settings: Mapping[str, float]) -> "Drive":
 
 
 def _default_tolerance() -> float:
-    from contactlab.engine.simulate import DEFAULT_TOLERANCE
+    from contactlab.engine.simulation import DEFAULT_TOLERANCE
 
     return DEFAULT_TOLERANCE
 

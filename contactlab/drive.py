@@ -41,7 +41,7 @@ class Drive:
         frequency_ratio: float = 2.0,
         phase: float = 0.0,
     ) -> "Drive":
-        """The paper's drive (eqs. 1 and 2), w2 = frequency_ratio w1:
+        """The paper's drive (eqs. 1 and 2), with w2 = frequency_ratio w1.
 
             U_A = U1 sin(w1 t + phase) + U2 sin(w2 t)
             U_B = U1 sin(w1 t + phase) - U2 sin(w2 t)

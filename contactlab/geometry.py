@@ -69,8 +69,16 @@ def contact_frame(
 
 @kernel
 def rate_bias(
-    th: float, u_rate: float, th_rate: float, gap: float, tip_length: float, radius: float,
-    n_u: float, n_th: float, t_u: float, t_th: float,
+    th: float,
+    u_rate: float,
+    th_rate: float,
+    gap: float,
+    tip_length: float,
+    radius: float,
+    n_u: float,
+    n_th: float,
+    t_u: float,
+    t_th: float,
 ) -> tuple[float, float]:
     """Velocity-dependent parts of the contact accelerations.
 

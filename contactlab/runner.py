@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 
+from contactlab import interrupts
 from contactlab.config import Setup
 
 DATASET = "run.nc"
@@ -42,7 +43,12 @@ def execute(setup: Setup, directory: Path) -> bool:
     for name in (DATASET, PICTURE):
         (directory / name).unlink(missing_ok=True)
     started = perf_counter()
-    with _progress_bar(setup.duration) as progress:
+    with _progress_bar(setup.duration) as show, interrupts.waiting() as look:
+
+        def progress(time: float) -> None:
+            show(time)
+            look()
+
         trajectory = simulate(
             setup.motor,
             setup.law,
@@ -53,8 +59,9 @@ def execute(setup: Setup, directory: Path) -> bool:
             progress=progress,
         )
     wall_time = perf_counter() - started
-    tree = dataset.write(trajectory, setup.configuration, directory / DATASET)
-    figures.overview(tree, directory / PICTURE)
+    with interrupts.raising():
+        tree = dataset.write(trajectory, setup.configuration, directory / DATASET)
+        figures.overview(tree, directory / PICTURE)
     print(summarise(trajectory, wall_time))
     print(f"Written to {directory / DATASET} and {PICTURE} beside it.", flush=True)
     if trajectory.ending is Ending.INTERRUPTED:
@@ -89,10 +96,10 @@ def refusals(directory: Path) -> Iterator[str]:
 
 
 @contextmanager
-def _progress_bar(duration: float) -> Iterator[Callable[[float], None] | None]:
+def _progress_bar(duration: float) -> Iterator[Callable[[float], None]]:
     """A bar over the simulated time [s] on a terminal, nothing elsewhere."""
     if not sys.stderr.isatty():
-        yield None
+        yield lambda _: None
         return
     from tqdm import tqdm
 

@@ -55,7 +55,7 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Ending | BaseException]
             message = "" if how is Ending.COMPLETE else "It ended too early."
             return dataclasses.replace(trajectory, ending=how, message=message)
 
-        monkeypatch.setattr("contactlab.engine.simulate", simulate)
+        monkeypatch.setattr("contactlab.engine.simulation", simulate)
 
     return replace
 
@@ -390,12 +390,12 @@ def test_progress_shows_on_a_terminal_only_and_not_before_its_time(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with runner._progress_bar(0.02) as progress:
-        assert progress is None
+        progress(0.01)
+    assert capsys.readouterr().err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     for delay, shown in ((60.0, False), (1e-9, True)):
         monkeypatch.setattr(runner, "PROGRESS_AFTER", delay)
         with runner._progress_bar(0.02) as progress:
-            assert progress is not None
             time.sleep(0.2)
             progress(0.01)
         assert ("50 %" in capsys.readouterr().err) is shown

@@ -11,7 +11,7 @@ from conf_files import CONF, altered, composed, options
 
 from contactlab import beam, schema
 from contactlab.config import build, validate
-from contactlab.engine.simulate import DEFAULT_TOLERANCE
+from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.faults import ConfigurationError, known_keys
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
 from contactlab.rules import MOST_RECORDS

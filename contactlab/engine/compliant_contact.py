@@ -4,17 +4,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.compliant import (
+from contactlab.engine.collocation import (
     collocate,
-    locate,
     prepare,
     push_node,
 )
-from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
+from contactlab.engine.compliant_events import contradicted, first_event, track_extremes
+from contactlab.engine.events import NOTHING
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
-    DEPTH,
     DIVERGED,
     DURATION,
     END,
@@ -22,15 +21,12 @@ from contactlab.engine.run import (
     LEVEL,
     LEVEL_BEFORE,
     MOMENTUM,
-    PEAK,
     REJECTED_STEPS,
     SIGN,
     SWEEPS,
-    SWITCHES,
     TIME,
     TOLERANCE,
     Run,
-    count_event,
 )
 from contactlab.engine.step import (
     BOUND,
@@ -43,23 +39,15 @@ from contactlab.engine.step import (
     TAKEN,
     Step,
     add_collocated,
-    flow_to,
     force_at,
     largest,
     tip_motion,
 )
 from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
-from contactlab.engine.touchdown import gap_and_rate
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import SLIP, STICK, PenaltyKernel
 
 Array = NDArray[np.float64]
-
-SLIP_ROUND_OFF = 1e-13
-"""Slip velocity [m/s] that a located reversal may leave."""
-
-CONE_ROUND_OFF = 1e-9
-"""Relative excess of friction over its bound that still sticks: the bound is reached, not left."""
 
 
 @part_kernel
@@ -90,17 +78,17 @@ def press(
             run.whole[REJECTED_STEPS] += 1
             level += 1 + (1 if error > 500.0 else 0)
             continue
-        if not _contradicted(step, run, slip):
+        if not contradicted(step, run, slip):
             break
         # Neither slipping nor sticking fits at this length: look closer before trying again.
         flips += 1
         level += 2 * (flips // 2)
     remaining = run.real[END] - run.real[TIME]
-    event, s = _first_event(plant, tables, step, run)
+    event, s = first_event(plant, tables, step, run)
     if s > remaining:
         event, s = NOTHING, remaining
     step.real[TAKEN] = s
-    _track_extremes(plant, tables, step, run, rate)
+    track_extremes(plant, tables, step, run, rate)
     if s == step.real[LENGTH]:
         add_collocated(plant, tables, step, level)
     run.whole[CONTACT_STEPS] += 1
@@ -123,28 +111,6 @@ def _guess(step: Step, run: Run, normal: float, bound: float) -> None:
     for d in range(NODES):
         step.shape[NORMAL, d] = normal if d == 0 else 0.0
         step.shape[BOUND, d] = bound if d == 0 else 0.0
-
-
-@inner_kernel
-def switch_friction(step: Step, run: Run, event: int) -> None:
-    """Set the friction mode after a step that ended in REVERSAL or CONE."""
-    if event == REVERSAL:
-        step.whole[MODE] = STICK
-    else:
-        _slip_against(step, run, force_at(step, FRICTION, step.real[TAKEN] / step.real[LENGTH]))
-    _count_switch(run)
-
-
-@inner_kernel
-def _slip_against(step: Step, run: Run, friction: float) -> None:
-    step.whole[MODE] = SLIP
-    run.whole[SIGN] = -1 if friction > 0.0 else 1
-
-
-@inner_kernel
-def _count_switch(run: Run) -> None:
-    run.whole[SWITCHES] += 1
-    count_event(run)
 
 
 @part_kernel
@@ -176,7 +142,7 @@ def _separation_level(tables: Tables, run: Run, gap: float, rate: float, normal:
         while h * rate > -0.7 * gap and normal * h > small and level < FINEST - 1:
             level += 1
             h *= 0.5
-    return level
+    return int(level)
 
 
 @part_kernel
@@ -222,7 +188,7 @@ def _attempt(
     error = abs(step.shape[NORMAL, 0] - normal)
     if mode == STICK:
         error = max(error, 0.1 * abs(step.shape[FRICTION, NODES - 1]))
-    return error * h / allowed
+    return float(error * h / allowed)
 
 
 @part_kernel
@@ -234,106 +200,3 @@ def _following_level(tables: Tables, level: int, error: float) -> int:
             level -= 1
             error *= growth
     return level
-
-
-@part_kernel
-def _contradicted(step: Step, run: Run, slip: float) -> bool:
-    """Whether the step denies its own friction mode from its start; the other mode is then set.
-
-    Stick whose friction leaves the cone at once must slip against it; slip that starts from
-    zero into the wrong direction must stick.
-    """
-    if step.whole[MODE] == STICK:
-        bound = step.force[BOUND, 0]
-        friction = step.force[FRICTION, 0]
-        if abs(friction) > bound * (1.0 + CONE_ROUND_OFF) and (
-            force_at(step, BOUND, 0.0) <= abs(force_at(step, FRICTION, 0.0))
-        ):
-            _slip_against(step, run, friction)
-            _count_switch(run)
-            return True
-        return False
-    sign = run.whole[SIGN]
-    if largest(step.force[BOUND]) > 0.0 and sign * step.slip[0] < 0.0 and sign * slip <= SLIP_ROUND_OFF:
-        step.whole[MODE] = STICK
-        _count_switch(run)
-        return True
-    return False
-
-
-@part_kernel
-def _first_event(
-    plant: Plant, tables: Tables, step: Step, run: Run
-) -> tuple[int, float]:
-    """The earliest event in the step and its time, or NOTHING and the step's length."""
-    left = 0.0
-    sticks = step.whole[MODE] == STICK
-    rubs = largest(step.force[BOUND]) > 0.0
-    for i in range(NODES):
-        right = tables.nodes[i] * step.real[LENGTH]
-        first = NOTHING
-        s = right
-        for event in (CONE, REVERSAL, RELEASE):
-            if event == RELEASE:
-                happened = step.gap[i] >= 0.0
-            elif event == REVERSAL:
-                happened = rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0
-            else:
-                ceiling = step.force[BOUND, i] * (1.0 + CONE_ROUND_OFF)
-                happened = sticks and abs(step.force[FRICTION, i]) > ceiling
-            if happened:
-                at = locate(plant, step, event, left, right)
-                first, s = (event, at) if first == NOTHING or at < s else (first, s)
-        if first != NOTHING:
-            return first, s
-        left = right
-    return NOTHING, step.real[LENGTH]
-
-
-@inner_kernel
-def _track_extremes(
-    plant: Plant, tables: Tables, step: Step, run: Run, rate: float
-) -> None:
-    """Largest normal force and penetration of the contact so far, between the nodes as well."""
-    s, h = step.real[TAKEN], step.real[LENGTH]
-    before = rate
-    left = 0.0
-    for i in range(NODES):
-        right = tables.nodes[i] * h
-        if right > s:
-            break
-        run.contact[PEAK] = max(run.contact[PEAK], step.force[NORMAL, i])
-        run.contact[DEPTH] = max(run.contact[DEPTH], -step.gap[i])
-        if before < 0.0 <= step.gap_rate[i]:
-            # The turning point by a line through the rates, and from there by the parabola of the gap.
-            curvature = (step.gap_rate[i] - before) / (right - left)
-            flow_to(plant, step, left - before / curvature)
-            gap, slope = gap_and_rate(plant, step.other_q, step.other_v)
-            run.contact[DEPTH] = max(run.contact[DEPTH], 0.5 * slope * slope / curvature - gap)
-        before = step.gap_rate[i]
-        left = right
-    _track_peak(step, run, s / h)
-
-
-@inner_kernel
-def _track_peak(step: Step, run: Run, end: float) -> None:
-    """Largest normal force from the zero of its polynomial's slope on [0, end], if it has one."""
-    left, right = 0.0, end
-    if not (_slope(step, left) > 0.0 > _slope(step, right)):
-        return
-    for _ in range(60):
-        middle = 0.5 * (left + right)
-        if _slope(step, middle) > 0.0:
-            left = middle
-        else:
-            right = middle
-    run.contact[PEAK] = max(run.contact[PEAK], force_at(step, NORMAL, left))
-
-
-@inner_kernel
-def _slope(step: Step, x: float) -> float:
-    """Derivative of the normal force polynomial at x = s/h."""
-    total = 0.0
-    for d in range(NODES - 1, 0, -1):
-        total = total * x + d * step.shape[NORMAL, d]
-    return total

@@ -88,9 +88,7 @@ def held_rates(plant: Plant, step: Step, v: Array) -> tuple[float, float]:
 
 
 @part_kernel
-def increments_of_step(
-    plant: Plant, tables: Tables, step: Step, out: Array
-) -> None:
+def increments_of_step(plant: Plant, tables: Tables, step: Step, out: Array) -> None:
     """Terms over a whole step of a level, from what is known at its nodes, into `out`."""
     h = step.real[LENGTH]
     degree = step.whole[KIND]

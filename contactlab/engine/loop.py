@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.engine.compliant_contact import press, switch_friction
+from contactlab.engine.compliant_contact import press
+from contactlab.engine.compliant_events import switch_friction
 from contactlab.engine.events import NOTHING, RELEASE, TOUCH
 from contactlab.engine.flight import fly
 from contactlab.engine.plant import Plant

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel, kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.ledger import (
     FRICTION_IMPULSE,
     FRICTIONAL,
@@ -25,7 +25,9 @@ from contactlab.variables import CONTACTS, SERIES
 
 Array = NDArray[np.float64]
 
-TIME, END, INTERVAL, WINDOW, WINDOW_START, MOMENTUM, NORMAL_BEFORE, FRICTION_BEFORE, TOLERANCE = range(9)
+TIME, END, INTERVAL, WINDOW, WINDOW_START, MOMENTUM, NORMAL_BEFORE, FRICTION_BEFORE, TOLERANCE = (
+    range(9)
+)
 """Places in `Run.real`: time, its end, record interval, the chatter window and its start [s], the
 contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1]."""
 
@@ -49,8 +51,8 @@ SEPARATING, OPEN, TOUCHING = range(3)
 RUNNING, DIVERGED, CHATTERED = range(3)
 """Endings as the kernels know them."""
 
-START, DURATION, STUCK, IMPULSE, FRICTIONAL_IMPULSE, PEAK, DEPTH, APPROACH, SEPARATION, LOSS = range(
-    len(CONTACTS)
+START, DURATION, STUCK, IMPULSE, FRICTIONAL_IMPULSE, PEAK, DEPTH, APPROACH, SEPARATION, LOSS = (
+    range(len(CONTACTS))
 )
 """Columns of a contact, in the order of `variables.CONTACTS`."""
 
@@ -108,8 +110,8 @@ def run_for(records: int, contact_rows: int = 4096) -> Run:
 def record_time(run: Run, index: int) -> float:
     """Time of a record [s]; the last one lies at the end of the run."""
     if index >= run.series.shape[0] - 1:
-        return run.real[END]
-    return index * run.real[INTERVAL]
+        return float(run.real[END])
+    return float(index * run.real[INTERVAL])
 
 
 @inner_kernel
@@ -217,9 +219,7 @@ def count_event(run: Run) -> None:
 def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
     """A touch-down at the present state: start a contact at a level of the ladder."""
     u, th, u_rate, th_rate, rotor = tip_motion(plant, step.q, step.v)
-    _, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, plant.tip_length, plant.radius, plant.clearance
-    )
+    _, n_u, n_th, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
     rate = n_u * u_rate + n_th * th_rate
     slip = t_u * u_rate + t_th * th_rate + rotor
     for column in range(run.contact.size):

@@ -146,7 +146,7 @@ def largest(values: Array) -> float:
     most = values[0]
     for value in values:
         most = max(most, value)
-    return most
+    return float(most)
 
 
 @inner_kernel
@@ -208,7 +208,7 @@ def flow_to(plant: Plant, step: Step, s: float) -> None:
 
 @inner_kernel
 def tip_motion(plant: Plant, q: Array, v: Array) -> tuple[float, float, float, float, float]:
-    """u [m], th [rad], their rates, and -R Omega [m/s] of a state."""
+    """U [m], th [rad], their rates, and -R Omega [m/s] of a state."""
     u = 0.0
     th = 0.0
     u_rate = 0.0
@@ -267,7 +267,7 @@ def add_collocated(plant: Plant, tables: Tables, step: Step, level: int) -> None
 @inner_kernel
 def held_push(plant: Plant, step: Step, j: int) -> float:
     """Constant force of a HELD step on one coordinate."""
-    return (
+    return float(
         plant.row_u[j] * step.force[PUSH_U, 0]
         + plant.row_th[j] * step.force[PUSH_TH, 0]
         + plant.row_r[j] * step.force[FRICTION, 0]

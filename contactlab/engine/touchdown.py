@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel, kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import Step, flow_to, tip_motion
 from contactlab.geometry import contact_frame
@@ -24,7 +24,7 @@ RESOLUTION = 1e-22
 NO_TOUCH = -1.0
 
 
-@kernel
+@part_kernel
 def gap_and_rate(plant: Plant, q: Array, v: Array) -> tuple[float, float]:
     """Gap [m] and gap rate [m/s] of a state."""
     u, th, u_rate, th_rate, _ = tip_motion(plant, q, v)
@@ -73,8 +73,9 @@ def curvature_bound(plant: Plant, step: Step, h: float) -> float:
 
 
 @inner_kernel
-def stays_open(a: float, gap_a: float, rate_a: float, b: float, gap_b: float, rate_b: float,
-               bound: float) -> bool:
+def stays_open(
+    a: float, gap_a: float, rate_a: float, b: float, gap_b: float, rate_b: float, bound: float
+) -> bool:
     """Whether the gap is proven positive on [a, b]."""
     if gap_a <= 0.0 or gap_b <= 0.0:
         return False

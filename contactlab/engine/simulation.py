@@ -1,29 +1,25 @@
 """Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
 
-import sys
 from collections.abc import Callable
-from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import is_compiled, kernel
+from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant, plant_of
+from contactlab.engine.readout import explain, read_series, record_times
 from contactlab.engine.run import (
-    CHATTERED,
     COUNTS,
     END,
     ENDING,
-    EVENT_LIMIT,
     INTERVAL,
     LEVEL,
     PHASE,
     RECORDED,
     RUNNING,
-    SEPARATION,
     SEPARATING,
+    SEPARATION,
     STORED,
     TIME,
     TOLERANCE,
@@ -35,17 +31,10 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import Step, step_for
 from contactlab.engine.tables import Tables, tables_for
-from contactlab.engine.touchdown import gap_and_rate
-from contactlab.laws.base import (
-    MULTIPLIER_SIGNATURE,
-    PENALTY_SIGNATURE,
-    ContactLaw,
-    MultiplierLaw,
-    PenaltyLaw,
-)
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
-from contactlab.variables import CONTACTS, SERIES
+from contactlab.variables import CONTACTS
 
 Array = NDArray[np.float64]
 
@@ -55,27 +44,6 @@ itself is far better: its end converges with nearly twice the order of this esti
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
-
-@kernel
-def _no_force(
-    gap: float, gap_rate: float, slip: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    """Stands for the penalty law in a run of a multiplier law."""
-    return 0.0, 0.0, 0.0, 0.0
-
-
-@kernel
-def _no_impulse(
-    normal_rate: float,
-    tangential_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    parameters: Array,
-) -> tuple[float, float, int]:
-    """Stands for the multiplier law in a run of a penalty law."""
-    return 0.0, 0.0, 0
 
 
 def simulate(
@@ -99,9 +67,10 @@ def simulate(
         law: what acts between tip and rotor.
         duration: [s], positive.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
-        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the law's default.
+        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
+            law's default.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
-        progress: called now and then with the simulated time [s].
+        progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
 
     Returns:
         The trajectory; one that is not complete says why and holds what it had.
@@ -118,9 +87,11 @@ def simulate(
     run = run_for(_count_records(duration, record_interval))
     _start(motor, plant, tables, step, run, duration, record_interval, tolerance)
     parameters = law.parameters()
-    force, solve = _kernels(law)
-    _compile(plant, tables, step, run)
+    force, solve = kernels_of(law)
+    compile_loop(plant, tables, step, run)
 
+    if progress is not None:
+        progress(0.0)
     finished: list[Array] = []
     compliant = isinstance(law, PenaltyLaw)
     ending, message = Ending.COMPLETE, ""
@@ -133,13 +104,13 @@ def simulate(
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
     if run.whole[ENDING] != RUNNING:
-        ending, message = _explain(run, contact_step)
+        ending, message = explain(run, contact_step)
     if run.whole[PHASE] == TOUCHING:
         run.contact[SEPARATION] = np.nan
         store_contact(run)
     finished.append(_collect(run))
     records = int(run.whole[RECORDED])
-    series, modes = _read_series(run, records)
+    series, modes = read_series(run, records)
     rows = np.vstack(finished)
     return Trajectory(
         motor=motor,
@@ -147,7 +118,7 @@ def simulate(
         duration=duration,
         contact_step=contact_step,
         record_interval=record_interval,
-        time=_record_times(run, records),
+        time=record_times(run, records),
         series=series,
         contact_mode=modes,
         contacts={v.name: rows[:, column].copy() for column, v in enumerate(CONTACTS)},
@@ -190,7 +161,7 @@ def _check(
 
 
 def _count_records(duration: float, interval: float) -> int:
-    """Records at 0, interval, 2 interval, ... and at the end; a rest below 1e-6 of the interval is round-off."""
+    """Records at 0, interval, 2 interval, ... and at the end; 1e-6 of an interval is round-off."""
     return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
 
 
@@ -211,54 +182,13 @@ def _start(
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
     rates = np.concatenate([np.sqrt(plant.stiffness[:-1]), plant.omega])
     run.real[WINDOW] = 2.0 * np.pi / rates.min()
-    gap, _ = gap_and_rate(plant, step.q, step.v)
     run.whole[PHASE] = SEPARATING
     run.whole[LEVEL] = tables.fresh_level
-    if gap < 0.0:
+    if plant.clearance < 0.0:
         raise ValueError(
             f"The clearance is {plant.clearance} m; it must not be negative: tip and rotor would "
             "overlap at rest."
         )
-
-
-def _kernels(law: ContactLaw) -> tuple[Any, Any]:
-    """The law's compiled kernel, and the idle one of the other family."""
-    force: Any = law.force if isinstance(law, PenaltyLaw) else _no_force
-    solve: Any = law.solve if isinstance(law, MultiplierLaw) else _no_impulse
-    # Asking for a compilation that is there already costs as much as a tenth of a short run.
-    for chosen, signature in ((force, PENALTY_SIGNATURE), (solve, MULTIPLIER_SIGNATURE)):
-        if not chosen.signatures:
-            chosen.compile(signature)
-    return force, solve
-
-
-def _compile(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
-    """Compile the loop, or load its code, for laws that are called by address.
-
-    A law is a first-class function of one type, so that the loop is compiled once for all laws; left
-    to itself the compiler would take each law for a type of its own.
-    """
-    loop: Any = advance
-    if loop.signatures:
-        return
-    if not is_compiled("advance"):
-        print(
-            "contactlab: compiling the engine; this happens once for an installation and takes "
-            "up to a minute.",
-            file=sys.stderr,
-            flush=True,
-        )
-    loop.compile(
-        (
-            *(numba.typeof(memory) for memory in (plant, tables, step, run)),
-            numba.types.FunctionType(PENALTY_SIGNATURE),
-            numba.types.FunctionType(MULTIPLIER_SIGNATURE),
-            numba.types.boolean,
-            PENALTY_SIGNATURE.args[-1],
-            numba.types.int64,
-        )
-    )
-    loop.disable_compile()
 
 
 def _collect(run: Run) -> Array:
@@ -266,42 +196,3 @@ def _collect(run: Run) -> Array:
     rows = run.contacts[: run.whole[STORED]].copy()
     run.whole[STORED] = 0
     return rows
-
-
-def _explain(run: Run, contact_step: float) -> tuple[Ending, str]:
-    """The ending of a run that stopped by itself, and a sentence on it."""
-    time = float(run.real[TIME])
-    if run.whole[ENDING] == CHATTERED:
-        return Ending.CHATTERED, (
-            f"The contact chatters at {time:.6g} s: more than {EVENT_LIMIT} touch-downs and friction "
-            f"switches within {run.real[WINDOW]:.3g} s, or no progress. The run stops there; a "
-            f"shorter contact step than {contact_step:.3g} s or another law may pass it."
-        )
-    return Ending.DIVERGED, (
-        f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deep inside the "
-        f"rotor, or no step down to {contact_step / 2**30:.1g} s satisfies the law. Check the law's "
-        "parameters and the drive, or shorten the contact step."
-    )
-
-
-def _record_times(run: Run, records: int) -> Array:
-    """Times of the records [s], as the recorder took them."""
-    time = np.arange(records) * run.real[INTERVAL]
-    if records == run.series.shape[0]:
-        time[-1] = run.real[END]
-    return np.asarray(time, dtype=np.float64)
-
-
-def _read_series(run: Run, records: int) -> tuple[dict[str, Array], NDArray[np.int8]]:
-    """The recorded columns by name: mean forces out of impulses, and the ledger's residual."""
-    table = run.series[:records]
-    series = {v.name: table[:, column].copy() for column, v in enumerate(SERIES)}
-    interval = np.diff(_record_times(run, records))
-    for name in ("normal_force", "friction_force"):
-        series[name] = np.concatenate([[0.0], np.diff(series[name]) / interval])
-    energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
-    losses = sum(
-        series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
-    )
-    series["energy_residual"] = energy - energy[0] - (series["drive_work"] - losses)
-    return series, run.modes[:records].copy()

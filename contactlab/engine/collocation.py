@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.events import CONE, RELEASE
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
     BOUND,
     FRICTION,
-    LENGTH,
     NORMAL,
     PUSH_TH,
     PUSH_U,
@@ -24,8 +22,6 @@ from contactlab.engine.step import (
     TIP_U,
     TIP_U_RATE,
     Step,
-    flow_to,
-    force_at,
     free_response,
     shape_forces,
     tip_motion,
@@ -188,52 +184,3 @@ def _hold_slip(step: Step) -> float:
         push_node(step, i)
         largest = max(largest, abs(step.stick[i, right]))
     return largest
-
-
-@inner_kernel
-def event_value(plant: Plant, step: Step, s: float, event: int) -> float:
-    """A function of time in the step whose zero is the event."""
-    if event == CONE:
-        x = s / step.real[LENGTH]
-        return force_at(step, BOUND, x) - abs(force_at(step, FRICTION, x))
-    flow_to(plant, step, s)
-    u, th, u_rate, th_rate, rotor = tip_motion(plant, step.other_q, step.other_v)
-    gap, _, _, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
-    if event == RELEASE:
-        return gap
-    return t_u * u_rate + t_th * th_rate + rotor
-
-
-@inner_kernel
-def locate(plant: Plant, step: Step, event: int, left: float, right: float) -> float:
-    """Time of an event between left and right, where its function has different signs.
-
-    Regula falsi that halves the value of an end that stays twice (the Illinois rule).
-    """
-    at_left = event_value(plant, step, left, event)
-    at_right = event_value(plant, step, right, event)
-    if at_left == 0.0 or at_left * at_right > 0.0:
-        # The zero lies at an end, to round-off: the nearer one.
-        return left if abs(at_left) <= abs(at_right) else right
-    stayed = 0
-    before = left
-    s = right
-    for _ in range(100):
-        s = (at_left * right - at_right * left) / (at_left - at_right)
-        if not left < s < right:
-            s = 0.5 * (left + right)
-        value = event_value(plant, step, s, event)
-        if value == 0.0 or abs(s - before) <= 1e-14 * step.real[LENGTH]:
-            break
-        before = s
-        if value * at_right > 0.0:
-            right, at_right = s, value
-            if stayed < 0:
-                at_left *= 0.5
-            stayed = -1
-        else:
-            left, at_left = s, value
-            if stayed > 0:
-                at_right *= 0.5
-            stayed = 1
-    return s

@@ -1,0 +1,86 @@
+"""From a law to the compiled loop: its kernel by address, and the loop compiled once for all laws."""
+
+import sys
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import is_compiled, kernel
+from contactlab.engine.loop import advance
+from contactlab.engine.plant import Plant
+from contactlab.engine.run import Run
+from contactlab.engine.step import Step
+from contactlab.engine.tables import Tables
+from contactlab.laws.base import (
+    MULTIPLIER_SIGNATURE,
+    PENALTY_SIGNATURE,
+    ContactLaw,
+    MultiplierLaw,
+    PenaltyLaw,
+)
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def no_force(
+    gap: float, gap_rate: float, slip: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Stands for the penalty law in a run of a multiplier law."""
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def no_impulse(
+    normal_rate: float,
+    tangential_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    parameters: Array,
+) -> tuple[float, float, int]:
+    """Stands for the multiplier law in a run of a penalty law."""
+    return 0.0, 0.0, 0
+
+
+def kernels_of(law: ContactLaw) -> tuple[Any, Any]:
+    """The law's compiled kernel, and the idle one of the other family."""
+    force: Any = law.force if isinstance(law, PenaltyLaw) else no_force
+    solve: Any = law.solve if isinstance(law, MultiplierLaw) else no_impulse
+    # Asking for a compilation that is there already costs as much as a tenth of a short run.
+    for chosen, signature in ((force, PENALTY_SIGNATURE), (solve, MULTIPLIER_SIGNATURE)):
+        if not chosen.signatures:
+            chosen.compile(signature)
+    return force, solve
+
+
+def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
+    """Compile the loop, or load its code, for laws that are called by address.
+
+    A law is a first-class function of one type, so that the loop is compiled once for all laws; left
+    to itself the compiler would take each law for a type of its own.
+    """
+    loop: Any = advance
+    if loop.signatures:
+        return
+    if not is_compiled("advance"):
+        print(
+            "contactlab: compiling the engine; this happens once for an installation and takes "
+            "up to a minute.",
+            file=sys.stderr,
+            flush=True,
+        )
+    loop.compile(
+        (
+            *(numba.typeof(memory) for memory in (plant, tables, step, run)),
+            numba.types.FunctionType(PENALTY_SIGNATURE),
+            numba.types.FunctionType(MULTIPLIER_SIGNATURE),
+            numba.types.boolean,
+            PENALTY_SIGNATURE.args[-1],
+            numba.types.int64,
+        )
+    )
+    loop.disable_compile()

@@ -1,0 +1,208 @@
+"""Inside a step of a compliant contact: its friction mode, what ends it, and its extremes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
+from contactlab.engine.plant import Plant
+from contactlab.engine.run import DEPTH, PEAK, SIGN, SWITCHES, Run, count_event
+from contactlab.engine.step import (
+    BOUND,
+    FRICTION,
+    LENGTH,
+    MODE,
+    NORMAL,
+    TAKEN,
+    Step,
+    flow_to,
+    force_at,
+    largest,
+    tip_motion,
+)
+from contactlab.engine.tables import NODES, Tables
+from contactlab.engine.touchdown import gap_and_rate
+from contactlab.geometry import contact_frame
+from contactlab.laws.base import SLIP, STICK
+
+Array = NDArray[np.float64]
+
+SLIP_ROUND_OFF = 1e-13
+"""Slip velocity [m/s] that a located reversal may leave."""
+
+CONE_ROUND_OFF = 1e-9
+"""Relative excess of friction over its bound that still sticks: the bound is reached, not left."""
+
+
+@inner_kernel
+def switch_friction(step: Step, run: Run, event: int) -> None:
+    """Set the friction mode after a step that ended in REVERSAL or CONE."""
+    if event == REVERSAL:
+        step.whole[MODE] = STICK
+    else:
+        _slip_against(step, run, force_at(step, FRICTION, step.real[TAKEN] / step.real[LENGTH]))
+    _count_switch(run)
+
+
+@inner_kernel
+def _slip_against(step: Step, run: Run, friction: float) -> None:
+    step.whole[MODE] = SLIP
+    run.whole[SIGN] = -1 if friction > 0.0 else 1
+
+
+@inner_kernel
+def _count_switch(run: Run) -> None:
+    run.whole[SWITCHES] += 1
+    count_event(run)
+
+
+@part_kernel
+def contradicted(step: Step, run: Run, slip: float) -> bool:
+    """Whether the step denies its own friction mode from its start; the other mode is then set.
+
+    Stick whose friction leaves the cone at once must slip against it; slip that starts from
+    zero into the wrong direction must stick.
+    """
+    if step.whole[MODE] == STICK:
+        bound = step.force[BOUND, 0]
+        friction = step.force[FRICTION, 0]
+        if abs(friction) > bound * (1.0 + CONE_ROUND_OFF) and (
+            force_at(step, BOUND, 0.0) <= abs(force_at(step, FRICTION, 0.0))
+        ):
+            _slip_against(step, run, friction)
+            _count_switch(run)
+            return True
+        return False
+    sign = run.whole[SIGN]
+    if (
+        largest(step.force[BOUND]) > 0.0
+        and sign * step.slip[0] < 0.0
+        and sign * slip <= SLIP_ROUND_OFF
+    ):
+        step.whole[MODE] = STICK
+        _count_switch(run)
+        return True
+    return False
+
+
+@part_kernel
+def first_event(plant: Plant, tables: Tables, step: Step, run: Run) -> tuple[int, float]:
+    """The earliest event in the step and its time, or NOTHING and the step's length."""
+    left = 0.0
+    sticks = step.whole[MODE] == STICK
+    rubs = largest(step.force[BOUND]) > 0.0
+    for i in range(NODES):
+        right = tables.nodes[i] * step.real[LENGTH]
+        first = NOTHING
+        s = right
+        for event in (CONE, REVERSAL, RELEASE):
+            if event == RELEASE:
+                happened = step.gap[i] >= 0.0
+            elif event == REVERSAL:
+                happened = rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0
+            else:
+                ceiling = step.force[BOUND, i] * (1.0 + CONE_ROUND_OFF)
+                happened = sticks and abs(step.force[FRICTION, i]) > ceiling
+            if happened:
+                at = locate(plant, step, event, left, right)
+                first, s = (event, at) if first == NOTHING or at < s else (first, s)
+        if first != NOTHING:
+            return first, s
+        left = right
+    return NOTHING, step.real[LENGTH]
+
+
+@inner_kernel
+def track_extremes(plant: Plant, tables: Tables, step: Step, run: Run, rate: float) -> None:
+    """Largest normal force and penetration of the contact so far, between the nodes as well."""
+    s, h = step.real[TAKEN], step.real[LENGTH]
+    before = rate
+    left = 0.0
+    for i in range(NODES):
+        right = tables.nodes[i] * h
+        if right > s:
+            break
+        run.contact[PEAK] = max(run.contact[PEAK], step.force[NORMAL, i])
+        run.contact[DEPTH] = max(run.contact[DEPTH], -step.gap[i])
+        if before < 0.0 <= step.gap_rate[i]:
+            # The turning point by a line through the rates, and from there by the parabola of the gap.
+            curvature = (step.gap_rate[i] - before) / (right - left)
+            flow_to(plant, step, left - before / curvature)
+            gap, slope = gap_and_rate(plant, step.other_q, step.other_v)
+            run.contact[DEPTH] = max(run.contact[DEPTH], 0.5 * slope * slope / curvature - gap)
+        before = step.gap_rate[i]
+        left = right
+    _track_peak(step, run, s / h)
+
+
+@inner_kernel
+def _track_peak(step: Step, run: Run, end: float) -> None:
+    """Largest normal force from the zero of its polynomial's slope on [0, end], if it has one."""
+    left, right = 0.0, end
+    if not (_slope(step, left) > 0.0 > _slope(step, right)):
+        return
+    for _ in range(60):
+        middle = 0.5 * (left + right)
+        if _slope(step, middle) > 0.0:
+            left = middle
+        else:
+            right = middle
+    run.contact[PEAK] = max(run.contact[PEAK], force_at(step, NORMAL, left))
+
+
+@inner_kernel
+def _slope(step: Step, x: float) -> float:
+    """Derivative of the normal force polynomial at x = s/h."""
+    total = 0.0
+    for d in range(NODES - 1, 0, -1):
+        total = total * x + d * step.shape[NORMAL, d]
+    return total
+
+
+@inner_kernel
+def event_value(plant: Plant, step: Step, s: float, event: int) -> float:
+    """A function of time in the step whose zero is the event."""
+    if event == CONE:
+        x = s / step.real[LENGTH]
+        return force_at(step, BOUND, x) - abs(force_at(step, FRICTION, x))
+    flow_to(plant, step, s)
+    u, th, u_rate, th_rate, rotor = tip_motion(plant, step.other_q, step.other_v)
+    gap, _, _, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
+    if event == RELEASE:
+        return gap
+    return t_u * u_rate + t_th * th_rate + rotor
+
+
+@inner_kernel
+def locate(plant: Plant, step: Step, event: int, left: float, right: float) -> float:
+    """Time of an event between left and right, where its function has different signs.
+
+    Regula falsi that halves the value of an end that stays twice (the Illinois rule).
+    """
+    at_left = event_value(plant, step, left, event)
+    at_right = event_value(plant, step, right, event)
+    if at_left == 0.0 or at_left * at_right > 0.0:
+        # The zero lies at an end, to round-off: the nearer one.
+        return left if abs(at_left) <= abs(at_right) else right
+    stayed = 0
+    before = left
+    s = right
+    for _ in range(100):
+        s = (at_left * right - at_right * left) / (at_left - at_right)
+        if not left < s < right:
+            s = 0.5 * (left + right)
+        value = event_value(plant, step, s, event)
+        if value == 0.0 or abs(s - before) <= 1e-14 * step.real[LENGTH]:
+            break
+        before = s
+        if value * at_right > 0.0:
+            right, at_right = s, value
+            if stayed < 0:
+                at_left *= 0.5
+            stayed = -1
+        else:
+            left, at_left = s, value
+            if stayed > 0:
+                at_right *= 0.5
+            stayed = 1
+    return s

@@ -1,0 +1,49 @@
+"""From the memory of a run to what a user reads: series by name, and the ending in a sentence."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.engine.run import CHATTERED, END, ENDING, EVENT_LIMIT, INTERVAL, TIME, WINDOW, Run
+from contactlab.trajectory import Ending
+from contactlab.variables import SERIES
+
+Array = NDArray[np.float64]
+
+
+def explain(run: Run, contact_step: float) -> tuple[Ending, str]:
+    """The ending of a run that stopped by itself, and a sentence on it."""
+    time = float(run.real[TIME])
+    if run.whole[ENDING] == CHATTERED:
+        return Ending.CHATTERED, (
+            f"The contact chatters at {time:.6g} s: more than {EVENT_LIMIT} touch-downs and friction "
+            f"switches within {run.real[WINDOW]:.3g} s, or no progress. The run stops there; a "
+            f"shorter contact step than {contact_step:.3g} s or another law may pass it."
+        )
+    return Ending.DIVERGED, (
+        f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deep inside the "
+        f"rotor, or no step down to {contact_step / 2**30:.1g} s satisfies the law. Check the law's "
+        "parameters and the drive, or shorten the contact step."
+    )
+
+
+def record_times(run: Run, records: int) -> Array:
+    """Times of the records [s], as the recorder took them."""
+    time = np.arange(records) * run.real[INTERVAL]
+    if records == run.series.shape[0]:
+        time[-1] = run.real[END]
+    return np.asarray(time, dtype=np.float64)
+
+
+def read_series(run: Run, records: int) -> tuple[dict[str, Array], NDArray[np.int8]]:
+    """The recorded columns by name: mean forces out of impulses, and the ledger's residual."""
+    table = run.series[:records]
+    series = {v.name: table[:, column].copy() for column, v in enumerate(SERIES)}
+    interval = np.diff(record_times(run, records))
+    for name in ("normal_force", "friction_force"):
+        series[name] = np.concatenate([[0.0], np.diff(series[name]) / interval])
+    energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
+    losses = sum(
+        series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
+    )
+    series["energy_residual"] = energy - energy[0] - (series["drive_work"] - losses)
+    return series, run.modes[:records].copy()
