@@ -60,7 +60,10 @@ def kernel(function: Function) -> Function:
 
 
 def inner_kernel(function: Function) -> Function:
-    """A kernel that only kernels call: no way in from Python is built, which is most of its compilation."""
+    """A kernel that only kernels call, never Python.
+
+    No way in from Python is built, which is most of its compilation: a call from there would crash.
+    """
     return _compile(function, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
 
 

@@ -16,7 +16,7 @@ import yaml
 from conf_files import CONF, options
 from synthetic import synthetic_trajectory
 
-from contactlab import app, runner
+from contactlab import app, engine, runner
 from contactlab.trajectory import Ending, Trajectory
 
 Command = Callable[..., tuple[int, str, str]]
@@ -55,7 +55,7 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Ending | BaseException]
             message = "" if how is Ending.COMPLETE else "It ended too early."
             return dataclasses.replace(trajectory, ending=how, message=message)
 
-        monkeypatch.setattr("contactlab.engine.simulation", simulate)
+        monkeypatch.setattr(engine, "simulate", simulate)
 
     return replace
 

@@ -14,7 +14,8 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     """Take a step that `begin` made ready through free flight; returns TOUCH or NOTHING.
 
     While SEPARATING, round-off decides the sign of the gap, so that no touch-down is looked for
-    until the gap is open and opening; a gap that is closed and closing is a new contact.
+    until the gap is open and opening; a gap that is closed and closing is a new contact, and one
+    that rests at exactly zero is none.
     """
     level = run.whole[LEVEL]
     h = step_length(tables, level)
@@ -35,7 +36,7 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
         if touch != NO_TOUCH:
             s = touch
             event = TOUCH
-    elif gap <= 0.0 and rate <= 0.0:
+    elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0:
         event = TOUCH
     elif gap > 0.0 and rate > 0.0:
         run.whole[PHASE] = OPEN

@@ -247,15 +247,9 @@ def close_contact(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
     u, th, u_rate, th_rate, _ = tip_motion(plant, step.q, step.v)
     _, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
     run.contact[SEPARATION] = n_u * u_rate + n_th * th_rate
-    store_contact(run)
-    step.whole[MODE] = FREE
-    run.whole[PHASE] = SEPARATING
-    run.whole[LEVEL] = tables.fresh_level
-
-
-@inner_kernel
-def store_contact(run: Run) -> None:
-    """Append the present contact to those that are to be collected."""
     for column in range(run.contact.size):
         run.contacts[run.whole[STORED], column] = run.contact[column]
     run.whole[STORED] += 1
+    step.whole[MODE] = FREE
+    run.whole[PHASE] = SEPARATING
+    run.whole[LEVEL] = tables.fresh_level

@@ -27,7 +27,6 @@ from contactlab.engine.run import (
     WINDOW,
     Run,
     run_for,
-    store_contact,
 )
 from contactlab.engine.step import Step, step_for
 from contactlab.engine.tables import Tables, tables_for
@@ -38,7 +37,7 @@ from contactlab.variables import CONTACTS
 
 Array = NDArray[np.float64]
 
-DEFAULT_TOLERANCE = 1e-6
+DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
 itself is far better: its end converges with nearly twice the order of this estimate."""
 
@@ -82,7 +81,8 @@ def simulate(
     contact_step = law.default_contact_step if contact_step is None else contact_step
     _check(law, duration, record_interval, contact_step, tolerance)
     plant = plant_of(motor)
-    tables = tables_for(plant, contact_step)
+    compliant = isinstance(law, PenaltyLaw)
+    tables = tables_for(plant, contact_step, exact=not compliant)
     step = step_for(plant)
     run = run_for(_count_records(duration, record_interval))
     _start(motor, plant, tables, step, run, duration, record_interval, tolerance)
@@ -93,7 +93,6 @@ def simulate(
     if progress is not None:
         progress(0.0)
     finished: list[Array] = []
-    compliant = isinstance(law, PenaltyLaw)
     ending, message = Ending.COMPLETE, ""
     try:
         while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
@@ -105,10 +104,11 @@ def simulate(
         ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
     if run.whole[ENDING] != RUNNING:
         ending, message = explain(run, contact_step)
-    if run.whole[PHASE] == TOUCHING:
-        run.contact[SEPARATION] = np.nan
-        store_contact(run)
     finished.append(_collect(run))
+    if run.whole[PHASE] == TOUCHING:
+        # The end of the run cut this contact: it has no separation.
+        run.contact[SEPARATION] = np.nan
+        finished.append(run.contact[np.newaxis])
     records = int(run.whole[RECORDED])
     series, modes = read_series(run, records)
     rows = np.vstack(finished)

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 NODES = 5
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
 
-RESOLUTION = 1.0
+RESOLUTION = 0.5
 """Longest step times the fastest rate that persists in flight."""
 
 FINEST = 44
@@ -81,15 +81,23 @@ def radau_rule(count: int) -> tuple[Array, Array, Array]:
     return nodes, weights, lagrange
 
 
-def tables_for(plant: Plant, contact_step: float) -> Tables:
+def tables_for(plant: Plant, contact_step: float, exact: bool) -> Tables:
     """An empty ladder that has the contact step as one of its levels.
 
     The longest step resolves what persists in flight; after a release the steps start short
     enough for the fastest transient and double from there.
+
+    Args:
+        plant: the motor.
+        contact_step: step in contact [s].
+        exact: whether steps in contact must have this length, not only at most this length.
     """
     nodes, weights, lagrange = radau_rule(NODES)
-    contact_level = max(0, floor(log2(RESOLUTION / resolved_rate(plant) / contact_step)))
-    longest = contact_step * 2.0**contact_level
+    doublings = floor(log2(RESOLUTION / resolved_rate(plant) / contact_step))
+    if exact:
+        doublings = max(doublings, 0)
+    contact_level = max(doublings, 0)
+    longest = contact_step * 2.0**doublings
     fresh_level = min(max(6, ceil(log2(longest * fastest_rate(plant))) + 2), FINEST - 8)
     count, tones = plant.stiffness.size, plant.omega.size
     return Tables(

@@ -34,7 +34,7 @@ class LagrangeSlip(MultiplierLaw):
     name: ClassVar[str] = "lagrange_slip"
     equation: ClassVar[str] = "g = 0, N >= 0, F = -mu N sign(v)"
     source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
-    default_contact_step: ClassVar[float] = 1e-7
+    default_contact_step: ClassVar[float] = 5e-8
     kernel_parameters: ClassVar[tuple[str, ...]] = ("friction_coefficient",)
 
     friction_coefficient: float

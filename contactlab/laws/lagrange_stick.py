@@ -35,7 +35,7 @@ class LagrangeStick(MultiplierLaw):
     name: ClassVar[str] = "lagrange_stick"
     equation: ClassVar[str] = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
-    default_contact_step: ClassVar[float] = 1e-7
+    default_contact_step: ClassVar[float] = 5e-8
     kernel_parameters: ClassVar[tuple[str, ...]] = ("friction_coefficient",)
 
     friction_coefficient: float
