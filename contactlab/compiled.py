@@ -7,7 +7,9 @@ in the package, or in the user's cache where the package cannot be written.
 """
 
 import os
+import shutil
 import tempfile
+import time
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
@@ -20,6 +22,9 @@ import numba.core.config
 Function = TypeVar("Function", bound=Callable[..., object])
 
 PACKAGE = Path(__file__).parent
+PREFIX = "kernels-"
+OLD = 30 * 86400.0
+"""Age in seconds at which the code of other sources is given up."""
 
 
 @cache
@@ -29,7 +34,9 @@ def code_folder() -> Path:
     for source in sorted(PACKAGE.rglob("*.py")):
         digest.update(source.relative_to(PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
-    name = f"kernels-{digest.hexdigest()[:16]}"
+        # Numba goes by it, and would find a folder with other dates full of code it does not take.
+        digest.update(str(source.stat().st_mtime_ns).encode())
+    name = f"{PREFIX}{digest.hexdigest()[:16]}"
     users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     parents = [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]
@@ -37,11 +44,19 @@ def code_folder() -> Path:
         try:
             (parent / name).mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=parent / name):
+                _remove_old(parent, name)
                 return parent / name
         except OSError:
             continue
     # Nowhere to keep it: compile for this process alone.
     return Path(tempfile.mkdtemp(prefix="contactlab-"))
+
+
+def _remove_old(parent: Path, name: str) -> None:
+    """Remove the code of other sources that has not been added to for a month."""
+    for folder in parent.glob(f"{PREFIX}*"):
+        if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def is_compiled(name: str) -> bool:

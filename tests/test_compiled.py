@@ -1,0 +1,67 @@
+"""The compiled code is kept where it belongs to these sources, and found again."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from contactlab import compiled
+
+PROBE = "from contactlab import compiled; print(compiled.code_folder())"
+
+
+def folder(**environment: str) -> Path:
+    found = subprocess.run(
+        [sys.executable, "-c", PROBE],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return Path(found.stdout.strip())
+
+
+def test_the_folder_is_the_same_in_every_process() -> None:
+    assert folder() == compiled.code_folder()
+
+
+def test_a_chosen_cache_directory_is_used(tmp_path: Path) -> None:
+    assert folder(NUMBA_CACHE_DIR=str(tmp_path)).parent == tmp_path
+
+
+def test_without_a_writable_directory_the_code_lives_for_the_process(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.touch()
+    found = folder(NUMBA_CACHE_DIR=str(blocked))
+    assert found.is_dir()
+    assert found.name.startswith("contactlab-")
+
+
+def test_a_change_of_any_source_changes_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "part").mkdir()
+    source = tmp_path / "part" / "module.py"
+    source.write_text("a = 1\n")
+    monkeypatch.setattr(compiled, "PACKAGE", tmp_path)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    before = compiled.code_folder.__wrapped__()
+    source.write_text("a = 2\n")
+    after = compiled.code_folder.__wrapped__()
+    assert before != after
+    assert before.parent == after.parent == tmp_path / "__pycache__"
+
+
+def test_a_read_only_installation_falls_back_to_the_users_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "package"
+    package.mkdir()
+    # A file in the way stands for a directory without write permission, which root does not have.
+    (package / "__pycache__").touch()
+    monkeypatch.setattr(compiled, "PACKAGE", package)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "users"))
+    assert compiled.code_folder.__wrapped__().parent == tmp_path / "users" / "contactlab"
