@@ -46,6 +46,9 @@ def execute(setup: Setup, directory: Path) -> bool:
     with _progress_bar(setup.duration) as show, interrupts.waiting() as look:
 
         def progress(time: float) -> None:
+            nonlocal started
+            # The engine reports 0 once it is compiled; a compiler's time says nothing of a run's.
+            started = perf_counter() if time == 0.0 else started
             show(time)
             look()
 
