@@ -28,14 +28,14 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab import interrupts
-from contactlab.composition import check, check_composition
+from contactlab.command import interrupts
+from contactlab.command.composition import check, check_composition
+from contactlab.command.runner import execute
 from contactlab.config import build
-from contactlab.faults import ConfigurationError, one_line
-from contactlab.runner import execute
+from contactlab.config.faults import ConfigurationError, one_line
 
 COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
-"""Exit statuses; that of an interrupted command is in `contactlab.interrupts`."""
+"""Exit statuses; that of an interrupted command is in `contactlab.command.interrupts`."""
 
 CONFIG_NAME = "config"
 VERSION_BASE = "1.3"
@@ -196,7 +196,7 @@ def _refuse(faults: Iterable[str]) -> int:
 
 
 def _print_version() -> int:
-    from contactlab.provenance import versions
+    from contactlab.output.provenance import versions
 
     print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
     return COMPLETE

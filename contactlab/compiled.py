@@ -2,7 +2,7 @@
 
 Numba decides by a file's own date whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
-sources of the package: a change anywhere compiles anew, and nothing stale is ever run. The folder lies
+sources of kernels: a change anywhere compiles anew, and nothing stale is ever run. The folder lies
 in the package, or in the user's cache where the package cannot be written.
 """
 
@@ -22,6 +22,9 @@ import numba.core.config
 Function = TypeVar("Function", bound=Callable[..., object])
 
 PACKAGE = Path(__file__).parent
+SOURCES = ("compiled.py", "geometry.py", "variables.py", "laws/*.py", "engine/*.py")
+"""Where kernels stand, and the constants that are compiled into them."""
+
 PREFIX = "kernels-"
 OLD = 30 * 86400.0
 """Age in seconds at which the code of other sources is given up."""
@@ -31,7 +34,7 @@ OLD = 30 * 86400.0
 def code_folder() -> Path:
     """Folder of the compiled code of exactly these sources."""
     digest = sha256()
-    for source in sorted(PACKAGE.rglob("*.py")):
+    for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
         digest.update(source.relative_to(PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
         # Numba goes by it, and would find a folder with other dates full of code it does not take.

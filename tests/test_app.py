@@ -16,7 +16,8 @@ import yaml
 from conf_files import CONF, options
 from synthetic import synthetic_trajectory
 
-from contactlab import app, engine, runner
+from contactlab import app, engine
+from contactlab.command import runner
 from contactlab.trajectory import Ending, Trajectory
 
 Command = Callable[..., tuple[int, str, str]]
@@ -356,7 +357,7 @@ def test_disk_that_fails_is_told_in_a_sentence(
         raise OSError(28, "No space left on device", "run.nc")
 
     ending(Ending.COMPLETE)
-    monkeypatch.setattr("contactlab.dataset.write", write)
+    monkeypatch.setattr("contactlab.output.dataset.write", write)
     status, _, err = command("hydra.run.dir=here")
     assert status == 1
     assert "The run could not be written: " in err

@@ -39,11 +39,11 @@ def test_without_a_writable_directory_the_code_lives_for_the_process(tmp_path: P
     assert found.name.startswith("contactlab-")
 
 
-def test_a_change_of_any_source_changes_the_folder(
+def test_a_change_of_a_kernels_source_changes_the_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "part").mkdir()
-    source = tmp_path / "part" / "module.py"
+    (tmp_path / "engine").mkdir()
+    source = tmp_path / "engine" / "module.py"
     source.write_text("a = 1\n")
     monkeypatch.setattr(compiled, "PACKAGE", tmp_path)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)

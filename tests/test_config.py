@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from conf_files import CONF, altered, composed, options
 
-from contactlab import beam, schema
-from contactlab.config import build, validate
+from contactlab import beam
+from contactlab.config import build, schema, validate
+from contactlab.config.faults import ConfigurationError, known_keys
+from contactlab.config.rules import MOST_RECORDS
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
-from contactlab.faults import ConfigurationError, known_keys
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
-from contactlab.rules import MOST_RECORDS
 
 
 def faults(changes: dict[str, object], **choices: str) -> list[str]:

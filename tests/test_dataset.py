@@ -13,8 +13,8 @@ import xarray
 import yaml
 from synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab import dataset
-from contactlab.dataset import to_datatree, write
+from contactlab.output import dataset
+from contactlab.output.dataset import to_datatree, write
 from contactlab.trajectory import Ending, Trajectory
 
 # Spelt out again, not taken from the package: this table is what readers of the files rely on.

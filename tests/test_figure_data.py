@@ -11,8 +11,8 @@ from synthetic import (
     synthetic_trajectory,
 )
 
-from contactlab.dataset import to_datatree
-from contactlab.figure_data import COLUMNS, contact_spans, drawable, envelope, last_periods
+from contactlab.output.dataset import to_datatree
+from contactlab.output.figure_data import COLUMNS, contact_spans, drawable, envelope, last_periods
 
 
 def datasets(tree: xarray.DataTree) -> tuple[xarray.Dataset, xarray.Dataset]:

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from synthetic import CONFIGURATION, CONTACT_DURATION, synthetic_trajectory
 
-from contactlab.dataset import to_datatree
-from contactlab.figures import COLOURS, draw_overview, overview
+from contactlab.output.dataset import to_datatree
+from contactlab.output.figures import COLOURS, draw_overview, overview
 from contactlab.trajectory import Ending
 
 
@@ -236,7 +236,7 @@ def test_drawing_leaves_the_settings_of_the_caller_alone(tree: xarray.DataTree) 
 
 
 def test_drawing_needs_no_pyplot() -> None:
-    code = "import sys, contactlab.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, contactlab.output.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

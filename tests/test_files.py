@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.files import whole_file
+from contactlab.output.files import whole_file
 
 
 def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:

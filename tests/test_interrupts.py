@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from contactlab import interrupts
+from contactlab.command import interrupts
 
 
 class EndedError(Exception):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from contactlab.prefixes import prefixed, prefixed_unit
+from contactlab.output.prefixes import prefixed, prefixed_unit
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from contactlab import provenance
-from contactlab.provenance import UNKNOWN, git_state, versions
+from contactlab.output import provenance
+from contactlab.output.provenance import UNKNOWN, git_state, versions
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic import synthetic_trajectory
 
-from contactlab.summary import summarise
+from contactlab.output.summary import summarise
 from contactlab.trajectory import Ending
 
 

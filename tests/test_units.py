@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from contactlab.units import UnitError, to_si
+from contactlab.config.units import UnitError, to_si
 
 
 @pytest.mark.parametrize(

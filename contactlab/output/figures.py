@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from contactlab.figure_data import (
+from contactlab.output.figure_data import (
     COLUMNS,
     Window,
     contact_spans,
@@ -28,8 +28,8 @@ from contactlab.figure_data import (
     middle,
     span,
 )
-from contactlab.files import whole_file
-from contactlab.prefixes import prefixed, prefixed_unit
+from contactlab.output.files import whole_file
+from contactlab.output.prefixes import prefixed, prefixed_unit
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def overview(tree: xarray.DataTree, path: Path) -> None:
     """Draw a run and write the picture as PNG.
 
     Args:
-        tree: a run as from `contactlab.dataset.to_datatree`, complete or not.
+        tree: a run as from `contactlab.output.dataset.to_datatree`, complete or not.
         path: of the picture, in a folder that exists.
 
     Raises:
@@ -88,7 +88,7 @@ def draw_overview(tree: xarray.DataTree) -> Figure:
     """Draw a run; `overview` without the file.
 
     Args:
-        tree: a run as from `contactlab.dataset.to_datatree`, complete or not.
+        tree: a run as from `contactlab.output.dataset.to_datatree`, complete or not.
 
     Returns:
         A figure with the axes velocity, path, gap and force, in this order.

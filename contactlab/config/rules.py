@@ -7,7 +7,7 @@ keys come out together.
 
 from collections.abc import Callable, Iterator, Mapping
 
-from contactlab.schema import LAWS
+from contactlab.config.schema import LAWS
 
 Values = Mapping[str, object]
 

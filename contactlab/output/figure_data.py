@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from contactlab.prefixes import prefixed_unit
+from contactlab.output.prefixes import prefixed_unit
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ import xarray
 import yaml
 
 from contactlab import variables
-from contactlab.files import whole_file
-from contactlab.provenance import checkout_state, versions
+from contactlab.output.files import whole_file
+from contactlab.output.provenance import checkout_state, versions
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import Variable
 
@@ -66,7 +66,7 @@ def write(
 ) -> xarray.DataTree:
     """Write a run to a netCDF-4 file, whole or not at all.
 
-    See `contactlab.files.whole_file`. A run that did not reach its end is written too, with
+    See `contactlab.output.files.whole_file`. A run that did not reach its end is written too, with
     `complete = 0`.
 
     Args:

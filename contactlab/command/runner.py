@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 
-from contactlab import interrupts
+from contactlab.command import interrupts
 from contactlab.config import Setup
 
 DATASET = "run.nc"
@@ -35,9 +35,9 @@ def execute(setup: Setup, directory: Path) -> bool:
     """
     # Imported here: they bring the compiler and the plotting with them, which a command that only
     # has a fault to report does not need.
-    from contactlab import dataset, figures
     from contactlab.engine import simulate
-    from contactlab.summary import summarise
+    from contactlab.output import dataset, figures
+    from contactlab.output.summary import summarise
     from contactlab.trajectory import Ending
 
     for name in (DATASET, PICTURE):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contactlab.prefixes import prefixed
+from contactlab.output.prefixes import prefixed
 from contactlab.trajectory import Trajectory
 
 

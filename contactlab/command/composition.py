@@ -24,10 +24,10 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
+from contactlab.command.runner import refusals
 from contactlab.config import build
-from contactlab.faults import ConfigurationError, one_line
-from contactlab.quantity import describe
-from contactlab.runner import refusals
+from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.config.quantity import describe
 
 
 def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun: bool) -> RunMode:

@@ -1,14 +1,14 @@
 """The keys of a configuration: sections, units and ranges.
 
 A section has no defaults; those stand in `conf/` alone, so there is one place to read them. What
-binds several keys together is in `contactlab.rules`.
+binds several keys together is in `contactlab.config.rules`.
 """
 
 from typing import Annotated, ClassVar, Literal, final, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
-from contactlab.quantity import Quantity
+from contactlab.config.quantity import Quantity
 
 MOST_SHAPES = 40
 """Beam shapes that `contactlab.beam` vouches for; repeated here because its import takes long."""

@@ -5,8 +5,8 @@ from typing import get_args
 
 from pydantic_core import ErrorDetails
 
-from contactlab.quantity import FAULT, describe
-from contactlab.schema import KINDS, Configuration, Section
+from contactlab.config.quantity import FAULT, describe
+from contactlab.config.schema import KINDS, Configuration, Section
 
 
 class ConfigurationError(ValueError):

@@ -3,8 +3,8 @@
     build({"law": {...}, "resonator": {...}, ...}) -> Setup
 
 The only module that knows both sides. Everything a configuration may get wrong is found here, all
-at once, and told in a sentence each; see `contactlab.schema` for keys, units and ranges and
-`contactlab.rules` for what binds keys together.
+at once, and told in a sentence each; see `contactlab.config.schema` for keys, units and ranges and
+`contactlab.config.rules` for what binds keys together.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, final
 
 from pydantic import ValidationError
 
-from contactlab.faults import ConfigurationError, sentence
-from contactlab.rules import broken_rules
-from contactlab.schema import LAWS, BendingSection, Configuration, HertzPenaltySection
+from contactlab.config.faults import ConfigurationError, sentence
+from contactlab.config.rules import broken_rules
+from contactlab.config.schema import LAWS, BendingSection, Configuration, HertzPenaltySection
 
 # The objects are imported where they are built: they bring the compiler with them, and a
 # configuration with a fault shall be told so at once.

@@ -38,7 +38,7 @@ def checkout_state() -> tuple[str, int | str]:
 
     Asked once a process, since the code in memory does not change afterwards either.
     """
-    return git_state(Path(__file__).resolve().parent.parent)
+    return git_state(Path(__file__).resolve().parents[2])
 
 
 def git_state(root: Path) -> tuple[str, int | str]:

@@ -8,7 +8,7 @@ from typing import Any, final
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from contactlab.units import UnitError, to_si
+from contactlab.config.units import UnitError, to_si
 
 FAULT = "quantity"
 """Type of the pydantic error that carries a finished sentence, all but the key."""

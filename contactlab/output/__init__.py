@@ -1,0 +1,1 @@
+"""What a run leaves: the dataset, the picture, the summary."""
