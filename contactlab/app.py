@@ -8,6 +8,7 @@ Exit status: 0; 1 for a run that did not reach its end; 2 for a fault of the use
 
 import copy
 import gc
+import os
 import re
 import sys
 from argparse import Namespace
@@ -87,6 +88,10 @@ def main() -> int:
     except KeyboardInterrupt as interrupt:
         print(str(interrupt) or interrupts.MESSAGE, file=sys.stderr)
         return interrupts.STATUS
+    except BrokenPipeError:
+        # Whoever read the output has had enough of it; Python's own last flush must not complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return INCOMPLETE
     finally:
         gc.enable()
 

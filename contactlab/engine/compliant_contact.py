@@ -14,7 +14,6 @@ from contactlab.engine.events import NOTHING
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
-    DIVERGED,
     DURATION,
     END,
     ENDING,
@@ -26,6 +25,7 @@ from contactlab.engine.run import (
     SWEEPS,
     TIME,
     TOLERANCE,
+    UNSOLVED,
     Run,
 )
 from contactlab.engine.step import (
@@ -70,7 +70,7 @@ def press(
     _guess(step, run, normal, bound)
     while True:
         if level >= FINEST:
-            run.whole[ENDING] = DIVERGED
+            run.whole[ENDING] = UNSOLVED
             step.real[TAKEN] = 0.0
             return NOTHING
         error = _attempt(plant, tables, step, run, level, normal, force, parameters)

@@ -3,7 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.engine.run import CHATTERED, END, ENDING, EVENT_LIMIT, INTERVAL, TIME, WINDOW, Run
+from contactlab.engine.run import (
+    CHATTERED,
+    END,
+    ENDING,
+    EVENT_LIMIT,
+    INTERVAL,
+    TIME,
+    UNSOLVED,
+    WINDOW,
+    Run,
+)
 from contactlab.trajectory import Ending
 from contactlab.variables import SERIES
 
@@ -19,10 +29,15 @@ def explain(run: Run, contact_step: float) -> tuple[Ending, str]:
             f"switches within {run.real[WINDOW]:.3g} s, or no progress. The run stops there; a "
             f"shorter contact step than {contact_step:.3g} s or another law may pass it."
         )
+    if run.whole[ENDING] == UNSOLVED:
+        return Ending.DIVERGED, (
+            f"The run ends at {time:.6g} s: no step in contact, however short, satisfies the law. "
+            "Check the law's parameters, or loosen the tolerance."
+        )
     return Ending.DIVERGED, (
-        f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deep inside the "
-        f"rotor, or no step down to {contact_step / 2**30:.1g} s satisfies the law. Check the law's "
-        "parameters and the drive, or shorten the contact step."
+        f"The run diverges at {time:.6g} s: the state is not finite, or the tip lies deeper in the "
+        "rotor than a tenth of its radius. Check the drive and the law's parameters, or shorten the "
+        f"contact step, {contact_step:.3g} s."
     )
 
 

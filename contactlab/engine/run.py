@@ -48,7 +48,7 @@ COUNTS = (
 SEPARATING, OPEN, TOUCHING = range(3)
 """Phases. SEPARATING is open but not yet clear of the release that began it."""
 
-RUNNING, DIVERGED, CHATTERED = range(3)
+RUNNING, DIVERGED, UNSOLVED, CHATTERED = range(4)
 """Endings as the kernels know them."""
 
 START, DURATION, STUCK, IMPULSE, FRICTIONAL_IMPULSE, PEAK, DEPTH, APPROACH, SEPARATION, LOSS = (
