@@ -8,14 +8,17 @@ from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to, f
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
 from contactlab.engine.touchdown import NO_TOUCH, first_touch, gap_and_rate
 
+CLEAR = 1e-15
+"""Gap [m] that no round-off after a release amounts to."""
+
 
 @part_kernel
 def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     """Take a step that `begin` made ready through free flight; returns TOUCH or NOTHING.
 
     While SEPARATING, round-off decides the sign of the gap, so that no touch-down is looked for
-    until the gap is open and opening; a gap that is closed and closing is a new contact, and one
-    that rests at exactly zero is none.
+    until the gap is clear, or open and opening; a gap that is closed and closing is a new contact,
+    and one that rests at exactly zero is none.
     """
     level = run.whole[LEVEL]
     h = step_length(tables, level)
@@ -38,7 +41,7 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
             event = TOUCH
     elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0:
         event = TOUCH
-    elif gap > 0.0 and rate > 0.0:
+    elif gap > CLEAR or (gap > 0.0 and rate > 0.0):
         run.whole[PHASE] = OPEN
     coarsest = 0 if run.whole[PHASE] == OPEN else tables.contact_level
     run.whole[LEVEL] = max(level - 1, coarsest) if level > coarsest else level

@@ -15,6 +15,7 @@ from contactlab.engine.run import (
     ENDING,
     INTERVAL,
     LEVEL,
+    OPEN,
     PHASE,
     RECORDED,
     RUNNING,
@@ -182,7 +183,7 @@ def _start(
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
     rates = np.concatenate([np.sqrt(plant.stiffness[:-1]), plant.omega])
     run.real[WINDOW] = 2.0 * np.pi / rates.min()
-    run.whole[PHASE] = SEPARATING
+    run.whole[PHASE] = OPEN if plant.clearance > 0.0 else SEPARATING
     run.whole[LEVEL] = tables.fresh_level
     if plant.clearance < 0.0:
         raise ValueError(

@@ -122,7 +122,7 @@ def tables_for(plant: Plant, contact_step: float, exact: bool) -> Tables:
 
 @inner_kernel
 def step_length(tables: Tables, level: int) -> float:
-    """Length of a level's step [s], building its responses' place in the ladder only by name."""
+    """Length of a level's step [s]."""
     return tables.longest * 0.5**level
 
 

@@ -1,0 +1,270 @@
+"""The kernels of the three laws alone: cone, no tension, impacts in closed form, energy."""
+
+from math import inf, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick, hertz_stiffness
+from contactlab.laws.base import SLIP, STICK
+
+Answer = tuple[float, float, int]
+Delassus = tuple[float, float, float]
+
+STIFFNESS = 1e10
+
+# Whole micrometres a second: zero and everything else, but no numbers near the end of the range.
+rate = st.integers(-2_000_000, 2_000_000).map(lambda x: 1e-6 * x)
+approach = st.integers(-2_000_000, -1).map(lambda x: 1e-6 * x)
+friction = st.integers(0, 2_000_000).map(lambda x: 1e-6 * x)
+
+
+@st.composite
+def delassus(draw: st.DrawFn) -> Delassus:
+    """Symmetric positive definite 2x2 matrices, up to strong coupling of the two directions."""
+    d_nn, d_tt = (10.0 ** draw(st.floats(1.0, 4.0)) for _ in range(2))
+    return d_nn, draw(st.floats(-0.99, 0.99)) * sqrt(d_nn * d_tt), d_tt
+
+
+def stick_law(mu: float, normal: float, tangential: float, d: Delassus) -> Answer:
+    law = LagrangeStick(mu)
+    return law.solve(normal, tangential, tangential, *d, law.parameters())
+
+
+def slip_law(mu: float, normal: float, tangential: float, slip: float, d: Delassus) -> Answer:
+    law = LagrangeSlip(mu)
+    return law.solve(normal, tangential, slip, *d, law.parameters())
+
+
+def after(normal: float, tangential: float, d: Delassus, answer: Answer) -> tuple[float, float]:
+    """Gap rate and slip behind an impulse."""
+    p_n, p_t, _ = answer
+    return normal + d[0] * p_n + d[1] * p_t, tangential + d[1] * p_n + d[2] * p_t
+
+
+def energy_change(normal: float, tangential: float, d: Delassus, answer: Answer) -> float:
+    """Work of an impulse: impulse times mean velocity [J]."""
+    end = after(normal, tangential, d, answer)
+    return 0.5 * (answer[0] * (normal + end[0]) + answer[1] * (tangential + end[1]))
+
+
+def size(normal: float, tangential: float, d: Delassus, answer: Answer) -> float:
+    """Largest velocity that takes part, for round-off: the solution cancels terms of this size."""
+    p_n, p_t, _ = answer
+    terms = [normal, tangential, d[0] * p_n, d[1] * p_t, d[1] * p_n, d[2] * p_t]
+    return max(abs(term) for term in terms)
+
+
+def test_every_law_is_listed_by_its_own_name() -> None:
+    assert {name: law.name for name, law in LAWS.items()} == {name: name for name in LAWS}
+    assert sorted(LAWS) == ["hertz_penalty", "lagrange_slip", "lagrange_stick"]
+
+
+@settings(deadline=None)
+@given(st.floats(0.0, 1e-3), rate, rate)
+def test_hertz_never_pulls(gap: float, gap_rate: float, slip: float) -> None:
+    law = HertzPenalty(STIFFNESS, 0.3)
+    assert law.force(gap, gap_rate, slip, law.parameters()) == (0.0, 0.0, 0.0, 0.0)
+
+
+@settings(deadline=None)
+@given(st.floats(1e-12, 1e-4), rate, rate, friction)
+def test_hertz_presses_with_the_power_three_halves_and_bounds_friction_by_the_cone(
+    depth: float, gap_rate: float, slip: float, mu: float
+) -> None:
+    law = HertzPenalty(STIFFNESS, mu)
+    normal, bound, stored, loss = law.force(-depth, gap_rate, slip, law.parameters())
+    assert normal == pytest.approx(STIFFNESS * depth**1.5, rel=1e-14)
+    assert bound == pytest.approx(mu * normal, rel=1e-15)
+    assert stored == pytest.approx(0.4 * STIFFNESS * depth**2.5, rel=1e-14)
+    # Elastic: neither the gap rate nor the slip enters, and nothing is lost.
+    assert loss == 0.0
+    assert law.force(-depth, 0.0, 0.0, law.parameters())[0] == normal
+
+
+@settings(deadline=None)
+@given(st.floats(1e-9, 1e-4))
+def test_hertz_force_is_minus_the_slope_of_the_stored_energy(depth: float) -> None:
+    law = HertzPenalty(STIFFNESS, 0.3)
+    h = 1e-4 * depth
+    ahead, behind = (law.force(-depth + k * h, 0.0, 0.0, law.parameters())[2] for k in (1, -1))
+    normal = law.force(-depth, 0.0, 0.0, law.parameters())[0]
+    # Central differences of d^2.5: truncation (h/d)^2 / 8.
+    assert -(ahead - behind) / (2.0 * h) == pytest.approx(normal, rel=1e-8)
+
+
+def test_hertz_stiffness_of_a_ball_on_a_plane_is_four_thirds_of_modulus_and_root_of_radius() -> (
+    None
+):
+    modulus = 210e9 / (2.0 * (1.0 - 0.3**2))
+    expected = 4.0 / 3.0 * modulus * sqrt(5e-3)
+    assert hertz_stiffness(5e-3, inf) == pytest.approx(expected, rel=1e-14)
+
+
+def elliptic_stiffness(radius_1: float, radius_2: float, modulus: float) -> float:
+    """P / depth^1.5 of an elliptical Hertz contact (Johnson 1985, eqs. 4.25 and 4.26).
+
+    radius_1 >= radius_2 are the relative radii, a >= b the half axes, k^2 = 1 - (b/a)^2:
+    R1/R2 = [(a/b)^2 E - K]/(K - E),  P = 2/3 pi p0 a b,  depth = p0 b K / E*,
+    (ab)^(3/2) = 3 P sqrt(R1 R2)/(4 E*) F1^3.
+    """
+
+    def ratio(b_over_a: float) -> float:
+        m = 1.0 - b_over_a**2
+        return (ellipe(m) / b_over_a**2 - ellipk(m)) / (ellipk(m) - ellipe(m))
+
+    b = brentq(lambda x: ratio(x) - radius_1 / radius_2, 0.2, 1.0 - 1e-6, xtol=1e-14)
+    m = 1.0 - b * b
+    first, second = ellipk(m), ellipe(m)
+    cubed = 4.0 / (pi * m) * b**1.5 * sqrt((second / b**2 - first) * (first - second))
+    # With a = 1 the load and the depth follow, in units of p0 and E*.
+    load = b**1.5 * 4.0 * modulus / (3.0 * sqrt(radius_1 * radius_2) * cubed)
+    peak = 1.5 * load / (pi * b)
+    return load / (peak * b * first / modulus) ** 1.5
+
+
+def test_hertz_stiffness_on_the_rotor_is_the_elliptical_one_within_half_a_percent() -> None:
+    # Relative radii: 5 mm along the rotor's axis, 1/(1/5 + 1/25) mm around it.
+    modulus = 210e9 / (2.0 * (1.0 - 0.3**2))
+    exact = elliptic_stiffness(5e-3, 1.0 / (200.0 + 40.0), modulus)
+    assert hertz_stiffness(5e-3, 25e-3) == pytest.approx(exact, rel=5e-3)
+    # The default tip has about 1e10.
+    assert hertz_stiffness(5e-3, 25e-3) == pytest.approx(1e10, rel=0.05)
+
+
+@settings(deadline=None)
+@given(approach, rate, friction, delassus())
+def test_stick_law_ends_the_approach_inside_the_cone(
+    normal: float, tangential: float, mu: float, d: Delassus
+) -> None:
+    answer = stick_law(mu, normal, tangential, d)
+    p_n, p_t, mode = answer
+    gap_rate, slip = after(normal, tangential, d, answer)
+    round_off = 1e-12 * size(normal, tangential, d, answer) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
+    assert p_n > 0.0
+    assert abs(gap_rate) <= round_off
+    assert abs(p_t) <= mu * p_n * (1.0 + 1e-15)
+    if mode == STICK:
+        assert abs(slip) <= round_off
+    else:
+        assert mode == SLIP
+        assert abs(p_t) == mu * p_n
+        assert p_t * slip <= abs(p_t) * round_off
+
+
+@settings(deadline=None)
+@given(approach, rate, friction, delassus())
+def test_stick_law_never_gains_energy(
+    normal: float, tangential: float, mu: float, d: Delassus
+) -> None:
+    answer = stick_law(mu, normal, tangential, d)
+    p_n, p_t, _ = answer
+    round_off = 1e-12 * size(normal, tangential, d, answer) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
+    assert energy_change(normal, tangential, d, answer) <= (p_n + abs(p_t)) * round_off
+
+
+@settings(deadline=None)
+@given(approach, rate, delassus())
+def test_impact_with_enough_friction_takes_the_whole_contact_velocity(
+    normal: float, tangential: float, d: Delassus
+) -> None:
+    # p = -D^-1 v, and what is lost is v' D^-1 v / 2, all that two constraints can take.
+    matrix = np.array([[d[0], d[1]], [d[1], d[2]]])
+    velocity = np.array([normal, tangential])
+    p = -np.linalg.solve(matrix, velocity)
+    assume(p[0] > 1e-9 * abs(p[1]))
+    answer = stick_law(2.0 * abs(p[1]) / p[0] + 1.0, normal, tangential, d)
+    assert answer[2] == STICK
+    assert answer[:2] == pytest.approx(tuple(p), rel=1e-9, abs=1e-12 * np.abs(p).max())
+    loss = 0.5 * velocity @ np.linalg.solve(matrix, velocity)
+    assert -energy_change(normal, tangential, d, answer) == pytest.approx(loss, rel=1e-9)
+
+
+@settings(deadline=None)
+@given(approach, rate, friction, st.floats(1.0, 1e4), st.floats(1.0, 1e4))
+def test_oblique_impact_of_a_point_mass_rubs_off_at_most_mu_times_the_normal_speed(
+    normal: float, tangential: float, mu: float, inverse_mass: float, inverse_side: float
+) -> None:
+    # dv_t = -sign(v_t) min(|v_t|, mu v_n d_tt/d_nn), restitution zero, directions uncoupled.
+    answer = stick_law(mu, normal, tangential, (inverse_mass, 0.0, inverse_side))
+    _, slip = after(normal, tangential, (inverse_mass, 0.0, inverse_side), answer)
+    most = mu * -normal * inverse_side / inverse_mass
+    expected = tangential - np.sign(tangential) * min(abs(tangential), most)
+    assert slip == pytest.approx(expected, abs=1e-12 * (abs(tangential) + most))
+
+
+def test_contact_on_the_surface_of_the_cone_still_sticks() -> None:
+    # |p_t| = mu p_n exactly, in numbers without round-off.
+    d = (2.0, 0.0, 4.0)
+    assert stick_law(0.25, -1.0, 0.5, d) == (0.5, -0.125, STICK)
+    p_n, p_t, mode = stick_law(0.25, -1.0, np.nextafter(0.5, 1.0), d)
+    assert (p_n, p_t, mode) == (0.5, -0.125, SLIP)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3, 2.0])
+def test_parting_bodies_are_released_not_pulled(mu: float) -> None:
+    d = (900.0, 20.0, 2000.0)
+    assert stick_law(mu, 0.1, 0.4, d)[0] <= 0.0
+    assert slip_law(mu, 0.1, 0.4, 0.4, d)[0] <= 0.0
+
+
+@settings(deadline=None)
+@given(approach, rate, rate, friction, delassus())
+def test_slip_law_rubs_against_the_slip_it_began_with(
+    normal: float, tangential: float, slip: float, mu: float, d: Delassus
+) -> None:
+    # Without mu |D_nt| < D_nn slip has no solution of its own (Painleve), in this law or any.
+    assume(mu * abs(d[1]) < 0.9 * d[0])
+    answer = slip_law(mu, normal, tangential, slip, d)
+    p_n, p_t, mode = answer
+    assert mode == SLIP
+    assert p_n > 0.0
+    assert p_t == pytest.approx(-np.sign(slip) * mu * p_n, rel=1e-15)
+    round_off = 1e-12 * size(normal, tangential, d, answer)
+    assert abs(after(normal, tangential, d, answer)[0]) <= round_off
+
+
+def test_slip_law_reverses_a_small_slip_where_the_stick_law_stops_it() -> None:
+    d, mu, normal, slip = (1000.0, 0.0, 2000.0), 0.3, -0.05, 0.01
+    reversed_slip = after(normal, slip, d, slip_law(mu, normal, slip, slip, d))[1]
+    # The impulse v_n/d_nn times mu d_tt is 0.03 m/s whatever it does.
+    assert reversed_slip == pytest.approx(0.01 - 0.03, rel=1e-12)
+    assert after(normal, slip, d, stick_law(mu, normal, slip, d))[1] == pytest.approx(
+        0.0, abs=1e-17
+    )
+
+
+def test_slip_law_creates_energy_when_it_reverses_a_slip_with_strong_friction() -> None:
+    # From almost no slip: -v_n^2/(2 d_nn) + (mu v_n)^2 d_tt/(2 d_nn^2), a gain for mu^2 d_tt > d_nn.
+    d, mu, normal, slip = (1000.0, 0.0, 4000.0), 0.8, -0.05, 1e-12
+    gain = energy_change(normal, slip, d, slip_law(mu, normal, slip, slip, d))
+    expected = 0.5 * normal**2 / d[0] * (mu**2 * d[2] / d[0] - 1.0)
+    assert gain == pytest.approx(expected, rel=1e-9)
+    assert gain > 0.0
+    assert energy_change(normal, slip, d, stick_law(mu, normal, slip, d)) < 0.0
+
+
+def test_slip_law_without_slip_has_no_friction() -> None:
+    assert slip_law(0.3, -0.05, 0.0, 0.0, (1000.0, 50.0, 2000.0)) == (5e-5, 0.0, SLIP)
+
+
+@settings(deadline=None)
+@given(approach, rate, delassus())
+def test_without_friction_both_multiplier_laws_are_one(
+    normal: float, tangential: float, d: Delassus
+) -> None:
+    p_n, p_t, _ = stick_law(0.0, normal, tangential, d)
+    assert p_t == 0.0
+    # A contact that would stick by itself solves the same line by another route.
+    assert p_n == pytest.approx(slip_law(0.0, normal, tangential, tangential, d)[0], rel=1e-9)
+
+
+def test_a_law_describes_every_parameter_by_name() -> None:
+    law = HertzPenalty(stiffness=2e9, friction_coefficient=0.1)
+    assert law.describe() == {"stiffness": 2e9, "friction_coefficient": 0.1}
+    assert law.parameters().tolist() == [2e9, 0.1]
+    assert LagrangeStick(0.4).describe() == {"friction_coefficient": 0.4}

@@ -1,0 +1,205 @@
+"""The repeated integrals of the impulse response, against closed forms in long decimals.
+
+The reference is summed in decimal arithmetic with so many digits that nothing is lost to cancellation:
+the power series while (c + sqrt k) s is moderate, and the real roots where it is not.
+"""
+
+from decimal import Decimal, localcontext
+from math import factorial, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contactlab.engine.oscillator import impulse_integrals
+
+Array = np.ndarray
+
+TOP = 6
+"""Highest integral that is asked for: one more than a step of the engine needs."""
+
+SERIES_REACH = 300.0
+
+
+def integrals(k: float, c: float, s: float, top: int = TOP) -> Array:
+    """I_-1 .. I_top of the package."""
+    out = np.zeros(top + 2)
+    impulse_integrals(k, c, s, top, out)
+    return out
+
+
+def by_series(k: Decimal, c: Decimal, s: Decimal, top: int, count: int) -> list[Decimal]:
+    """I_m = sum_n a_n s^(n + m + 1) / (n + m + 1)!, a_0 = 1, a_1 = -c, a_n = -c a_n-1 - k a_n-2."""
+    sums = [Decimal(0)] * (top + 2)
+    before, now, power = Decimal(0), Decimal(1), Decimal(1)
+    for n in range(count):
+        # power = s^n / n!; the integral of order m takes it m + 1 times further.
+        term = power
+        for i in range(top + 2):
+            sums[i] += now * term
+            term = term * s / (n + i + 1)
+        before, now = now, -c * now - k * before
+        power = power * s / (n + 1)
+    return sums
+
+
+def by_roots(k: Decimal, c: Decimal, s: Decimal, top: int) -> list[Decimal]:
+    """From the roots of an overdamped oscillator, and up by c I_m + k I_m+1 = s^m/m! - I_m-1."""
+    root = (c * c / 4 - k).sqrt()
+    slow, fast = -k / (c / 2 + root), -c / 2 - root
+    decays = ((slow * s).exp(), (fast * s).exp())
+    result = [
+        (slow * decays[0] - fast * decays[1]) / (slow - fast),
+        (decays[0] - decays[1]) / (slow - fast),
+    ]
+    for m in range(1, top + 1):
+        if k == 0:
+            result.append((s**m / factorial(m) - result[-1]) / c)
+        else:
+            moment = s ** (m - 1) / factorial(m - 1)
+            result.append((moment - c * result[-1] - result[-2]) / k)
+    return result
+
+
+def exact(k: float, c: float, s: float, top: int = TOP) -> Array:
+    """I_-1 .. I_top to double precision."""
+    reach = (c + sqrt(k)) * s
+    arguments = (Decimal(k), Decimal(c), Decimal(s), top)
+    with localcontext() as context:
+        # The largest term of the series has size e^reach, and after 4 reach terms none is left.
+        context.prec = 120 + int(reach)
+        if reach <= SERIES_REACH:
+            return np.array([float(x) for x in by_series(*arguments, 80 + int(4.0 * reach))])
+        context.prec = 400
+        return np.array([float(x) for x in by_roots(*arguments)])
+
+
+def scales(k: float, s: float, top: int = TOP) -> Array:
+    """Size that round-off is measured by: the free mass, s^(m+1)/(m+1)!, or the static answer."""
+    static = np.inf if k == 0.0 else 1.0 / k
+    free = [s**i / factorial(i) for i in range(top + 2)]
+    drift = [np.inf, np.inf] + [static * x for x in free]
+    return np.minimum(free, drift[: top + 2])
+
+
+REGIMES = [
+    pytest.param(0.0, 0.0, 3e-3, id="free mass"),
+    pytest.param(0.0, 40.0, 0.5, id="damped free mass"),
+    pytest.param(0.0, 1e7, 1e-3, id="free mass, very damped"),
+    pytest.param(4e8, 0.0, 1e-6, id="undamped, short"),
+    pytest.param(4e8, 0.0, 1e-2, id="undamped, thirty turns"),
+    pytest.param(4.07e8, 8143.0, 5e-5, id="underdamped"),
+    pytest.param(4e8, 4e4, 1e-4, id="critical"),
+    pytest.param(4e8, 4e4 * (1.0 + 1e-9), 1e-4, id="just overdamped"),
+    pytest.param(4e8, 4e4 * (1.0 - 1e-9), 1e-4, id="just underdamped"),
+    pytest.param(1.25e10, 2.5e5, 4e-6, id="overdamped, the motor's fourth mode"),
+    pytest.param(1e14, 2e9, 5e-6, id="very stiff, c s = 1e4"),
+    pytest.param(1e10, 1e9, 1e-5, id="very stiff with a slow root"),
+    pytest.param(1e-8, 1e-8, 1.0, id="nearly nothing"),
+]
+
+
+@pytest.mark.parametrize(("k", "c", "s"), REGIMES)
+def test_integrals_are_the_closed_form_in_every_regime(k: float, c: float, s: float) -> None:
+    error = np.abs(integrals(k, c, s) - exact(k, c, s))
+    # Each doubling carries the round-off of the one before: a few bits a turn or decay time.
+    allowed = 1e-15 * (10.0 + (c + sqrt(k)) * s) * scales(k, s)
+    assert np.all(error <= allowed), error / allowed
+
+
+@pytest.mark.parametrize("s", [1e-9, 1e-6, 1e-4])
+def test_free_mass_integrals_are_the_powers_of_time(s: float) -> None:
+    expected = [s**i / factorial(i) for i in range(TOP + 2)]
+    assert integrals(0.0, 0.0, s) == pytest.approx(expected, rel=1e-14)
+
+
+def test_undamped_response_is_sine_and_cosine() -> None:
+    omega, s = 2e4, 3.3e-5
+    k = omega**2
+    turn = omega * s
+    expected = [np.cos(turn), np.sin(turn) / omega, (1.0 - np.cos(turn)) / k]
+    assert integrals(k, 0.0, s, 1) == pytest.approx(expected, rel=1e-14)
+
+
+def test_critical_response_is_time_times_its_decay() -> None:
+    rate, s = 2e4, 7e-5
+    decay = np.exp(-rate * s)
+    expected = [(1.0 - rate * s) * decay, s * decay]
+    assert integrals(rate**2, 2.0 * rate, s, 1)[:2] == pytest.approx(expected, rel=1e-12)
+
+
+def test_overdamped_response_decays_with_its_slow_root_long_after_the_fast_one_died() -> None:
+    slow, fast, s = 10.0, 1e7, 1e-3
+    k, c = slow * fast, slow + fast
+    answer = integrals(k, c, s, 1)
+    # c s = 1e4: e^-10^4 is gone, e^-0.01 is not; no digit of it may be lost beyond the doublings'.
+    assert answer[1] == pytest.approx(np.exp(-slow * s) / (fast - slow), rel=1e-11)
+    assert answer[0] == pytest.approx(-slow * np.exp(-slow * s) / (fast - slow), rel=1e-6)
+
+
+def test_at_time_zero_nothing_has_happened_yet() -> None:
+    assert integrals(4e8, 1e4, 0.0).tolist() == [1.0] + [0.0] * (TOP + 1)
+
+
+@pytest.mark.parametrize("top", [1, 2, 3, 5])
+def test_lower_integrals_do_not_depend_on_how_many_are_asked_for(top: int) -> None:
+    k, c, s = 4e8, 6e3, 2e-4
+    few, many = integrals(k, c, s, top), integrals(k, c, s)[: top + 2]
+    assert np.all(np.abs(few - many) <= 1e-14 * scales(k, s)[: top + 2])
+
+
+stiffness = st.one_of(st.just(0.0), st.floats(0.0, 11.0).map(lambda x: 10.0**x))
+damping = st.one_of(st.just(0.0), st.floats(0.0, 6.0).map(lambda x: 10.0**x))
+time = st.floats(-8.0, -3.5).map(lambda x: 10.0**x)
+
+
+@settings(deadline=None)
+@given(stiffness, damping, time)
+def test_integrals_obey_the_oscillators_equation(k: float, c: float, s: float) -> None:
+    # I_m-1 + c I_m + k I_m+1 = s^m / m! for m >= 0: the answer to a force s^m / m!.
+    answer = integrals(k, c, s)
+    for m in range(TOP):
+        terms = [answer[m], c * answer[m + 1], k * answer[m + 2], -(s**m) / factorial(m)]
+        allowed = 1e-14 * (1.0 + (c + sqrt(k)) * s) * max(abs(term) for term in terms)
+        assert abs(sum(terms)) <= allowed
+
+
+@settings(deadline=None)
+@given(stiffness, damping, time)
+def test_random_oscillators_are_the_closed_form(k: float, c: float, s: float) -> None:
+    if (c + sqrt(k)) * s > SERIES_REACH:
+        s = SERIES_REACH / (c + sqrt(k))
+    error = np.abs(integrals(k, c, s) - exact(k, c, s))
+    assert np.all(error <= 1e-15 * (10.0 + (c + sqrt(k)) * s) * scales(k, s))
+
+
+@settings(deadline=None)
+@given(stiffness, damping, time, st.floats(0.05, 0.95))
+def test_flowing_twice_is_flowing_once(k: float, c: float, s: float, share: float) -> None:
+    """Semigroup: state, and the answer to a force that goes on, do not see a cut in time."""
+    a, b = share * s, s - share * s
+    first, second, whole = (integrals(k, c, t) for t in (a, b, s))
+
+    def flow(at: Array) -> Array:
+        return np.array([[at[0] + c * at[1], at[1]], [-k * at[1], at[0]]])
+
+    both, once = flow(second) @ flow(first), flow(whole)
+    # In units that make position and velocity alike.
+    unit = np.array([[1.0, s], [max(k * s, 1.0 / s), 1.0]])
+    assert np.all(np.abs(both - once) <= 1e-14 * (10.0 + (c + sqrt(k)) * s) * unit)
+    # A ramp force s: over the second part it is the constant a and a ramp from zero.
+    state = flow(second) @ np.array([first[3], first[2]])
+    state += a * np.array([second[2], second[1]]) + np.array([second[3], second[2]])
+    allowed = 1e-14 * (10.0 + (c + sqrt(k)) * s) * np.array([s**3, s**2])
+    assert np.all(np.abs(state - [whole[3], whole[2]]) <= allowed)
+
+
+@settings(deadline=None)
+@given(stiffness, damping, time)
+def test_a_free_oscillator_never_gains_energy(k: float, c: float, s: float) -> None:
+    answer = integrals(k, c, s)
+    after_kick = answer[0] ** 2 + k * answer[1] ** 2
+    assert after_kick <= 1.0 + 1e-14 * (10.0 + (c + sqrt(k)) * s)
+    if c == 0.0:
+        assert after_kick == pytest.approx(1.0, abs=1e-14 * (10.0 + sqrt(k) * s))
