@@ -33,7 +33,7 @@ RightHandSide = Callable[[float, Array], Array]
 STIFFNESS = 1e10
 DURATION = 5e-3
 TOLERANCES = (1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
-ENGINE_SETTINGS = ((1e-5, 1e-3), (1e-5, 5e-5), (4e-6, 1e-6), (4e-6, 1e-7))
+ENGINE_SETTINGS = ((1e-5, 1e-3), (1e-5, 1e-5), (4e-6, 1e-6), (4e-6, 1e-7))
 """Contact step [s] and tolerance; the last are the defaults."""
 
 

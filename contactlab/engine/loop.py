@@ -71,7 +71,7 @@ def advance(
         commit(plant, tables, step, run, force, parameters)
         if event == TOUCH:
             refinement = TOUCH_REFINEMENT if compliant else 0
-            open_contact(plant, step, run, tables.contact_level + refinement)
+            open_contact(plant, tables, step, run, tables.contact_level + refinement)
         elif event == RELEASE:
             close_contact(plant, tables, step, run)
         elif event != NOTHING:

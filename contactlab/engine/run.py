@@ -1,6 +1,6 @@
 """The memory of a run and what every committed step does to it: time, state, ledger, records, contacts."""
 
-from math import sin
+from math import sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from contactlab.engine.ledger import (
 )
 from contactlab.engine.plant import Plant, delassus
 from contactlab.engine.step import COLLOCATED, KIND, LENGTH, MODE, TAKEN, Step, tip_motion
-from contactlab.engine.tables import Tables
+from contactlab.engine.tables import Tables, step_length
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import FREE, SLIP, STICK, PenaltyKernel
 from contactlab.variables import CONTACTS, SERIES
@@ -216,7 +216,7 @@ def count_event(run: Run) -> None:
 
 
 @inner_kernel
-def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
+def open_contact(plant: Plant, tables: Tables, step: Step, run: Run, level: int) -> None:
     """A touch-down at the present state: start a contact at a level of the ladder."""
     u, th, u_rate, th_rate, rotor = tip_motion(plant, step.q, step.v)
     _, n_u, n_th, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
@@ -226,11 +226,8 @@ def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
         run.contact[column] = 0.0
     run.contact[START] = run.real[TIME]
     run.contact[APPROACH] = rate
-    vibration = 0.0
-    for k in range(plant.omega.size):
-        vibration += plant.omega[k] * plant.steady_u[k]
     d_nn = delassus(plant, n_u, n_th, t_u, t_th)[0]
-    run.real[MOMENTUM] = (abs(rate) + vibration) / d_nn
+    run.real[MOMENTUM] = (abs(rate) + _vibration(plant, tables, step)) / d_nn
     run.real[NORMAL_BEFORE] = 0.0
     run.real[FRICTION_BEFORE] = 0.0
     run.whole[PHASE] = TOUCHING
@@ -239,6 +236,22 @@ def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
     run.whole[LEVEL] = level
     run.whole[TOUCHDOWNS] += 1
     count_event(run)
+
+
+@inner_kernel
+def _vibration(plant: Plant, tables: Tables, step: Step) -> float:
+    """Scale of the tip's normal speed [m/s]: what vibrates now and what the drive adds in one step.
+
+    Not the steady state's: that of a lightly damped resonance is far from where the motor is.
+    """
+    h = step_length(tables, tables.contact_level)
+    speed = 0.0
+    for j in range(plant.row_u.size):
+        mode = sqrt(step.v[j] ** 2 + plant.stiffness[j] * step.q[j] ** 2)
+        for k in range(plant.omega.size):
+            mode += h * sqrt(plant.force_re[j, k] ** 2 + plant.force_im[j, k] ** 2)
+        speed += abs(plant.row_u[j]) * mode
+    return speed
 
 
 @inner_kernel
