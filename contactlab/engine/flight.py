@@ -3,10 +3,10 @@
 from contactlab.compiled import part_kernel
 from contactlab.engine.events import NOTHING, TOUCH
 from contactlab.engine.plant import Plant
-from contactlab.engine.run import END, FLIGHT_STEPS, LEVEL, OPEN, PHASE, TIME, Run
+from contactlab.engine.run import DIVERGED, END, ENDING, FLIGHT_STEPS, LEVEL, OPEN, PHASE, TIME, Run
 from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to, free_response
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
-from contactlab.engine.touchdown import NO_TOUCH, first_touch, gap_and_rate
+from contactlab.engine.touchdown import LOST, NO_TOUCH, first_touch, gap_and_rate
 
 CLEAR = 1e-15
 """Gap [m] that no round-off after a release amounts to."""
@@ -36,7 +36,10 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     event = NOTHING
     if run.whole[PHASE] == OPEN:
         touch = first_touch(plant, step, s, gap, rate, run.stack)
-        if touch != NO_TOUCH:
+        if touch == LOST:
+            run.whole[ENDING] = DIVERGED
+            s = 0.0
+        elif touch != NO_TOUCH:
             s = touch
             event = TOUCH
     elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0:

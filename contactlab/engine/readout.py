@@ -35,9 +35,9 @@ def explain(run: Run, contact_step: float) -> tuple[Ending, str]:
             "Check the law's parameters, or loosen the tolerance."
         )
     return Ending.DIVERGED, (
-        f"The run diverges at {time:.6g} s: the state is not finite, or the tip lies deeper in the "
-        "rotor than a tenth of its radius. Check the drive and the law's parameters, or shorten the "
-        f"contact step, {contact_step:.3g} s."
+        f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deeper in the rotor "
+        "than a tenth of its radius, or it moves too fast to be followed. Check the drive and the "
+        f"law's parameters, or shorten the contact step, {contact_step:.3g} s."
     )
 
 

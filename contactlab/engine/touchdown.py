@@ -21,7 +21,11 @@ Array = NDArray[np.float64]
 RESOLUTION = 1e-22
 """Gap [m] below which open and touching cannot be told apart in float64."""
 
-NO_TOUCH = -1.0
+NO_TOUCH, LOST = -1.0, -2.0
+"""The flight stays open; the flight cannot be followed."""
+
+MOST_HALVINGS = 10_000
+"""Halvings of one stretch: a motor takes a few tens, a state that has run away takes them all."""
 
 
 @part_kernel
@@ -98,7 +102,7 @@ def stays_open(
 def first_touch(
     plant: Plant, step: Step, h: float, gap_end: float, rate_end: float, stack: Array
 ) -> float:
-    """Time of the first touch-down in (0, h] of a flight that starts open, or NO_TOUCH.
+    """Time of the first touch-down in (0, h] of a flight that starts open, or NO_TOUCH, or LOST.
 
     Args:
         plant, step: the flight, as `begin` left it.
@@ -111,7 +115,8 @@ def first_touch(
     b, gap_b, rate_b = h, gap_end, rate_end
     bound = curvature_bound(plant, step, h)
     waiting = 0
-    while True:
+    halvings = 0
+    while halvings < MOST_HALVINGS:
         width = b - a
         indistinct = bound * width * width < RESOLUTION or waiting >= stack.shape[0]
         if stays_open(a, gap_a, rate_a, b, gap_b, rate_b, bound) or (indistinct and gap_b > 0.0):
@@ -127,9 +132,11 @@ def first_touch(
         else:
             stack[waiting, 0], stack[waiting, 1], stack[waiting, 2] = b, gap_b, rate_b
             waiting += 1
+            halvings += 1
             b = 0.5 * (a + b)
             flow_to(plant, step, b)
             gap_b, rate_b = gap_and_rate(plant, step.other_q, step.other_v)
+    return LOST
 
 
 @inner_kernel
