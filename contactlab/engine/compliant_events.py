@@ -133,6 +133,12 @@ def track_extremes(plant: Plant, tables: Tables, step: Step, run: Run, rate: flo
         before = step.gap_rate[i]
         left = right
     _track_peak(step, run, s / h)
+    if s < h:
+        # A step that is cut, by the end of the run above all, may end on its largest values.
+        run.contact[PEAK] = max(run.contact[PEAK], force_at(step, NORMAL, s / h))
+        flow_to(plant, step, s)
+        gap, _ = gap_and_rate(plant, step.other_q, step.other_v)
+        run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
 
 
 @inner_kernel
