@@ -1,0 +1,32 @@
+"""Fixtures that several test modules share."""
+
+import logging
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from command_line import Command
+
+from contactlab import app
+
+
+@pytest.fixture
+def command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> Iterator[Command]:
+    """Runs the command in an empty directory; gives its exit status, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    handlers = logging.root.handlers[:]
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["contactlab", *arguments])
+        try:
+            status = app.main()
+        except SystemExit as stop:
+            status = int(stop.code or 0)
+        out, err = capfd.readouterr()
+        return status, out, err
+
+    yield run
+    logging.root.handlers[:] = handlers

@@ -1,0 +1,116 @@
+"""What the command refuses: in sentences, all at once, and nothing is written."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import Command, left_behind
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["law=hertz"], "law is 'hertz'; it must be one of hertz_penalty, lagrange_slip"),
+        (["law=null"], "law is null; it must be one of hertz_penalty"),
+        (["experiment=case_b"], "experiment is 'case_b'; it must be one of case_a. Did you mean"),
+        (["solver=5"], "solver is 5; it must be one of default"),
+        (["contactstep=1"], "contactstep is not a known key. Did you mean solver.contact_step?"),
+        (["+drive.gain=2"], "drive.gain is not a known key"),
+        (["+drive.phase=2"], "+drive.phase=2 adds a key that exists"),
+        (["~drive.phase"], "drive.phase is missing"),
+        (["law/foo=bar"], "law/foo is not a known key"),
+        (
+            ["law=lagrange_slip", "law.stiffness=1"],
+            "law.stiffness does not belong to lagrange_slip",
+        ),
+        (["hydra.run.folder=x"], "hydra.run.folder=x cannot be composed"),
+        (["contact.clearance=1", "um"], "um cannot be read; an argument must have the form"),
+        (["rotor.radius=(1"], "rotor.radius=(1 cannot be read"),
+        (["=1"], "=1 has no key"),
+        (["drive.phase=${nothing}"], "Interpolation key 'nothing' not found"),
+        (["solver.duration=1,2"], "gives several values; a single run takes one. Add -m"),
+        (["solver.duration=5 kg"], "whose unit 'kg' cannot be converted to s"),
+        (["solver.contact_step=-1e-7"], "solver.contact_step is -1e-07 s; it must be greater"),
+        (["placement.end=40 mm"], "half of resonator.length"),
+        (["hydra.run.dir=${nothing}"], "hydra.run.dir cannot be resolved"),
+        (["--config-name", "other"], "Cannot find primary config 'other'"),
+        (["--config-dir", "nowhere"], "which is not a directory"),
+        (["--run", "--multirun"], "Only one of --run, --multirun"),
+        (["--resolve"], "can only be used in conjunction with --cfg"),
+        (["--frobnicate"], "unrecognized arguments: --frobnicate"),
+        (["--help", "law=hertz"], "law is 'hertz'; it must be one of"),
+        (["--cfg", "job", "foo=1"], "foo is not a known key"),
+        (["-m", "drive.voltage_1=interval(0,1)"], "does not support sweep type"),
+        (["-m", "law=hertz_penalty,hertz"], "law is 'hertz'; it must be one of"),
+        (["-m", "contact.clearance=1e-6,-1e-6"], "contact.clearance is -1e-06 m"),
+        (["-m", "law=lagrange_slip,lagrange_stick", "hydra.sweep.subdir=x"], "to 2 jobs, which"),
+    ],
+)
+def test_bad_input_is_refused_in_a_sentence_and_nothing_is_written(
+    command: Command, arguments: list[str], words: str
+) -> None:
+    status, _, err = command(*arguments)
+    assert status == 2
+    assert words in err
+    assert "Traceback" not in err
+    assert left_behind() == []
+
+
+def test_faults_of_every_kind_come_at_once(command: Command) -> None:
+    status, out, err = command(
+        "law=hertz",
+        "um",
+        "contact.clearance=-1 um",
+        "record.interval=1 s",
+        "rotor.inertia=heavy",
+        "frequency=3 kHz",
+        "hydra.run.folder=x",
+    )
+    assert status == 2
+    assert out == ""
+    assert sorted(line.split()[0] for line in err.splitlines()) == [
+        "contact.clearance",
+        "frequency",
+        "hydra.run.folder=x",
+        "law",
+        "record.interval",
+        "rotor.inertia",
+        "um",
+    ]
+
+
+def test_faults_of_all_jobs_of_a_sweep_come_before_any_runs(command: Command) -> None:
+    status, out, err = command("-m", "law=lagrange_slip,hertz", "rotor.radius=0.025,-1,0")
+    assert status == 2
+    assert out == ""
+    assert [line.partition(";")[0] for line in err.splitlines()] == [
+        "rotor.radius is -1 m",
+        "rotor.radius is 0 m",
+        "law is 'hertz'",
+    ]
+
+
+@pytest.mark.parametrize("directory", ["/proc/nowhere", "file/below", "file", "back\\\\slash"])
+def test_directory_that_cannot_be_written_is_refused(command: Command, directory: str) -> None:
+    Path("file").touch()
+    for arguments in ([f"hydra.run.dir='{directory}'"], ["-m", f"hydra.sweep.dir='{directory}'"]):
+        status, _, err = command(*arguments)
+        assert status == 2
+        assert "cannot be written to" in err
+        assert "Traceback" not in err
+        assert left_behind() == [Path("file")]
+
+
+def test_real_command_refuses_with_status_2_and_no_traceback(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "contactlab", "solver.contact_step=-1e-7", "law=hertz"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 2
+    assert list(tmp_path.iterdir()) == []
