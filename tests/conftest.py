@@ -7,8 +7,13 @@ from pathlib import Path
 
 import pytest
 from command_line import Command
+from hypothesis import settings
 
 from contactlab import app
+
+# The same examples in every run: a failure is one that everybody can repeat.
+settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture

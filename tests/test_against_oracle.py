@@ -139,6 +139,9 @@ def test_hertz_ends_where_the_oracle_ends(name: str) -> None:
     # Both are good to about 1e-9; contacts amplify it.
     assert_ends_agree(trajectory, reference, 1e-7)
     assert_contacts_agree(trajectory, reference, 1e-6)
+    peaks = stiffness * trajectory.contacts["max_penetration"] ** 1.5
+    largest = reference.peak_normal_force.max()
+    assert peaks == pytest.approx(reference.peak_normal_force, abs=1e-5 * largest)
 
 
 @motors

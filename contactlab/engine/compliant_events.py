@@ -119,26 +119,25 @@ def track_extremes(plant: Plant, tables: Tables, step: Step, run: Run, rate: flo
     before = rate
     left = 0.0
     for i in range(NODES):
-        right = tables.nodes[i] * h
+        right, gap, now = tables.nodes[i] * h, step.gap[i], step.gap_rate[i]
         if right > s:
-            break
-        run.contact[PEAK] = max(run.contact[PEAK], step.force[NORMAL, i])
-        run.contact[DEPTH] = max(run.contact[DEPTH], -step.gap[i])
-        if before < 0.0 <= step.gap_rate[i]:
-            # The turning point by a line through the rates, and from there by the parabola of the gap.
-            curvature = (step.gap_rate[i] - before) / (right - left)
+            # An event or the end of the run cuts the step here.
+            right = s
+            flow_to(plant, step, s)
+            gap, now = gap_and_rate(plant, step.other_q, step.other_v)
+        run.contact[PEAK] = max(run.contact[PEAK], force_at(step, NORMAL, right / h))
+        run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
+        if before < 0.0 <= now and left < right:
+            # The turning point by a line through the rates, and from there by the gap's parabola.
+            curvature = (now - before) / (right - left)
             flow_to(plant, step, left - before / curvature)
             gap, slope = gap_and_rate(plant, step.other_q, step.other_v)
             run.contact[DEPTH] = max(run.contact[DEPTH], 0.5 * slope * slope / curvature - gap)
-        before = step.gap_rate[i]
+        if right == s:
+            break
+        before = now
         left = right
     _track_peak(step, run, s / h)
-    if s < h:
-        # A step that is cut, by the end of the run above all, may end on its largest values.
-        run.contact[PEAK] = max(run.contact[PEAK], force_at(step, NORMAL, s / h))
-        flow_to(plant, step, s)
-        gap, _ = gap_and_rate(plant, step.other_q, step.other_v)
-        run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
 
 
 @inner_kernel
