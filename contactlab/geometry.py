@@ -26,7 +26,8 @@ class ContactGeometry:
     Args:
         tip_length: L_tip from the beam to the tip end [m].
         rotor_radius: R [m].
-        clearance: gap of the undeformed motor [m], not negative.
+        clearance: gap of the undeformed motor [m]; negative, for compliant laws only, is a motor that
+            is pressed together at rest.
     """
 
     tip_length: float = 19e-3

@@ -3,9 +3,14 @@
 from dataclasses import dataclass, field
 from typing import final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from contactlab.drive import Drive
 from contactlab.geometry import ContactGeometry
 from contactlab.resonator import NormalModes
+
+Array = NDArray[np.float64]
 
 
 @final
@@ -28,17 +33,55 @@ class Rotor:
 
 @final
 @dataclass(frozen=True)
+class ModalState:
+    """Normal coordinates at t = 0.
+
+    Args:
+        displacement: q [m kg^1/2], shape (mode,).
+        velocity: qd [m s^-1 kg^1/2], shape (mode,).
+    """
+
+    displacement: Array
+    velocity: Array
+
+
+@final
+@dataclass(frozen=True)
 class Motor:
     """Everything that moves; which contact law acts between tip and rotor is not part of it.
+
+    A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
+    is a belt: `contactlab.testing.plants` builds point masses, blocks and oscillators so.
 
     Args:
         modes: normal modes of the resonator, from any basis.
         drive: electrode voltages.
         geometry: tip, rotor radius and clearance.
         rotor: rotor inertia and load.
+        preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
+        start: state at t = 0; None is at rest without displacement.
     """
 
     modes: NormalModes
     drive: Drive
     geometry: ContactGeometry = field(default_factory=ContactGeometry)
     rotor: Rotor = field(default_factory=Rotor)
+    preload: Array | None = None
+    start: ModalState | None = None
+
+    def __post_init__(self) -> None:
+        count = self.modes.stiffness.size
+        if not np.all(self.modes.stiffness >= 0.0):
+            raise ValueError(
+                f"The modes have stiffnesses {self.modes.stiffness} 1/s^2; none may be negative: a "
+                "buckled mode runs away."
+            )
+        given = {"preload": self.preload}
+        if self.start is not None:
+            given["start.displacement"] = self.start.displacement
+            given["start.velocity"] = self.start.velocity
+        for name, values in given.items():
+            if values is not None and values.shape != (count,):
+                raise ValueError(
+                    f"{name} has shape {values.shape}; it must have shape ({count},), one number a mode."
+                )

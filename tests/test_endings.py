@@ -134,9 +134,9 @@ def test_a_rigid_law_refuses_a_tolerance_it_would_ignore() -> None:
         simulate(case_a(), LagrangeStick(0.3), duration=1e-3, record_interval=1e-5, tolerance=1e-6)
 
 
-def test_a_negative_clearance_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"clearance is -1e-06 m; it must not be negative"):
-        run(default_motor(clearance=-1e-6), hertz())
+def test_a_rigid_start_with_overlap_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"gap is -1e-06 m at the start; .*law is rigid"):
+        run(default_motor(clearance=-1e-6), LagrangeStick(0.3))
 
 
 def test_an_undamped_mode_that_a_tone_meets_is_refused() -> None:

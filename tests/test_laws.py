@@ -32,12 +32,12 @@ def delassus(draw: st.DrawFn) -> Delassus:
 
 def stick_law(mu: float, normal: float, tangential: float, d: Delassus) -> Answer:
     law = LagrangeStick(mu)
-    return law.solve(normal, tangential, tangential, *d, law.parameters())
+    return law.solve(normal, tangential, normal, tangential, *d, law.parameters())
 
 
 def slip_law(mu: float, normal: float, tangential: float, slip: float, d: Delassus) -> Answer:
     law = LagrangeSlip(mu)
-    return law.solve(normal, tangential, slip, *d, law.parameters())
+    return law.solve(normal, tangential, normal, slip, *d, law.parameters())
 
 
 def after(normal: float, tangential: float, d: Delassus, answer: Answer) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """A law that a user writes outside the package runs like one of its own."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from contactlab.drive import Drive
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, MultiplierKernel, PenaltyKernel
+from contactlab.laws.parameter import Parameter
 from contactlab.motor import Motor
 from contactlab.resonator import RitzResonator
 
@@ -36,10 +37,9 @@ class SpringAndDashpot(PenaltyLaw):
     equation: ClassVar[str] = "N = max(k d + c ddot, 0)"
     source: ClassVar[str] = "this test"
     default_contact_step: ClassVar[float] = 4e-6
-    kernel_parameters: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
-    stiffness: float
-    damping: float
+    stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
+    damping: Annotated[float, Parameter("c", "N s m-1", "contact damping", at_least=0.0)]
 
     @property
     def force(self) -> PenaltyKernel:
@@ -50,6 +50,7 @@ class SpringAndDashpot(PenaltyLaw):
 def frictionless(
     normal_rate: float,
     tangential_rate: float,
+    gap_rate: float,
     slip: float,
     d_nn: float,
     d_nt: float,
@@ -68,7 +69,6 @@ class Frictionless(MultiplierLaw):
     equation: ClassVar[str] = "g = 0, N >= 0, F = 0"
     source: ClassVar[str] = "this test"
     default_contact_step: ClassVar[float] = 1e-7
-    kernel_parameters: ClassVar[tuple[str, ...]] = ()
 
     @property
     def solve(self) -> MultiplierKernel:

@@ -90,7 +90,7 @@ def collocate(
         largest = 0.0
         for i in range(NODES):
             old_normal, old_friction = step.force[NORMAL, i], step.force[FRICTION, i]
-            _law_at_node(plant, tables, step, level, i, force, parameters)
+            _law_at_node(plant, tables, step, level, i, mode, force, parameters)
             if mode != STICK:
                 step.force[FRICTION, i] = -sign * step.force[BOUND, i]
             push_node(step, i)
@@ -117,6 +117,7 @@ def _law_at_node(
     step: Step,
     level: int,
     i: int,
+    mode: int,
     force: PenaltyKernel,
     parameters: Array,
 ) -> None:
@@ -138,7 +139,8 @@ def _law_at_node(
     slip = t_u * u_rate + t_th * th_rate + rotor
     normal, bound, loss = 0.0, 0.0, 0.0
     if gap < 0.0:
-        normal, bound, _, loss = force(gap, rate, slip, parameters)
+        seen = 0.0 if mode == STICK else slip
+        normal, bound, _, loss = force(gap, rate, seen, parameters)
     step.rows[i, 0], step.rows[i, 1], step.rows[i, 2], step.rows[i, 3] = n_u, n_th, t_u, t_th
     step.force[NORMAL, i] = normal
     step.force[BOUND, i] = bound

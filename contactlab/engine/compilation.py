@@ -36,6 +36,7 @@ def no_force(
 def no_impulse(
     normal_rate: float,
     tangential_rate: float,
+    gap_rate: float,
     slip: float,
     d_nn: float,
     d_nt: float,

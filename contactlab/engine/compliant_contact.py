@@ -74,9 +74,11 @@ def press(
             step.real[TAKEN] = 0.0
             return NOTHING
         error = _attempt(plant, tables, step, run, level, normal, force, parameters)
-        if error > 1.0:
+        # A dip that ends before the first node would be left where it begins, still approaching.
+        hidden = rate < 0.0 <= step.gap[0] and level < FINEST - 9
+        if error > 1.0 or hidden:
             run.whole[REJECTED_STEPS] += 1
-            level += 1 + (1 if error > 500.0 else 0)
+            level += 2 if error > 500.0 or hidden else 1
             continue
         if not contradicted(step, run, slip):
             break

@@ -1,12 +1,31 @@
 """One stretch of free flight: up to the next level of the ladder, the touch-down or the end."""
 
-from contactlab.compiled import part_kernel
+from math import sqrt
+
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.events import NOTHING, TOUCH
 from contactlab.engine.plant import Plant
-from contactlab.engine.run import DIVERGED, END, ENDING, FLIGHT_STEPS, LEVEL, OPEN, PHASE, TIME, Run
+from contactlab.engine.run import (
+    DIVERGED,
+    END,
+    ENDING,
+    FLIGHT_STEPS,
+    LEVEL,
+    OPEN,
+    PHASE,
+    SEPARATING,
+    TIME,
+    Run,
+)
 from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to, free_response
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
-from contactlab.engine.touchdown import LOST, NO_TOUCH, first_touch, gap_and_rate
+from contactlab.engine.touchdown import (
+    LOST,
+    NO_TOUCH,
+    curvature_bound,
+    first_touch,
+    gap_and_rate,
+)
 
 CLEAR = 1e-15
 """Gap [m] that no round-off after a release amounts to."""
@@ -18,11 +37,14 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
 
     While SEPARATING, round-off decides the sign of the gap, so that no touch-down is looked for
     until the gap is clear, or open and opening; a gap that is closed and closing is a new contact,
-    and one that rests at exactly zero is none.
+    and one that rests at exactly zero is none. These steps are so short that the gap, with the rate
+    it has and the curvature it may have, cannot close in them by more than CLEAR.
     """
     level = run.whole[LEVEL]
     h = step_length(tables, level)
     s = min(h, run.real[END] - run.real[TIME])
+    if run.whole[PHASE] == SEPARATING:
+        s = min(s, _unseen(plant, step, h))
     step.whole[KIND] = FLIGHT
     step.real[LENGTH] = h
     if s < h:
@@ -50,3 +72,13 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     run.whole[LEVEL] = max(level - 1, coarsest) if level > coarsest else level
     step.real[TAKEN] = s
     return event
+
+
+@inner_kernel
+def _unseen(plant: Plant, step: Step, h: float) -> float:
+    """Time [s] in which a gap of zero closes by less than CLEAR: r s >= B s^2 / 2, or B s^2 / 2 < CLEAR."""
+    _, rate = gap_and_rate(plant, step.q, step.v)
+    bound = curvature_bound(plant, step, h)
+    if bound * h * h <= CLEAR:
+        return h
+    return max(rate / bound, sqrt(CLEAR / bound))

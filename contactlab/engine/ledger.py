@@ -4,7 +4,7 @@
     damping_loss  int sum_j c_j v_j^2 dt            resonator and rotor
     friction_loss -int F slip dt
     contact_loss  int normal loss dt                normal damping; for a rigid law -int N gdot dt
-    load_work     -int sum_j a_j v_j dt = int tau Omega dt
+    load_work     -int sum_j a_j v_j dt = int tau Omega dt, and the work against a preload
 
 None is the difference of the others, so that the residual of the ledger measures the solution.
 """

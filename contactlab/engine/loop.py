@@ -14,6 +14,7 @@ from contactlab.engine.run import (
     END,
     ENDING,
     PHASE,
+    PRESSED,
     RUNNING,
     STORED,
     TIME,
@@ -61,6 +62,9 @@ def advance(
             return
         if run.whole[STORED] >= run.contacts.shape[0] - 1:
             return
+        refinement = TOUCH_REFINEMENT if compliant else 0
+        if run.whole[PHASE] == PRESSED:
+            open_contact(plant, tables, step, run, tables.contact_level + refinement)
         begin(plant, step, run.real[TIME])
         if run.whole[PHASE] != TOUCHING:
             event = fly(plant, tables, step, run)
@@ -70,7 +74,6 @@ def advance(
             event = hold_contact(plant, tables, step, run, solve, parameters)
         commit(plant, tables, step, run, force, parameters)
         if event == TOUCH:
-            refinement = TOUCH_REFINEMENT if compliant else 0
             open_contact(plant, tables, step, run, tables.contact_level + refinement)
         elif event == RELEASE:
             close_contact(plant, tables, step, run)

@@ -81,12 +81,13 @@ def plant_of(motor: Motor) -> Plant:
             "bound. Give the resonator damping or move the tone."
         )
     steady = force / dynamic
+    preload = np.zeros(modes.stiffness.size) if motor.preload is None else motor.preload
     row_u = np.append(modes.tip_displacement, 0.0)
     row_th = np.append(modes.tip_slope, 0.0)
     return Plant(
         stiffness=stiffness,
         damping=damping,
-        constant=np.append(np.zeros(modes.stiffness.size), -rotor.load_torque / root),
+        constant=np.append(preload, -rotor.load_torque / root),
         row_u=row_u,
         row_th=row_th,
         row_r=np.append(np.zeros(modes.stiffness.size), -geometry.rotor_radius / root),
@@ -104,10 +105,13 @@ def plant_of(motor: Motor) -> Plant:
 
 
 def resolved_rate(plant: Plant) -> float:
-    """Fastest rate that persists [rad/s]: tones and modes, an overdamped mode by its slow root k/c."""
+    """Fastest rate that persists [rad/s]: tones and modes, an overdamped mode by its slow root k/c.
+
+    Zero where nothing vibrates: rigid bodies without drive.
+    """
     k, c = plant.stiffness[:-1], plant.damping[:-1]
     slow = np.divide(k, c, out=np.full_like(k, np.inf), where=c > 0.0)
-    return float(max(np.minimum(np.sqrt(k), slow).max(), plant.omega.max(initial=0.0)))
+    return float(max(np.minimum(np.sqrt(k), slow).max(initial=0.0), plant.omega.max(initial=0.0)))
 
 
 def fastest_rate(plant: Plant) -> float:

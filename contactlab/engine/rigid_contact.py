@@ -44,7 +44,7 @@ from contactlab.engine.step import (
     hold_forces,
     tip_motion,
 )
-from contactlab.engine.tables import NODES, Tables, build_level, step_length
+from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import SLIP, MultiplierKernel
 
@@ -62,27 +62,16 @@ def hold_contact(
 ) -> int:
     """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING."""
     level = run.whole[LEVEL]
-    build_level(plant, tables, level)
-    h = step_length(tables, level)
     step.whole[KIND] = HELD
-    step.real[LENGTH] = h
-    last = NODES - 1
-    gap, slip = _turn_frame(plant, step, step.q, step.v)
+    gap, gap_rate, slip = _turn_frame(plant, step, step.q, step.v)
     run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
-
-    free_response(plant, tables, step, level, last)
-    _, _, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[last], step.node_v[last])
-    p_n, p_t, mode = _impulse(
-        plant, tables, step, level, u_rate, th_rate, rotor, slip, solve, parameters
-    )
-    _hold(step, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
-    add_held(plant, tables, step, level, last)
-    _project(plant, step, step.node_q[last])
-
-    _turn_frame(plant, step, step.node_q[last], step.v)
-    p_n, p_t, mode = _impulse(
-        plant, tables, step, level, u_rate, th_rate, rotor, slip, solve, parameters
-    )
+    impact = run.contact[DURATION] == 0.0
+    p_n, p_t, mode = _attempt(plant, tables, step, level, gap_rate, slip, solve, parameters)
+    # Over a long step a graze seems to open by itself; the approach it began with must still be met.
+    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < FINEST - 1:
+        level += 1
+        p_n, p_t, mode = _attempt(plant, tables, step, level, gap_rate, slip, solve, parameters)
+    h = step.real[LENGTH]
     if p_n <= 0.0:
         _shorten_to_release(step, run, p_n / h)
         return RELEASE
@@ -90,7 +79,6 @@ def hold_contact(
     add_held_rates(plant, tables, step, level)
     step.real[TAKEN] = min(h, run.real[END] - run.real[TIME])
     step.whole[MODE] = mode
-    impact = run.contact[DURATION] == 0.0
     run.contact[PEAK] = max(run.contact[PEAK], p_n / h)
     # An impact's force says nothing about the one at which the contact will open.
     run.real[NORMAL_BEFORE] = 0.0 if impact else p_n / h
@@ -99,15 +87,53 @@ def hold_contact(
     return NOTHING
 
 
+@part_kernel
+def _attempt(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    level: int,
+    gap_rate: float,
+    slip: float,
+    solve: MultiplierKernel,
+    parameters: Array,
+) -> tuple[float, float, int]:
+    """Predict and correct a step of a level; the law's impulses and mode at the corrected place.
+
+    Args:
+        plant, tables, step, level: the step; its displacements end corrected, its rates without contact.
+        gap_rate, slip: of its start [m/s].
+        solve, parameters: the law.
+    """
+    build_level(plant, tables, level)
+    h = step_length(tables, level)
+    step.real[LENGTH] = h
+    last = NODES - 1
+    _turn_frame(plant, step, step.q, step.v)
+    free_response(plant, tables, step, level, last)
+    _, _, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[last], step.node_v[last])
+    rates = (u_rate, th_rate, rotor, gap_rate, slip)
+    p_n, p_t, _ = _impulse(plant, tables, step, level, rates, solve, parameters)
+    _hold(step, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
+    add_held(plant, tables, step, level, last)
+    _project(plant, step, step.node_q[last])
+    _turn_frame(plant, step, step.node_q[last], step.v)
+    return _impulse(plant, tables, step, level, rates, solve, parameters)
+
+
 @inner_kernel
-def _turn_frame(plant: Plant, step: Step, q: Array, v: Array) -> tuple[float, float]:
-    """Set the directions of the step's contact from displacements q; gap [m], slip of rates v [m/s]."""
+def _turn_frame(plant: Plant, step: Step, q: Array, v: Array) -> tuple[float, float, float]:
+    """Set the directions of the step's contact from displacements q.
+
+    Returns:
+        gap [m], gap rate and slip of rates v [m/s].
+    """
     u, th, u_rate, th_rate, rotor = tip_motion(plant, q, v)
     gap, n_u, n_th, t_u, t_th = contact_frame(
         u, th, plant.tip_length, plant.radius, plant.clearance
     )
     step.frame[0], step.frame[1], step.frame[2], step.frame[3] = n_u, n_th, t_u, t_th
-    return gap, t_u * u_rate + t_th * th_rate + rotor
+    return gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
 
 
 @inner_kernel
@@ -116,18 +142,21 @@ def _impulse(
     tables: Tables,
     step: Step,
     level: int,
-    u_rate: float,
-    th_rate: float,
-    rotor: float,
-    slip: float,
+    rates: tuple[float, float, float, float, float],
     solve: MultiplierKernel,
     parameters: Array,
 ) -> tuple[float, float, int]:
-    """The law's impulses for contact-free rates at the step's end, in the step's directions.
+    """The law's impulses in the step's directions.
+
+    Args:
+        plant, tables, step, level: the step.
+        rates: those of u, th and the rotor at its end without contact, gap rate and slip at its start.
+        solve, parameters: the law.
 
     The Delassus matrix is that of a force held over the step: int w(s) ds / h in place of 1/m.
     """
     n_u, n_th, t_u, t_th = step.frame[0], step.frame[1], step.frame[2], step.frame[3]
+    u_rate, th_rate, rotor, gap_rate, slip = rates
     h = step_length(tables, level)
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(plant.stiffness.size):
@@ -139,7 +168,7 @@ def _impulse(
         tt += mobility * tangential * tangential
     normal_rate = n_u * u_rate + n_th * th_rate
     tangential_rate = t_u * u_rate + t_th * th_rate + rotor
-    return solve(normal_rate, tangential_rate, slip, nn, nt, tt, parameters)
+    return solve(normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, parameters)
 
 
 @inner_kernel
@@ -155,7 +184,7 @@ def _hold(step: Step, normal: float, friction: float) -> None:
 @inner_kernel
 def _project(plant: Plant, step: Step, q: Array) -> None:
     """Move displacements onto the closed gap along its gradient, in the metric of the masses (eq. 57)."""
-    gap, _ = _turn_frame(plant, step, q, step.v)
+    gap, _, _ = _turn_frame(plant, step, q, step.v)
     gradient = 0.0
     for j in range(q.size):
         gradient += (step.frame[0] * plant.row_u[j] + step.frame[1] * plant.row_th[j]) ** 2

@@ -45,8 +45,9 @@ COUNTS = (
     "friction_switches",
 )
 
-SEPARATING, OPEN, TOUCHING = range(3)
-"""Phases. SEPARATING is open but not yet clear of the release that began it."""
+SEPARATING, OPEN, TOUCHING, PRESSED = range(4)
+"""Phases. SEPARATING is open but not yet clear of the release that began it; PRESSED is a start in
+contact."""
 
 RUNNING, DIVERGED, UNSOLVED, CHATTERED = range(4)
 """Endings as the kernels know them."""
@@ -250,6 +251,7 @@ def _vibration(plant: Plant, tables: Tables, step: Step) -> float:
         mode = sqrt(step.v[j] ** 2 + plant.stiffness[j] * step.q[j] ** 2)
         for k in range(plant.omega.size):
             mode += h * sqrt(plant.force_re[j, k] ** 2 + plant.force_im[j, k] ** 2)
+        mode += h * abs(plant.constant[j])
         speed += abs(plant.row_u[j]) * mode
     return speed
 

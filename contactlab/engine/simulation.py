@@ -13,10 +13,12 @@ from contactlab.engine.run import (
     COUNTS,
     END,
     ENDING,
+    EVENT_LIMIT,
     INTERVAL,
     LEVEL,
     OPEN,
     PHASE,
+    PRESSED,
     RECORDED,
     RUNNING,
     SEPARATING,
@@ -30,7 +32,8 @@ from contactlab.engine.run import (
     run_for,
 )
 from contactlab.engine.step import Step, step_for
-from contactlab.engine.tables import Tables, tables_for
+from contactlab.engine.tables import tables_for
+from contactlab.geometry import contact_frame
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
@@ -56,7 +59,7 @@ def simulate(
     tolerance: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
-    """Simulate a motor from rest at t = 0, when the drive is switched on.
+    """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
 
     Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located.
     In contact a penalty law is collocated at order 9 with steps that follow its error, a
@@ -76,17 +79,23 @@ def simulate(
         The trajectory; one that is not complete says why and holds what it had.
 
     Raises:
-        ValueError: an argument out of range, or an undamped mode that a tone meets.
+        ValueError: an argument out of range, an undamped mode that a tone meets, or tip and rotor
+            that overlap at the start where the law is rigid.
         TypeError: a law of neither family.
     """
     contact_step = law.default_contact_step if contact_step is None else contact_step
     _check(law, duration, record_interval, contact_step, tolerance)
     plant = plant_of(motor)
     compliant = isinstance(law, PenaltyLaw)
-    tables = tables_for(plant, contact_step, exact=not compliant)
+    tables = tables_for(plant, contact_step, duration, exact=not compliant)
     step = step_for(plant)
     run = run_for(_count_records(duration, record_interval))
-    _start(motor, plant, tables, step, run, duration, record_interval, tolerance)
+    run.real[END] = duration
+    run.real[INTERVAL] = record_interval
+    run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    run.real[WINDOW] = _chatter_window(plant, contact_step)
+    run.whole[LEVEL] = tables.fresh_level
+    _start(motor, plant, step, run, compliant)
     parameters = law.parameters()
     force, solve = kernels_of(law)
     compile_loop(plant, tables, step, run)
@@ -166,30 +175,31 @@ def _count_records(duration: float, interval: float) -> int:
     return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
 
 
-def _start(
-    motor: Motor,
-    plant: Plant,
-    tables: Tables,
-    step: Step,
-    run: Run,
-    duration: float,
-    record_interval: float,
-    tolerance: float | None,
-) -> None:
-    """Initial state: the resonator at rest, the rotor at its initial velocity."""
+def _chatter_window(plant: Plant, contact_step: float) -> float:
+    """Slowest period [s]; where nothing has one, the time of an event every other step."""
+    rates = np.concatenate([np.sqrt(plant.stiffness), plant.omega])
+    if not np.any(rates > 0.0):
+        return 2.0 * EVENT_LIMIT * contact_step
+    return float(2.0 * np.pi / rates[rates > 0.0].min())
+
+
+def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) -> None:
+    """Initial state and phase."""
     step.v[-1] = -motor.rotor.initial_velocity * plant.radius / plant.row_r[-1]
-    run.real[END] = duration
-    run.real[INTERVAL] = record_interval
-    run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    rates = np.concatenate([np.sqrt(plant.stiffness[:-1]), plant.omega])
-    run.real[WINDOW] = 2.0 * np.pi / rates.min()
-    run.whole[PHASE] = OPEN if plant.clearance > 0.0 else SEPARATING
-    run.whole[LEVEL] = tables.fresh_level
-    if plant.clearance < 0.0:
+    if motor.start is not None:
+        step.q[:-1] = motor.start.displacement
+        step.v[:-1] = motor.start.velocity
+    u, th = float(plant.row_u @ step.q), float(plant.row_th @ step.q)
+    gap = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)[0]
+    if gap < 0.0 and not compliant:
         raise ValueError(
-            f"The clearance is {plant.clearance} m; it must not be negative: tip and rotor would "
-            "overlap at rest."
+            f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
+            "rotor would overlap."
         )
+    if gap < 0.0:
+        run.whole[PHASE] = PRESSED
+    else:
+        run.whole[PHASE] = OPEN if gap > 0.0 else SEPARATING
 
 
 def _collect(run: Run) -> Array:

@@ -82,11 +82,12 @@ class Step(NamedTuple):
 
 
 def step_for(plant: Plant) -> Step:
-    """Zeroed working memory for a plant."""
+    """Working memory for a plant at rest."""
     j, k = plant.stiffness.size, plant.omega.size
     return Step(
         whole=np.zeros(2, dtype=np.int64),
-        real=np.zeros(2),
+        # A first step continues a polynomial of zeros, of some length.
+        real=np.array([1.0, 0.0]),
         q=np.zeros(j),
         v=np.zeros(j),
         free_q=np.zeros(j),

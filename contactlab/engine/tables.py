@@ -81,7 +81,7 @@ def radau_rule(count: int) -> tuple[Array, Array, Array]:
     return nodes, weights, lagrange
 
 
-def tables_for(plant: Plant, contact_step: float, exact: bool) -> Tables:
+def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Tables:
     """An empty ladder that has the contact step as one of its levels.
 
     The longest step resolves what persists in flight; after a release the steps start short
@@ -90,15 +90,18 @@ def tables_for(plant: Plant, contact_step: float, exact: bool) -> Tables:
     Args:
         plant: the motor.
         contact_step: step in contact [s].
+        duration: of the run [s], the longest step where nothing vibrates.
         exact: whether steps in contact must have this length, not only at most this length.
     """
     nodes, weights, lagrange = radau_rule(NODES)
-    doublings = floor(log2(RESOLUTION / resolved_rate(plant) / contact_step))
+    rate = max(resolved_rate(plant), RESOLUTION / duration)
+    doublings = floor(log2(RESOLUTION / rate / contact_step))
     if exact:
         doublings = max(doublings, 0)
     contact_level = max(doublings, 0)
     longest = contact_step * 2.0**doublings
-    fresh_level = min(max(6, ceil(log2(longest * fastest_rate(plant))) + 2), FINEST - 8)
+    turns = max(longest * fastest_rate(plant), 1.0)
+    fresh_level = min(max(6, ceil(log2(turns)) + 2), FINEST - 8)
     count, tones = plant.stiffness.size, plant.omega.size
     return Tables(
         nodes=nodes,

@@ -9,13 +9,16 @@ are two families, and the engine knows only these two:
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
+
+from contactlab.laws.parameter import check_parameters
 
 Array = NDArray[np.float64]
 
@@ -27,19 +30,25 @@ _parameters = types.Array(types.float64, 1, "C", readonly=False)
 
 PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _parameters)
 MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(
-    _real, _real, _real, _real, _real, _real, _parameters
+    _real, _real, _real, _real, _real, _real, _real, _parameters
 )
 
 PenaltyKernel = Callable[[float, float, float, Array], tuple[float, float, float, float]]
 MultiplierKernel = Callable[
-    [float, float, float, float, float, float, Array], tuple[float, float, int]
+    [float, float, float, float, float, float, float, Array], tuple[float, float, int]
 ]
 
 
 class ContactLaw(ABC):
     """A contact law: an immutable dataclass whose fields are its parameters in SI units.
 
+    A field is `Annotated[float, Parameter(...)]`: with its symbol, unit, meaning and range. What else
+    a law declares is checked by `contactlab.testing`, the exceptions included.
+
     Subclass one of the two families, never a concrete law.
+
+    Raises:
+        ValueError: a parameter outside of its range.
     """
 
     name: ClassVar[str]
@@ -50,12 +59,22 @@ class ContactLaw(ABC):
     """Where the law is published."""
     default_contact_step: ClassVar[float]
     """Step in contact [s] where the configuration gives none."""
-    kernel_parameters: ClassVar[tuple[str, ...]]
-    """Names of the fields that the kernel receives, in its order."""
+    convergence_order: ClassVar[float] = 1.0
+    """Order at which the error falls: with the contact step of a `MultiplierLaw`, with the tolerance of a
+    `PenaltyLaw`."""
+    allows_tension: ClassVar[bool] = False
+    """Whether the normal force may pull."""
+    exact_stick: ClassVar[bool] = True
+    """Whether contact that sticks has no slip at all; else it creeps or chatters."""
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Claims of `contactlab.testing.LawContract` that this law breaks, each with the reason why."""
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
 
     def parameters(self) -> Array:
-        """The kernel's parameters, shape (parameter,), SI."""
-        return np.array([getattr(self, name) for name in self.kernel_parameters], dtype=np.float64)
+        """What the kernel receives, shape (parameter,), SI: the fields in their order."""
+        return np.array(list(self.describe().values()), dtype=np.float64)
 
     def describe(self) -> dict[str, float]:
         """The law's effective parameters by name, SI."""
@@ -71,11 +90,12 @@ class PenaltyLaw(ContactLaw):
         """The compiled force kernel.
 
             force(gap, gap_rate, slip, parameters)
-                -> normal force N >= 0 [N], friction bound [N], stored energy [J], normal loss [W]
+                -> normal force N [N], friction bound [N], stored energy [J], normal loss [W]
 
-        Called for gap < 0 only [m], gap_rate [m/s], slip [m/s]. Friction is set-valued: the engine
-        finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V makes
-        N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss).
+        Called for gap < 0 only [m], gap_rate [m/s], slip [m/s]; the slip is exactly zero where the
+        contact sticks, so that a bound may have a static and a kinetic value. Friction is set-valued:
+        the engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V
+        makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss).
         """
 
 
@@ -87,12 +107,13 @@ class MultiplierLaw(ContactLaw):
     def solve(self) -> MultiplierKernel:
         """The compiled impulse kernel.
 
-            solve(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters)
+            solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
                 -> normal impulse [N s], friction impulse [N s], mode
 
         normal_rate and tangential_rate are gap rate and slip at the end of the step without
-        contact [m/s]; slip is that of its start [m/s]; d is the symmetric 2x2 Delassus matrix
-        [1/kg] of the step. With impulses p the step ends with normal_rate + d_nn p_n + d_nt p_t
-        and tangential_rate + d_nt p_n + d_tt p_t. The mode is SLIP or STICK. A normal impulse
-        that is not positive means release.
+        contact [m/s]; gap_rate and slip are those of its start [m/s], where the gap rate is that of
+        the approach in an impact and zero but for round-off while a contact lasts; d is the symmetric
+        2x2 Delassus matrix [1/kg] of the step. With impulses p the step ends with
+        normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt p_t. The mode is SLIP or
+        STICK. A normal impulse that is not positive means release.
         """

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
 
 Array = NDArray[np.float64]
 
@@ -34,10 +35,9 @@ class HertzPenalty(PenaltyLaw):
     equation: ClassVar[str] = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
     default_contact_step: ClassVar[float] = 4e-6
-    kernel_parameters: ClassVar[tuple[str, ...]] = ("stiffness", "friction_coefficient")
 
-    stiffness: float
-    friction_coefficient: float
+    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)]
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
 
     @property
     def force(self) -> PenaltyKernel:

@@ -1,13 +1,14 @@
 """The paper's first law: a rigid contact that always slips."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import SLIP, MultiplierKernel, MultiplierLaw
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 
 Array = NDArray[np.float64]
 
@@ -35,9 +36,9 @@ class LagrangeSlip(MultiplierLaw):
     equation: ClassVar[str] = "g = 0, N >= 0, F = -mu N sign(v)"
     source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
     default_contact_step: ClassVar[float] = 5e-8
-    kernel_parameters: ClassVar[tuple[str, ...]] = ("friction_coefficient",)
+    exact_stick: ClassVar[bool] = False
 
-    friction_coefficient: float
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
 
     @property
     def solve(self) -> MultiplierKernel:
@@ -49,6 +50,7 @@ class LagrangeSlip(MultiplierLaw):
 def slip_impulse(
     normal_rate: float,
     tangential_rate: float,
+    gap_rate: float,
     slip: float,
     d_nn: float,
     d_nt: float,

@@ -1,13 +1,14 @@
 """The paper's second law: a rigid contact that slips or sticks."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import SLIP, STICK, MultiplierKernel, MultiplierLaw
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 
 Array = NDArray[np.float64]
 
@@ -36,9 +37,8 @@ class LagrangeStick(MultiplierLaw):
     equation: ClassVar[str] = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
     default_contact_step: ClassVar[float] = 5e-8
-    kernel_parameters: ClassVar[tuple[str, ...]] = ("friction_coefficient",)
 
-    friction_coefficient: float
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
 
     @property
     def solve(self) -> MultiplierKernel:
@@ -50,6 +50,7 @@ class LagrangeStick(MultiplierLaw):
 def stick_or_slip_impulse(
     normal_rate: float,
     tangential_rate: float,
+    gap_rate: float,
     slip: float,
     d_nn: float,
     d_nt: float,
