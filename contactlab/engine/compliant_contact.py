@@ -141,7 +141,7 @@ def _separation_level(tables: Tables, run: Run, gap: float, rate: float, normal:
     if rate > 0.0 and gap < 0.0:
         h = step_length(tables, level)
         small = run.real[TOLERANCE] * run.real[MOMENTUM]
-        while h * rate > -0.7 * gap and normal * h > small and level < FINEST - 1:
+        while h * rate > -0.7 * gap and abs(normal) * h > small and level < FINEST - 1:
             level += 1
             h *= 0.5
     return int(level)
@@ -186,7 +186,7 @@ def _attempt(
     h = step.real[LENGTH]
     allowed = run.real[TOLERANCE] * momentum
     if largest(step.gap) >= 0.0:
-        return 0.5 if normal * h <= allowed else np.inf
+        return 0.5 if abs(normal) * h <= allowed else np.inf
     error = abs(step.shape[NORMAL, 0] - normal)
     if mode == STICK:
         error = max(error, 0.1 * abs(step.shape[FRICTION, NODES - 1]))

@@ -27,8 +27,8 @@ from contactlab.engine.touchdown import (
     gap_and_rate,
 )
 
-CLEAR = 1e-15
-"""Gap [m] that no round-off after a release amounts to."""
+CLEAR = 1e-18
+"""Gap [m] that no round-off after a release amounts to: that of u and of the clearance is 1e-21."""
 
 
 @part_kernel

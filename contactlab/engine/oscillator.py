@@ -82,13 +82,14 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
         lower = upper
         upper = upper * RECIPROCALS[n + top + 1]
         before, now = now, -cd * now - kdd * before
+    # Multiplied up, not divided down: a rigid body must keep its place to the last bit.
+    out[0] = 1.0
+    for m in range(1, top):
+        out[m] = out[m - 1] * d / m
     out[top + 1] = highest * power * d
     out[top] = second * power
-    moment = power / factorial
     for m in range(top, 0, -1):
-        # moment = d^m / m! is divided down to d^(m-1) / (m-1)! for the next round.
-        moment = moment * m / d if d > 0.0 else (1.0 if m == 1 else 0.0)
-        out[m - 1] = moment - c * out[m] - k * out[m + 1]
+        out[m - 1] = out[m - 1] - c * out[m] - k * out[m + 1]
 
 
 @part_kernel

@@ -125,10 +125,10 @@ def first_touch(
             waiting -= 1
             a, gap_a, rate_a = b, gap_b, rate_b
             b, gap_b, rate_b = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2]
-        elif indistinct:
-            return b
         elif gap_b <= 0.0 and rate_a + bound * width < 0.0:
             return _falling_zero(plant, step, a, gap_a, b, gap_b)
+        elif indistinct:
+            return b
         else:
             stack[waiting, 0], stack[waiting, 1], stack[waiting, 2] = b, gap_b, rate_b
             waiting += 1

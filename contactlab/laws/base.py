@@ -72,6 +72,11 @@ class ContactLaw(ABC):
     def __post_init__(self) -> None:
         check_parameters(self)
 
+    @property
+    def friction_limit(self) -> float:
+        """Largest |F|/N that the law allows [1]; its friction coefficient unless it says otherwise."""
+        return float(getattr(self, "friction_coefficient", 0.0))
+
     def parameters(self) -> Array:
         """What the kernel receives, shape (parameter,), SI: the fields in their order."""
         return np.array(list(self.describe().values()), dtype=np.float64)

@@ -1,0 +1,171 @@
+"""Laws with closed-form answers, to prove the engine on: a dashpot, an internal loss, a restitution.
+
+They are no part of the registry: nobody should run a motor with them by accident.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import kernel
+from contactlab.laws.base import MultiplierKernel, MultiplierLaw, PenaltyKernel, PenaltyLaw
+from contactlab.laws.lagrange_stick import stick_or_slip_impulse
+from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+
+Array = NDArray[np.float64]
+
+_STIFFNESS = Parameter("k", "N m-1", "contact stiffness", above=0.0)
+_DAMPING = Parameter("c", "N s m-1", "contact damping", at_least=0.0)
+
+
+@final
+@dataclass(frozen=True)
+class SpringDashpot(PenaltyLaw):
+    """A linear spring and dashpot that push only, with static and kinetic friction.
+
+        N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
+    """
+
+    name: ClassVar[str] = "spring_dashpot"
+    equation: ClassVar[str] = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
+    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
+    default_contact_step: ClassVar[float] = 4e-6
+
+    stiffness: Annotated[float, _STIFFNESS]
+    damping: Annotated[float, _DAMPING] = 0.0
+    static_friction: Annotated[float, Parameter("mu_s", "1", "static", at_least=0.0)] = 0.0
+    kinetic_friction: Annotated[float, Parameter("mu_k", "1", "kinetic", at_least=0.0)] = 0.0
+
+    @property
+    def friction_limit(self) -> float:
+        """Largest |F|/N [1]."""
+        return max(self.static_friction, self.kinetic_friction)
+
+    @property
+    def force(self) -> PenaltyKernel:
+        """The kernel; see `PenaltyLaw.force`."""
+        return spring_dashpot_force
+
+
+@kernel
+def spring_dashpot_force(
+    gap: float, gap_rate: float, slip: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
+    elastic = -parameters[0] * gap
+    normal = max(elastic - parameters[1] * gap_rate, 0.0)
+    mu = parameters[2] if slip == 0.0 else parameters[3]
+    return normal, mu * normal, -0.5 * elastic * gap, (elastic - normal) * gap_rate
+
+
+@final
+@dataclass(frozen=True)
+class TensileDashpot(PenaltyLaw):
+    """The same normal force without its limit: it pulls before the gap opens. No friction.
+
+    N = k d + c ddot
+    """
+
+    name: ClassVar[str] = "tensile_dashpot"
+    equation: ClassVar[str] = "N = k d + c ddot"
+    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    default_contact_step: ClassVar[float] = 4e-6
+    allows_tension: ClassVar[bool] = True
+
+    stiffness: Annotated[float, _STIFFNESS]
+    damping: Annotated[float, _DAMPING]
+
+    @property
+    def force(self) -> PenaltyKernel:
+        """The kernel; see `PenaltyLaw.force`."""
+        return tensile_dashpot_force
+
+
+@kernel
+def tensile_dashpot_force(
+    gap: float, gap_rate: float, slip: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
+    elastic = -parameters[0] * gap
+    viscous = -parameters[1] * gap_rate
+    return elastic + viscous, 0.0, -0.5 * elastic * gap, -viscous * gap_rate
+
+
+@final
+@dataclass(frozen=True)
+class HuntCrossley(PenaltyLaw):
+    """Hertz with a loss that grows with the penetration, and Coulomb friction.
+
+    N = K d^1.5 max(1 + a ddot, 0),  |F| <= mu N
+    """
+
+    name: ClassVar[str] = "hunt_crossley"
+    equation: ClassVar[str] = "N = K d^1.5 max(1 + a ddot, 0), |F| <= mu N"
+    source: ClassVar[str] = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
+    default_contact_step: ClassVar[float] = 4e-6
+
+    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)]
+    loss: Annotated[float, Parameter("a", "s m-1", "loss per closing speed", at_least=0.0)]
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.0
+
+    @property
+    def force(self) -> PenaltyKernel:
+        """The kernel; see `PenaltyLaw.force`."""
+        return hunt_crossley_force
+
+
+@kernel
+def hunt_crossley_force(
+    gap: float, gap_rate: float, slip: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
+    depth = max(-gap, 0.0)
+    elastic = parameters[0] * depth**1.5
+    normal = elastic * max(1.0 - parameters[1] * gap_rate, 0.0)
+    return normal, parameters[2] * normal, 0.4 * elastic * depth, (elastic - normal) * gap_rate
+
+
+@final
+@dataclass(frozen=True)
+class NewtonRestitution(MultiplierLaw):
+    """A rigid impact that gives back a share of the approach, with set-valued friction.
+
+        gdot+ = -e gdot- in an impact, g = 0 after it;  |F| <= mu N
+
+    Time stepping in the sense of Moreau: a rebound that ends within the step is none. Where slip
+    reverses in the impact this restitution can create energy (Kane and Levinson 1985).
+    """
+
+    name: ClassVar[str] = "newton_restitution"
+    equation: ClassVar[str] = "gdot+ = -e gdot-, N >= 0, |F| <= mu N"
+    source: ClassVar[str] = "Newton (1687); Moreau (1988)"
+    default_contact_step: ClassVar[float] = 5e-8
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
+    restitution: Annotated[float, Parameter("e", "1", "restitution", at_least=0.0, at_most=1.0)]
+
+    @property
+    def solve(self) -> MultiplierKernel:
+        """The kernel; see `MultiplierLaw.solve`."""
+        return newton_impulse
+
+
+@kernel
+def newton_impulse(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    parameters: Array,
+) -> tuple[float, float, int]:
+    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
+    # The plastic law to the rate that is asked for in place of zero.
+    missing = normal_rate + parameters[1] * min(gap_rate, 0.0)
+    return stick_or_slip_impulse(
+        missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
+    )
