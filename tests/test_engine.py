@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flights import flight_of
 from motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.drive import Drive
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
+from contactlab.testing.flights import flight_of
 from contactlab.trajectory import Trajectory
 from contactlab.variables import CONTACTS, SERIES
 

@@ -1,24 +1,19 @@
 """No contact is ever stepped over, and none is invented: the first touch of every flight is found."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from flights import Flight, flight_of
 from motors import case_a, default_motor, every_law, hertz, run
 
-from contactlab.drive import Drive
-from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
+from contactlab.testing.flights import Flight, flight_of
 
 TIME_DIGIT = 1e-12
 """Touch-downs are known to better than this [s]: gap round-off 1e-21 m over rates above 1e-8 m/s."""
 
 DURATION = 1e-3
-POINTS = 8001
-"""Grid of the reference: 0.125 us, a two-hundredth of the fastest period that is driven."""
 
 
 def touch_downs(motor: Motor, law: ContactLaw, duration: float, interval: float = 1e-6) -> list:
@@ -29,8 +24,7 @@ def touch_downs(motor: Motor, law: ContactLaw, duration: float, interval: float 
 def lowest_minimum() -> tuple[Flight, float]:
     """The vibration of case A under a rotor far away, and when its tip first comes highest."""
     far = flight_of(default_motor(clearance=1e-5))
-    times = far.minima(DURATION, POINTS)
-    heights = far.at(times)[0]
+    times, heights = far.minima(DURATION)
     return far, float(times[np.argmin(heights)])
 
 
@@ -46,7 +40,7 @@ def dipping(depth: float) -> tuple[Flight, float]:
 def test_a_dip_of_a_picometre_between_two_samples_is_a_contact(law: ContactLaw) -> None:
     flight, when = dipping(1e-12)
     duration = when + 1e-6
-    expected = flight.first_touch(duration, POINTS)
+    expected = flight.first_touch(duration)
     assert expected is not None
     # The dip is a tenth of a microsecond long; every sample of the flight alone is above it.
     assert 2.0 * (when - expected) < 2e-7
@@ -81,7 +75,7 @@ def test_passing_a_picometre_above_the_rotor_is_no_contact(law: ContactLaw, abov
 @pytest.mark.parametrize("depth", [1e-9, 1e-11, 1e-13, 1e-15])
 def test_a_dip_is_found_however_shallow(depth: float) -> None:
     flight, when = dipping(depth)
-    expected = flight.first_touch(when + 1e-6, POINTS)
+    expected = flight.first_touch(when + 1e-6)
     found = touch_downs(flight.motor, hertz(), when + 1e-6)
     assert found == pytest.approx([expected], abs=TIME_DIGIT)
 
@@ -91,7 +85,7 @@ def test_a_dip_is_found_however_shallow(depth: float) -> None:
 def test_first_touch_down_does_not_depend_on_law_or_step(
     law: ContactLaw, contact_step: float
 ) -> None:
-    expected = flight_of(case_a()).first_touch(2e-4, POINTS)
+    expected = flight_of(case_a()).first_touch(2e-4)
     trajectory = run(case_a(), law, 2e-4, 1e-6, contact_step)
     assert trajectory.contacts["start_time"][0] == pytest.approx(expected, abs=TIME_DIGIT)
 
@@ -105,55 +99,7 @@ def test_a_gap_that_closes_from_the_first_instant_is_touched_where_it_closes(
     if float(flight_of(motor).at(1e-6)[1]) > 0.0:
         motor = default_motor(phase=-np.pi / 2.0, clearance=2e-7)
     flight = flight_of(motor)
-    expected = flight.first_touch(1e-4, POINTS)
+    expected = flight.first_touch(1e-4)
     assert expected is not None
     assert np.all(flight.at(np.linspace(1e-7, expected, 200))[1] < 0.0)
     assert touch_downs(motor, law, 1e-4)[0] == pytest.approx(expected, abs=TIME_DIGIT)
-
-
-def random_drive(rng: np.random.Generator) -> Drive:
-    """One to four tones between 1 and 20 kHz with any amplitudes and phases."""
-    tones = int(rng.integers(1, 5))
-    size = 10.0 ** rng.uniform(0.5, 2.0)
-    phasors = rng.normal(size=(2, tones)) + 1j * rng.normal(size=(2, tones))
-    return Drive(rng.uniform(1e3, 20e3, tones), size * phasors)
-
-
-def random_flight(rng: np.random.Generator, motors: list[Motor]) -> Flight:
-    """A flight with any clearance; every other one dips or misses by less than a nanometre."""
-    motor = replace(motors[int(rng.integers(len(motors)))], drive=random_drive(rng))
-    flight = flight_of(motor)
-    if rng.random() < 0.5:
-        return flight.with_clearance(10.0 ** rng.uniform(-8.0, -5.5))
-    far = flight.with_clearance(1e-3)
-    times = far.minima(DURATION, 1001)
-    heights = far.at(times)[0]
-    record = np.flatnonzero(heights <= np.minimum.accumulate(heights))
-    if record.size == 0:
-        return far
-    miss = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-14.0, -9.0)
-    close = far.lowered_to(miss, times[rng.choice(record)])
-    # Tones that only ever pull the tip away leave no room for a clearance.
-    return close if close.motor.geometry.clearance > 0.0 else far
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_no_touch_down_of_random_flights_is_missed_late_or_invented(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    motors = [default_motor(shapes=shapes) for shapes in (2, 4, 6)]
-    touched = 0
-    for case in range(250):
-        flight = random_flight(rng, motors)
-        expected = flight.first_touch(DURATION, POINTS)
-        end = DURATION if expected is None else min(expected + 2e-6, DURATION)
-        result = simulate(flight.motor, hertz(0.0), duration=end, record_interval=end)
-        assert result.complete, result.message
-        found = result.contacts["start_time"]
-        if expected is None:
-            assert found.size == 0, f"case {case}: invented {found}"
-        else:
-            assert found.size > 0, f"case {case}: missed {expected}"
-            assert found[0] == pytest.approx(expected, abs=TIME_DIGIT), f"case {case}"
-            touched += 1
-    # The claim is about both kinds.
-    assert 100 < touched < 240

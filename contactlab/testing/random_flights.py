@@ -1,0 +1,187 @@
+"""Random free flights through the engine, and whether it finds the first touch-down of each."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.drive import Drive
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty
+from contactlab.motor import Motor
+from contactlab.resonator import NormalModes, RitzResonator
+from contactlab.testing.flights import Flight, flight_of
+
+Array = NDArray[np.float64]
+
+DURATION = 1e-3
+"""Longest flight [s]."""
+
+AFTER_TOUCH = 2e-6
+"""How long a flight goes on where it should have touched [s]."""
+
+TIME_DIGIT = 1e-15
+"""Error of a touch-down [s] on top of the gap's round-off over its rate, see `Flight.round_off`."""
+
+KINDS: Final = ("any clearance", "graze", "double dip")
+"""How the clearance of a flight is found, see `random_flight`."""
+
+SHAPES = (2, 4, 6)
+"""Beam shapes of the resonators: up to 6 overdamped modes, decays down to a microsecond."""
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What became of some flights.
+
+    Args:
+        flights: how many there were.
+        touched: those that touch, by the reference.
+        missed: those that touch and for which the engine ran past the touch-down without any.
+        invented: touch-downs of the engine where there is none, or before there is one.
+        late: touch-downs of the engine after the first one.
+        largest_error: of a time of touch-down [s].
+        largest_excess: of an error over what round-off explains of it [s].
+        worst: number of the flight with the largest excess; the first one that is missed or invented
+            comes before all others; -1 where none touched.
+    """
+
+    flights: int = 0
+    touched: int = 0
+    missed: int = 0
+    invented: int = 0
+    late: int = 0
+    largest_error: float = 0.0
+    largest_excess: float = -np.inf
+    worst: int = -1
+
+    @property
+    def faults(self) -> int:
+        """Flights of which the engine got the touch-down wrong."""
+        return self.missed + self.invented + self.late
+
+
+def random_flight(seed: int, number: int) -> tuple[str, Flight]:
+    """Kind and flight of a number; every pair of seed and number is a flight of its own.
+
+        any clearance   10 nm to 3 um, by its logarithm
+        graze           one of the lowest points so far dips or misses by 1e-14 to 1e-9 m
+        double dip      the same, with a fast tone that makes a lower dip follow within microseconds
+
+    Drives have one to four tones between 1 and 20 kHz with any amplitudes and phases; the fast tone
+    lies between 30 and 200 kHz.
+    """
+    rng = np.random.default_rng([seed, number])
+    kind = KINDS[int(rng.choice(3, p=(0.4, 0.4, 0.2)))]
+    modes = _modes(int(rng.choice(SHAPES)))
+    drive = _slow_tones(rng)
+    if kind == "double dip":
+        drive = _with_fast_tone(rng, modes, drive)
+    flight = flight_of(Motor(modes, drive))
+    if kind == "any clearance":
+        return kind, flight.with_clearance(10.0 ** rng.uniform(-8.0, -5.5))
+    far = flight.with_clearance(1e-4)
+    times, heights = far.minima(DURATION)
+    lowest = np.flatnonzero(heights <= np.minimum.accumulate(heights))
+    if lowest.size == 0:
+        return kind, far
+    chosen = int(rng.choice(lowest))
+    if kind == "double dip" and lowest.size > 1:
+        # The dip that is followed by the one that is lower by least.
+        chosen = int(lowest[np.diff(heights[lowest]).argmax()])
+    miss = float(rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-14.0, -9.0))
+    close = far.lowered_to(miss, float(times[chosen]))
+    # Tones that only ever pull the tip away leave no room for a clearance.
+    return kind, close if close.motor.geometry.clearance > 0.0 else far
+
+
+def judge(flight: Flight, number: int) -> Tally:
+    """Run one flight through the engine, up to its first touch-down and a little further.
+
+    Raises:
+        RuntimeError: the engine gave the run up.
+    """
+    expected = flight.first_touch(DURATION)
+    end = DURATION if expected is None else min(expected + AFTER_TOUCH, DURATION)
+    law = HertzPenalty(stiffness=1e10, friction_coefficient=0.0)
+    run = simulate(flight.motor, law, duration=end, record_interval=end)
+    if not run.complete:
+        raise RuntimeError(f"Flight {number} did not reach its end. {run.message}")
+    found = run.contacts["start_time"]
+    if expected is None:
+        invented = int(found.size > 0)
+        return Tally(flights=1, invented=invented, worst=number if invented else -1)
+    if found.size == 0:
+        return Tally(flights=1, touched=1, missed=1, worst=number)
+    error = float(found[0]) - expected
+    rate = abs(float(flight.at(expected)[1]))
+    excess = abs(error) - flight.round_off(expected, run.statistics["flight_steps"]) / rate
+    wrong = excess > TIME_DIGIT
+    return Tally(
+        flights=1,
+        touched=1,
+        invented=int(wrong and error < 0.0),
+        late=int(wrong and error > 0.0),
+        largest_error=abs(error),
+        largest_excess=excess,
+        worst=number,
+    )
+
+
+def fly(seed: int, numbers: Iterable[int]) -> dict[str, Tally]:
+    """Run the random flights with these numbers; returns a tally for every kind."""
+    tallies = {kind: Tally() for kind in KINDS}
+    for number in numbers:
+        kind, flight = random_flight(seed, number)
+        tallies[kind] = added(tallies[kind], judge(flight, number))
+    return tallies
+
+
+def added(first: Tally, second: Tally) -> Tally:
+    """Both together; which of them comes first does not matter."""
+    counts = {
+        item.name: getattr(first, item.name) + getattr(second, item.name)
+        for item in fields(Tally)[:5]
+    }
+    worse = min((first, second), key=_rank)
+    return Tally(
+        **counts,
+        largest_error=max(first.largest_error, second.largest_error),
+        largest_excess=max(first.largest_excess, second.largest_excess),
+        worst=worse.worst,
+    )
+
+
+def _rank(tally: Tally) -> tuple[bool, bool, float, int]:
+    """Order of tallies by their worst flight, the worst first."""
+    gross = tally.missed + tally.invented > 0
+    return tally.worst < 0, not gross, -tally.largest_excess, tally.worst
+
+
+@cache
+def _modes(shapes: int) -> NormalModes:
+    return RitzResonator(shapes=shapes).modes
+
+
+def _slow_tones(rng: np.random.Generator) -> Drive:
+    tones = int(rng.integers(1, 5))
+    size = 10.0 ** rng.uniform(0.5, 2.0)
+    phasors = rng.normal(size=(2, tones)) + 1j * rng.normal(size=(2, tones))
+    return Drive(rng.uniform(1e3, 20e3, tones), size * phasors)
+
+
+def _with_fast_tone(rng: np.random.Generator, modes: NormalModes, drive: Drive) -> Drive:
+    """A drive and one more tone, which moves the tip by 1 to 100 nm once it is steady."""
+    frequency = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
+    tone = 2j * np.pi * frequency
+    phasors = rng.normal(size=2) + 1j * rng.normal(size=2)
+    steady = modes.coupling @ phasors / (modes.stiffness + modes.damping * tone + tone**2)
+    phasors *= 10.0 ** rng.uniform(-9.0, -7.0) / abs(modes.tip_displacement @ steady)
+    return replace(
+        drive,
+        frequency=np.append(drive.frequency, frequency),
+        phasors=np.column_stack([drive.phasors, phasors]),
+    )
