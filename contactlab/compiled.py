@@ -91,6 +91,12 @@ def part_kernel(function: Function) -> Function:
     return _compile(function, options)
 
 
+def fleeting_kernel(function: Function) -> Function:
+    """A kernel that is made while the program runs, around another: its code is not kept."""
+    njit: Any = numba.njit
+    return cast(Function, njit(error_model="numpy", _nrt=False)(function))
+
+
 def _compile(function: Function, options: dict[str, bool]) -> Function:
     # Numba reads the folder when it decorates, and only from its global configuration.
     settings: Any = numba.core.config

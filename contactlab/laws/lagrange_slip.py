@@ -1,6 +1,8 @@
 """The paper's first law: a rigid contact that always slips."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Annotated, ClassVar, final
 
 import numpy as np
@@ -37,6 +39,13 @@ class LagrangeSlip(MultiplierLaw):
     source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
     default_contact_step: ClassVar[float] = 5e-8
     exact_stick: ClassVar[bool] = False
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "friction_opposes_slip": "the friction impulse of an impact is mu p_n whatever slip there is "
+            "to end, and reverses the slip in nearly every impact of the paper's motor.",
+            "dissipates": "the slip that it reverses can carry away more than was brought.",
+        }
+    )
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
 

@@ -1,4 +1,4 @@
-"""The proofs, for everybody: a contract for every contact law, closed forms, and how to check a law of one's own.
+"""The proofs, for everybody: a contract for every contact law, and closed forms.
 
 A law that is written elsewhere is put to the same tests as the package's own in three lines:
 
@@ -11,6 +11,6 @@ The command `contactlab verify` prints what is claimed and what is found.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close
-#from contactlab.testing.suite import LawContract
+from contactlab.testing.suite import LawContract
 
-__all__ = ["Claim", "at_least", "at_most", "close"]
+__all__ = ["Claim", "LawContract", "at_least", "at_most", "close"]

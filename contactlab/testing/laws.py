@@ -3,7 +3,9 @@
 They are no part of the registry: nobody should run a motor with them by accident.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Annotated, ClassVar, final
 
 import numpy as np
@@ -25,13 +27,15 @@ _DAMPING = Parameter("c", "N s m-1", "contact damping", at_least=0.0)
 class SpringDashpot(PenaltyLaw):
     """A linear spring and dashpot that push only, with static and kinetic friction.
 
-        N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
+    N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
     """
 
     name: ClassVar[str] = "spring_dashpot"
     equation: ClassVar[str] = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
     source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
     default_contact_step: ClassVar[float] = 4e-6
+    # The force has a kink where it ends, and no step ends there.
+    convergence_order: ClassVar[float] = 0.75
 
     stiffness: Annotated[float, _STIFFNESS]
     damping: Annotated[float, _DAMPING] = 0.0
@@ -142,6 +146,9 @@ class NewtonRestitution(MultiplierLaw):
     equation: ClassVar[str] = "gdot+ = -e gdot-, N >= 0, |F| <= mu N"
     source: ClassVar[str] = "Newton (1687); Moreau (1988)"
     default_contact_step: ClassVar[float] = 5e-8
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"dissipates": "a restitution of velocities can make energy where friction ends the slip."}
+    )
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
     restitution: Annotated[float, Parameter("e", "1", "restitution", at_least=0.0, at_most=1.0)]

@@ -17,7 +17,9 @@ def bilinear_oscillator(
     motor = block(mass, height=1e-3, normal_stiffness=spring)
     trajectory = run(motor, SpringDashpot(contact), 3.0 * period)
     starts = trajectory.contacts["start_time"]
-    yield close("bilinear oscillator: period", float(starts[1] - starts[0]), period, 1e-6, units="s")
+    yield close(
+        "bilinear oscillator: period", float(starts[1] - starts[0]), period, 1e-6, units="s"
+    )
     yield close(
         "bilinear oscillator: time in contact",
         float(trajectory.contacts["duration"][0]),

@@ -107,8 +107,10 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     tip_slope = rng.normal(size=modes) * 1e3
     velocity = rng.normal(size=modes) * 1e-3
     # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
-    velocity += (approach - tip_displacement @ velocity) * tip_displacement / (
-        tip_displacement @ tip_displacement
+    velocity += (
+        (approach - tip_displacement @ velocity)
+        * tip_displacement
+        / (tip_displacement @ tip_displacement)
     )
     rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
     height = 1e-12

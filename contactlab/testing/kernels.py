@@ -1,0 +1,148 @@
+"""Properties of a law by itself: what it declares, and what its kernel answers to drawn states."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from math import inf, sqrt
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.parameter import parameters_of
+from contactlab.testing.bench import Bench
+from contactlab.testing.claim import Claim, at_most
+
+Array = NDArray[np.float64]
+
+STATES = 500
+"""States that a kernel is asked about."""
+
+ROUND_OFF = 1e-9
+"""Share of the quantities that take part; the checks subtract numbers of their size."""
+
+
+def declares_its_parameters(bench: Bench) -> Iterator[Claim]:
+    """Every field has symbol, unit and meaning, what is out of range is refused, words are there."""
+    law = bench.law
+    declared = parameters_of(type(law))
+    names: list[str] = [f.name for f in fields(law)] if is_dataclass(law) else []
+    missing = [
+        name
+        for name in names
+        if name not in declared or not (declared[name].symbol and declared[name].units)
+    ]
+    yield at_most(f"parameters without declaration {missing}", len(missing), 0)
+    words = [w for w in ("name", "equation", "source") if not getattr(law, w, "")]
+    yield at_most(f"declarations that are missing {words}", len(words), 0)
+    taken = [name for name in declared if not _refuses(law, name, inf)]
+    yield at_most(f"parameters that take an infinite value {taken}", len(taken), 0)
+
+
+def kernel_is_consistent(bench: Bench) -> Iterator[Claim]:
+    """What the kernel says of drawn states agrees with itself and with its family."""
+    if isinstance(bench.law, PenaltyLaw):
+        yield from _force_is_consistent(bench.law)
+    elif isinstance(bench.law, MultiplierLaw):
+        yield from _impulse_is_consistent(bench.law)
+
+
+def _refuses(law: ContactLaw, name: str, value: float) -> bool:
+    """Whether the law refuses a value of one parameter."""
+    try:
+        type(law)(**(law.describe() | {name: value}))
+    except ValueError:
+        return True
+    return False
+
+
+def _force_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
+    """N >= 0, 0 <= bound <= mu N, loss >= 0, loss = -(N + dV/dg) gdot, same question, same answer."""
+    rng = np.random.default_rng(0)
+    parameters = law.parameters()
+    given = parameters.copy()
+    pull, excess, gain, potential, changed = 0.0, 0.0, 0.0, 0.0, 0
+    for _ in range(STATES):
+        gap = -(10.0 ** rng.uniform(-9.0, -5.0))
+        rate, slip = rng.normal(size=2) * 0.3
+        slip *= rng.random() < 0.8
+        normal, bound, _, loss = law.force(gap, rate, slip, parameters)
+        h = 1e-4 * gap
+        ahead, behind = (law.force(gap + s * h, rate, slip, parameters)[2] for s in (1.0, -1.0))
+        slope = (ahead - behind) / (2.0 * h)
+        size = abs(normal) + abs(slope) + 1e-300
+        if not law.allows_tension:
+            pull = max(pull, -normal / size)
+        excess = max(excess, -bound / size, (bound - law.friction_limit * abs(normal)) / size)
+        gain = max(gain, -loss / (size * abs(rate)))
+        potential = max(potential, abs(loss + (normal + slope) * rate) / (size * abs(rate)))
+        changed += law.force(gap, rate, slip, parameters) != law.force(gap, rate, slip, parameters)
+    changed += not np.array_equal(given, parameters)
+    yield at_most("pull of the kernel, over the force", pull, 0.0)
+    yield at_most("friction bound outside of [0, mu N], over the force", excess, ROUND_OFF)
+    yield at_most("negative normal loss, over the power", gain, ROUND_OFF)
+    # Central differences of V: (h/gap)^2 and less.
+    yield at_most("loss less -(N + dV/dg) gdot, over the power", potential, 1e-6)
+    yield at_most("answers that change when asked again", changed, 0)
+
+
+def _impulse_is_consistent(law: MultiplierLaw) -> Iterator[Claim]:
+    """p_n >= 0, |p_t| <= mu p_n, no approach left, same question, same answer."""
+    worst = answers_of(law)
+    yield at_most("pull of the kernel, over the impulse", worst.pull, 0.0)
+    yield at_most("impulse outside of the cone, over the impulse", worst.excess, ROUND_OFF)
+    yield at_most("approach that is left, over the velocities", worst.approach, ROUND_OFF)
+    yield at_most("answers that change when asked again or have no mode", worst.odd, 0)
+
+
+@final
+@dataclass
+class Answers:
+    """The worst of a rigid law's answers to drawn impacts, each over the size of what takes part.
+
+    Args:
+        pull: normal impulse that pulls.
+        excess: friction impulse outside of the cone.
+        approach: approach that is left.
+        pushed: friction impulse times the slip that it leaves, where it pushes.
+        gain: energy that the impact makes.
+        odd: answers without a mode, or that change when asked again.
+    """
+
+    pull: float = 0.0
+    excess: float = 0.0
+    approach: float = 0.0
+    pushed: float = 0.0
+    gain: float = 0.0
+    odd: int = 0
+
+
+def answers_of(law: MultiplierLaw) -> Answers:
+    """Ask a rigid law about drawn impacts."""
+    rng = np.random.default_rng(0)
+    parameters = law.parameters()
+    given = parameters.copy()
+    limit = law.friction_limit
+    worst = Answers()
+    for _ in range(STATES):
+        d_nn, d_tt = 10.0 ** rng.uniform(1.0, 4.0, 2)
+        # Well inside D_nn > mu |D_nt|, beyond which rigid slip has no or two answers (Painleve).
+        most = min(0.9 * sqrt(d_nn * d_tt), 0.9 * d_nn / max(limit, 1e-12))
+        d_nt = rng.uniform(-1.0, 1.0) * most
+        rate, slip = -abs(rng.normal()), rng.normal()
+        p_n, p_t, mode = law.solve(rate, slip, rate, slip, d_nn, d_nt, d_tt, parameters)
+        end_rate = rate + d_nn * p_n + d_nt * p_t
+        end_slip = slip + d_nt * p_n + d_tt * p_t
+        size = max(abs(rate), abs(slip), d_nn * abs(p_n), d_tt * abs(p_t), abs(d_nt) * abs(p_n))
+        impulse = abs(p_n) + abs(p_t) + 1e-300
+        work = 0.5 * (p_n * (rate + end_rate) + p_t * (slip + end_slip))
+        worst.pull = max(worst.pull, -p_n / impulse)
+        worst.excess = max(worst.excess, (abs(p_t) - limit * p_n) / impulse)
+        worst.approach = max(worst.approach, -end_rate / size)
+        worst.pushed = max(worst.pushed, p_t * end_slip / (impulse * size))
+        worst.gain = max(worst.gain, work / (impulse * size))
+        again = law.solve(rate, slip, rate, slip, d_nn, d_nt, d_tt, parameters)
+        worst.odd += mode not in (SLIP, STICK) or again != (p_n, p_t, mode)
+    worst.odd += not np.array_equal(given, parameters)
+    return worst

@@ -1,0 +1,43 @@
+"""The engine on small plants, against what can be written down."""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from contactlab.testing import Claim
+from contactlab.testing.closed_forms import CLOSED_FORMS
+from contactlab.testing.impacts import dashpot_impacts, hunt_crossley_impact, modal_impacts
+from contactlab.testing.impacts import hertz_impact as hertz
+
+Form = Callable[..., Iterator[Claim]]
+
+
+def assert_all(claims: Iterator[Claim]) -> None:
+    failed = [str(claim) for claim in claims if not claim.holds]
+    assert not failed, "\n".join(failed)
+
+
+@pytest.mark.parametrize("form", CLOSED_FORMS, ids=lambda form: form.__name__)
+def test_closed_form(form: Form) -> None:
+    assert_all(form())
+
+
+@pytest.mark.parametrize("speed", [1e-3, 0.05, 2.0])
+@pytest.mark.parametrize("stiffness", [1e7, 1e12])
+def test_hertz_impact_at_other_speeds_and_stiffnesses(speed: float, stiffness: float) -> None:
+    assert_all(hertz(1e-2, speed, stiffness))
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.1, 0.6, 0.9])
+def test_dashpot_impact_at_other_dampings(ratio: float) -> None:
+    assert_all(dashpot_impacts(ratio=ratio))
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.3, 1.5])
+def test_hunt_crossley_impact_at_other_losses(loss: float) -> None:
+    assert_all(hunt_crossley_impact(loss=loss))
+
+
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_modal_impact_of_other_bodies(seed: int) -> None:
+    assert_all(modal_impacts(seed))

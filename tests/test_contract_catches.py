@@ -1,0 +1,217 @@
+"""The contract can be broken: laws that cheat on purpose, each in one way, fail where they should."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, ClassVar, final
+
+import numpy as np
+import pytest
+
+from contactlab.compiled import fleeting_kernel
+from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import MultiplierKernel, PenaltyKernel
+from contactlab.laws.lagrange_stick import stick_or_slip_impulse
+from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.testing import LawContract
+from contactlab.testing.bench import Bench
+from contactlab.testing.contract import PROPERTIES, check
+
+Forces = tuple[float, float, float, float]
+STIFFNESS = 1e10
+
+
+@final
+@dataclass(frozen=True)
+class Cheat(PenaltyLaw):
+    """Hertz with a kernel of choice."""
+
+    name: ClassVar[str] = "cheat"
+    equation: ClassVar[str] = "what it wants"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
+    kernel: Annotated[Callable[..., Forces], Parameter("f", "1", "the kernel")]
+
+    def __post_init__(self) -> None:
+        """A kernel has no range."""
+
+    def parameters(self) -> np.ndarray:
+        return np.array([STIFFNESS, self.friction_coefficient])
+
+    @property
+    def force(self) -> PenaltyKernel:
+        return self.kernel
+
+
+def honest(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    normal = p[0] * max(-gap, 0.0) ** 1.5
+    return normal, p[1] * normal, -0.4 * normal * gap, 0.0
+
+
+def pulls(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    normal = p[0] * max(-gap, 0.0) ** 1.5 - 0.3
+    return normal, p[1] * max(normal, 0.0), -0.4 * (normal + 0.3) * gap + 0.3 * gap, 0.0
+
+
+def leaves_the_cone(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    normal = p[0] * max(-gap, 0.0) ** 1.5
+    return normal, 1.1 * p[1] * normal, -0.4 * normal * gap, 0.0
+
+
+def forgets_energy(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    normal = p[0] * max(-gap, 0.0) ** 1.5
+    return normal, p[1] * normal, -0.39 * normal * gap, 0.0
+
+
+def makes_energy(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    elastic = p[0] * max(-gap, 0.0) ** 1.5
+    normal = elastic * max(1.0 + 0.3 * gap_rate, 0.0)
+    return normal, p[1] * normal, -0.4 * elastic * gap, (elastic - normal) * gap_rate
+
+
+def remembers_every_call(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    p[1] = p[1] * (1.0 - 1e-6)
+    normal = p[0] * max(-gap, 0.0) ** 1.5
+    return normal, p[1] * normal, -0.4 * normal * gap, 0.0
+
+
+def knows_left_from_right(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+    normal = p[0] * max(-gap, 0.0) ** 1.5
+    mu = p[1] if slip >= 0.0 else 0.9 * p[1]
+    return normal, mu * normal, -0.4 * normal * gap, 0.0
+
+
+def failing(law: ContactLaw) -> set[str]:
+    """The properties that the contract finds broken."""
+    bench = Bench(law)
+    return {name for name in PROPERTIES if not all(claim.holds for claim in check(bench, name))}
+
+
+CHEATS: dict[Callable[..., Forces], set[str]] = {
+    honest: set(),
+    pulls: {"no_tension", "kernel_is_consistent"},
+    leaves_the_cone: {"inside_the_cone", "kernel_is_consistent"},
+    forgets_energy: {"kernel_is_consistent", "ledger_closes"},
+    makes_energy: {"dissipates", "kernel_is_consistent"},
+    remembers_every_call: {"calls_leave_no_trace", "kernel_is_consistent"},
+    knows_left_from_right: {"mirrors"},
+}
+PARAMETERS = {"declares_its_parameters"}
+"""A kernel is no parameter: what all cheats of this file fail."""
+
+
+@pytest.mark.parametrize("kernel", CHEATS, ids=lambda kernel: kernel.__name__)
+def test_a_law_that_cheats_fails_where_it_cheats(kernel: Callable[..., Forces]) -> None:
+    found = failing(Cheat(0.3, fleeting_kernel(kernel))) - PARAMETERS
+    expected = CHEATS[kernel]
+    assert expected <= found
+    # What is broken may upset what rests on it, but an honest law fails nothing.
+    assert bool(found) == bool(expected)
+
+
+def reverses(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    p: np.ndarray,
+) -> tuple[float, float, int]:
+    p_n, p_t, mode = stick_or_slip_impulse(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
+    )
+    return p_n, -0.5 * p_t, mode
+
+
+def sinks(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    p: np.ndarray,
+) -> tuple[float, float, int]:
+    p_n, p_t, mode = stick_or_slip_impulse(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
+    )
+    return 0.9 * p_n, 0.9 * p_t, mode
+
+
+@final
+@dataclass(frozen=True)
+class RigidCheat(MultiplierLaw):
+    """The law with stick, with its answers changed."""
+
+    name: ClassVar[str] = "rigid_cheat"
+    equation: ClassVar[str] = "what it wants"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 5e-8
+
+    kernel: Callable[..., tuple[float, float, int]]
+
+    @property
+    def friction_limit(self) -> float:
+        return 0.3
+
+    def parameters(self) -> np.ndarray:
+        return np.array([0.3])
+
+    @property
+    def solve(self) -> MultiplierKernel:
+        return self.kernel
+
+
+def test_friction_that_pushes_is_found() -> None:
+    bench = Bench(RigidCheat(fleeting_kernel(reverses)))
+    claims = check(bench, "friction_opposes_slip")
+    assert sum(not claim.holds for claim in claims) >= 2
+
+
+def test_an_approach_that_is_left_is_found() -> None:
+    bench = Bench(RigidCheat(fleeting_kernel(sinks)))
+    assert not all(claim.holds for claim in check(bench, "kernel_is_consistent"))
+
+
+@final
+@dataclass(frozen=True)
+class Declaring(MultiplierLaw):
+    """The law with stick, with wrong declarations."""
+
+    name: ClassVar[str] = "declaring"
+    equation: ClassVar[str] = "that of lagrange_stick"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 5e-8
+    convergence_order: ClassVar[float] = 2.0
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"mirrors": "it does not say why", "is_pretty": "it is not"}
+    )
+
+    friction_coefficient: float = 0.3
+
+    @property
+    def solve(self) -> MultiplierKernel:
+        return LagrangeStick(self.friction_coefficient).solve
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("declares_its_parameters", "parameters without declaration ['friction_coefficient']"),
+        ("declares_what_it_breaks", "['is_pretty']"),
+        ("converges", "order of convergence"),
+        ("mirrors", "HOLDS, declared broken"),
+    ],
+)
+def test_a_false_declaration_is_found(name: str, words: str) -> None:
+    class Contract(LawContract):
+        law = Declaring()
+
+    with pytest.raises(AssertionError) as failure:
+        Contract().assert_property(name)
+    assert words in str(failure.value)
