@@ -68,7 +68,7 @@ def dashpot_impacts(mass: float = 1e-2, speed: float = 0.5, ratio: float = 0.3) 
         "spring and dashpot released at N = 0: restitution",
         restitution(pushed),
         expected,
-        1e-7,
+        1e-6,
         scale=1.0,
     )
     pulled = run(ball, TensileDashpot(stiffness, damping), duration)
@@ -76,7 +76,7 @@ def dashpot_impacts(mass: float = 1e-2, speed: float = 0.5, ratio: float = 0.3) 
         "spring and dashpot released at d = 0: restitution",
         restitution(pulled),
         exp(-pi * b / w),
-        1e-7,
+        1e-6,
         scale=1.0,
     )
     yield close(
