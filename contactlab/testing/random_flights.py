@@ -14,6 +14,7 @@ from contactlab.laws import HertzPenalty
 from contactlab.motor import Motor
 from contactlab.resonator import NormalModes, RitzResonator
 from contactlab.testing.flights import Flight, flight_of
+from contactlab.testing.shaped_flights import double_well
 
 Array = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ AFTER_TOUCH = 2e-6
 TIME_DIGIT = 1e-15
 """Error of a touch-down [s] on top of the gap's round-off over its rate, see `Flight.round_off`."""
 
-KINDS: Final = ("any clearance", "graze", "double dip")
+KINDS: Final = ("any clearance", "graze", "double dip", "double well")
 """How the clearance of a flight is found, see `random_flight`."""
 
 SHAPES = (2, 4, 6)
@@ -70,13 +71,16 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
         any clearance   10 nm to 3 um, by its logarithm
         graze           one of the lowest points so far dips or misses by 1e-14 to 1e-9 m
         double dip      the same, with a fast tone that makes a lower dip follow within microseconds
+        double well     two dips within what may be one step of the engine; the first dips or misses
 
     Drives have one to four tones between 1 and 20 kHz with any amplitudes and phases; the fast tone
-    lies between 30 and 200 kHz.
+    lies between 30 and 200 kHz. Those of the double wells are solved for, up to 100 V.
     """
     rng = np.random.default_rng([seed, number])
-    kind = KINDS[int(rng.choice(3, p=(0.4, 0.4, 0.2)))]
+    kind = KINDS[int(rng.choice(len(KINDS), p=(0.3, 0.3, 0.2, 0.2)))]
     modes = _modes(int(rng.choice(SHAPES)))
+    if kind == "double well":
+        return kind, _well(rng, modes)
     drive = _slow_tones(rng)
     if kind == "double dip":
         drive = _with_fast_tone(rng, modes, drive)
@@ -171,6 +175,23 @@ def _slow_tones(rng: np.random.Generator) -> Drive:
     size = 10.0 ** rng.uniform(0.5, 2.0)
     phasors = rng.normal(size=(2, tones)) + 1j * rng.normal(size=(2, tones))
     return Drive(rng.uniform(1e3, 20e3, tones), size * phasors)
+
+
+def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
+    """Two minima 0.2 to 0.6 rad of the fastest tone apart, from 20 us on, tilted up to the barrier."""
+    frequency = 4e3 * (np.arange(5) + rng.uniform(0.2, 1.0, 5))
+    half = rng.uniform(0.1, 0.3) / (2.0 * np.pi * frequency.max())
+    when = rng.uniform(2e-5, 3e-4)
+    barrier, tilt = 1e-11, 1e-11 * rng.uniform(-0.5, 0.5)
+    flight = double_well(modes, frequency, when, half, barrier, tilt)
+    drive = flight.motor.drive
+    share = min(1.0, 100.0 / float(np.abs(drive.phasors).max()))
+    weak = flight_of(Motor(modes, replace(drive, phasors=share * drive.phasors)))
+    weak = weak.with_clearance(1e-4)
+    times, _ = weak.minima(when + 2.0 * half)
+    miss = float(rng.choice([-1.0, 1.0]) * share * barrier * 10.0 ** rng.uniform(-3.0, -0.5))
+    close = weak.lowered_to(miss, float(times[np.abs(times - when + half).argmin()]))
+    return close if close.motor.geometry.clearance > 0.0 else weak
 
 
 def _with_fast_tone(rng: np.random.Generator, modes: NormalModes, drive: Drive) -> Drive:
