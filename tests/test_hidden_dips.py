@@ -25,7 +25,7 @@ laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 
 def ladder(motor: Motor, law: ContactLaw) -> Tables:
     return tables_for(
-        plant_of(motor), law.default_contact_step, exact=isinstance(law, MultiplierLaw)
+        plant_of(motor), law.default_contact_step, 1.0, exact=isinstance(law, MultiplierLaw)
     )
 
 

@@ -1,7 +1,5 @@
 """One stretch of free flight: up to the next level of the ladder, the touch-down or the end."""
 
-from math import sqrt
-
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.events import NOTHING, TOUCH
 from contactlab.engine.plant import Plant
@@ -13,15 +11,17 @@ from contactlab.engine.run import (
     LEVEL,
     OPEN,
     PHASE,
+    RELEASED,
     SEPARATING,
     TIME,
     Run,
 )
 from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to, free_response
-from contactlab.engine.tables import NODES, Tables, build_level, step_length
+from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
 from contactlab.engine.touchdown import (
     LOST,
     NO_TOUCH,
+    certain_opening,
     curvature_bound,
     first_touch,
     gap_and_rate,
@@ -30,23 +30,33 @@ from contactlab.engine.touchdown import (
 CLEAR = 1e-18
 """Gap [m] that no round-off after a release amounts to: that of u and of the clearance is 1e-21."""
 
+REFINEMENT = 15
+"""Levels that a flight begins finer where its gap opens from nothing, as a power of time."""
+
 
 @part_kernel
 def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     """Take a step that `begin` made ready through free flight; returns TOUCH or NOTHING.
 
-    While SEPARATING, round-off decides the sign of the gap, so that no touch-down is looked for
-    until the gap is clear, or open and opening; a gap that is closed and closing is a new contact,
-    and one that rests at exactly zero is none. These steps are so short that the gap, with the rate
-    it has and the curvature it may have, cannot close in them by more than CLEAR.
+    A touch-down is looked for from where the gap is known to be open. While SEPARATING, that is
+    where it has certainly opened; one that opens so slowly that round-off or the error of a rigid
+    release decides its sign is followed, in steps that double from very short ones, until it is
+    clear. A gap that is closed and closes faster and faster is a new contact; one that rests is none.
     """
     level = run.whole[LEVEL]
+    _, before = gap_and_rate(plant, step.q, step.v)
+    if run.whole[PHASE] == RELEASED:
+        level = _level_after_release(plant, tables, step, level, before)
+        run.whole[PHASE] = SEPARATING
     h = step_length(tables, level)
     s = min(h, run.real[END] - run.real[TIME])
-    if run.whole[PHASE] == SEPARATING:
-        s = min(s, _unseen(plant, step, h))
     step.whole[KIND] = FLIGHT
     step.real[LENGTH] = h
+    start = 0.0
+    if run.whole[PHASE] == SEPARATING:
+        start = certain_opening(plant, step, s)
+        if start > 0.0:
+            run.whole[PHASE] = OPEN
     if s < h:
         flow_to(plant, step, s)
         gap, rate = gap_and_rate(plant, step.other_q, step.other_v)
@@ -57,16 +67,16 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     run.whole[FLIGHT_STEPS] += 1
     event = NOTHING
     if run.whole[PHASE] == OPEN:
-        touch = first_touch(plant, step, s, gap, rate, run.stack)
+        touch = first_touch(plant, step, start, s, gap, rate, run.stack)
         if touch == LOST:
             run.whole[ENDING] = DIVERGED
             s = 0.0
         elif touch != NO_TOUCH:
             s = touch
             event = TOUCH
-    elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0:
+    elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0 and rate < before:
         event = TOUCH
-    elif gap > CLEAR or (gap > 0.0 and rate > 0.0):
+    elif gap > CLEAR:
         run.whole[PHASE] = OPEN
     coarsest = 0 if run.whole[PHASE] == OPEN else tables.contact_level
     run.whole[LEVEL] = max(level - 1, coarsest) if level > coarsest else level
@@ -75,10 +85,13 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
 
 
 @inner_kernel
-def _unseen(plant: Plant, step: Step, h: float) -> float:
-    """Time [s] in which a gap of zero closes by less than CLEAR: r s >= B s^2 / 2, or B s^2 / 2 < CLEAR."""
-    _, rate = gap_and_rate(plant, step.q, step.v)
-    bound = curvature_bound(plant, step, h)
-    if bound * h * h <= CLEAR:
-        return h
-    return max(rate / bound, sqrt(CLEAR / bound))
+def _level_after_release(plant: Plant, tables: Tables, step: Step, level: int, rate: float) -> int:
+    """The level as it is, or a much finer one for a gap that hardly opens: there, round-off decides.
+
+    Args:
+        plant, tables, step, level: the flight and the level it would begin with.
+        rate: gap rate of the release [m/s].
+    """
+    h = step_length(tables, level)
+    opens = rate >= curvature_bound(plant, step, h) * h or certain_opening(plant, step, h) > 0.0
+    return level if opens else min(level + REFINEMENT, FINEST - 1)

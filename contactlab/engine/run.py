@@ -45,9 +45,9 @@ COUNTS = (
     "friction_switches",
 )
 
-SEPARATING, OPEN, TOUCHING, PRESSED = range(4)
-"""Phases. SEPARATING is open but not yet clear of the release that began it; PRESSED is a start in
-contact."""
+RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
+"""Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
+start in contact."""
 
 RUNNING, DIVERGED, UNSOLVED, CHATTERED = range(4)
 """Endings as the kernels know them."""
@@ -266,5 +266,5 @@ def close_contact(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
         run.contacts[run.whole[STORED], column] = run.contact[column]
     run.whole[STORED] += 1
     step.whole[MODE] = FREE
-    run.whole[PHASE] = SEPARATING
+    run.whole[PHASE] = RELEASED
     run.whole[LEVEL] = tables.fresh_level

@@ -20,8 +20,8 @@ from contactlab.engine.run import (
     PHASE,
     PRESSED,
     RECORDED,
+    RELEASED,
     RUNNING,
-    SEPARATING,
     SEPARATION,
     STORED,
     TIME,
@@ -199,7 +199,7 @@ def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) ->
     if gap < 0.0:
         run.whole[PHASE] = PRESSED
     else:
-        run.whole[PHASE] = OPEN if gap > 0.0 else SEPARATING
+        run.whole[PHASE] = OPEN if gap > 0.0 else RELEASED
 
 
 def _collect(run: Run) -> Array:

@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 RESOLUTION = 1e-22
 """Gap [m] below which open and touching cannot be told apart in float64."""
 
+ROUND_OFF = 1e-19
+"""Gap [m] that is open for certain, whatever float64 makes of it after a release."""
+
 NO_TOUCH, LOST = -1.0, -2.0
 """The flight stays open; the flight cannot be followed."""
 
@@ -99,19 +102,36 @@ def stays_open(
 
 
 @inner_kernel
+def certain_opening(plant: Plant, step: Step, h: float) -> float:
+    """Time up to which the gap only widens and at which it is open, in (0, h); zero where none is known.
+
+    The gap lies above gap + rate s - B s^2/2, whose highest point this is: a release whose own gap
+    is lost in round-off is well clear there, before it could close again.
+    """
+    gap, rate = gap_and_rate(plant, step.q, step.v)
+    bound = curvature_bound(plant, step, h)
+    if rate > 0.0 and rate < bound * h and gap + 0.5 * rate * rate / bound > ROUND_OFF:
+        return rate / bound
+    return 0.0
+
+
+@inner_kernel
 def first_touch(
-    plant: Plant, step: Step, h: float, gap_end: float, rate_end: float, stack: Array
+    plant: Plant, step: Step, start: float, h: float, gap_end: float, rate_end: float, stack: Array
 ) -> float:
-    """Time of the first touch-down in (0, h] of a flight that starts open, or NO_TOUCH, or LOST.
+    """Time of the first touch-down in (start, h] of a flight that is open at `start`, NO_TOUCH or LOST.
 
     Args:
         plant, step: the flight, as `begin` left it.
-        h: length of the stretch [s].
+        start, h: beginning and end of the stretch [s].
         gap_end, rate_end: gap [m] and its rate [m/s] at h.
         stack: scratch, shape (>= 64, 3).
     """
-    a = 0.0
+    a = start
     gap_a, rate_a = gap_and_rate(plant, step.q, step.v)
+    if start > 0.0:
+        flow_to(plant, step, start)
+        gap_a, rate_a = gap_and_rate(plant, step.other_q, step.other_v)
     b, gap_b, rate_b = h, gap_end, rate_end
     bound = curvature_bound(plant, step, h)
     waiting = 0
