@@ -94,7 +94,7 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
         exact: whether steps in contact must have this length, not only at most this length.
     """
     nodes, weights, lagrange = radau_rule(NODES)
-    rate = max(resolved_rate(plant), RESOLUTION / duration)
+    rate = resolved_rate(plant) or RESOLUTION / duration
     doublings = floor(log2(RESOLUTION / rate / contact_step))
     if exact:
         doublings = max(doublings, 0)

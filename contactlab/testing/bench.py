@@ -22,6 +22,9 @@ MOTOR_DURATION = 1.5e-3
 MASS, BELT_MASS, WEIGHT = 2e-3, 1e-2, 5.0
 """Of the skipping block [kg], [kg], [N]: about a motor's tip, and a rotor as light as to answer."""
 
+NUDGE = 0.4
+"""Push over what friction can hold."""
+
 
 def paper_motor() -> Motor:
     """Placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
@@ -98,8 +101,8 @@ class Bench:
 
     @cached_property
     def nudged(self) -> Trajectory:
-        """A block that lies on a belt at rest and is pushed with half of what friction can hold."""
-        push = 0.4 * self.law.friction_limit * WEIGHT
+        """A block that lies on a belt at rest and is pushed with less than friction can hold."""
+        push = NUDGE * self.law.friction_limit * WEIGHT
         motor = block(MASS, height=self._balance(), weight=WEIGHT, push=push)
         # An interval that no number of steps fills, or a chatter of two steps could hide in it.
         return run(motor, self.law, 2e-3, record_interval=1.03e-6)
