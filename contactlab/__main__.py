@@ -2,7 +2,7 @@
 
 import sys
 
-from contactlab.app import main
+from contactlab.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

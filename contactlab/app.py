@@ -74,7 +74,7 @@ OmegaConf.register_new_resolver("job_directory", job_directory, replace=True)
 
 
 def main() -> int:
-    """Entry point of the command; gives the exit status."""
+    """Run or sweep what the command line says; gives the exit status."""
     # Nearly every object of a start stays, and looking for garbage among them takes a tenth of
     # the time of a default run.
     gc.disable()

@@ -9,7 +9,7 @@ import pytest
 from command_line import Command
 from hypothesis import settings
 
-from contactlab import app
+from contactlab import cli
 
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
@@ -27,7 +27,7 @@ def command(
     def run(*arguments: str) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["contactlab", *arguments])
         try:
-            status = app.main()
+            status = cli.main()
         except SystemExit as stop:
             status = int(stop.code or 0)
         out, err = capfd.readouterr()

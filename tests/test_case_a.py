@@ -10,33 +10,19 @@ import pytest
 from motors import case_a, final, hertz, run, total
 
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
+from contactlab.testing.references import HERTZ_CASE_A, RIGID_CASE_A
 from contactlab.trajectory import Trajectory
 
 REFERENCE = {
-    0.3: {
-        "rotor_velocity": -0.4468048,
-        "tip_normal_displacement": -2.3727588e-6,
-        "tip_slope": 1.0026338e-4,
-        # A printed sum of 4.532969e-3 is a trapezoid over solver steps of 2 us and low by 4e-4;
-        # the quadrature of the force and the momentum balance give this one, as for the others.
-        "normal_impulse": 4.534830e-3,
-        "duration": 9.908710e-4,
-        "stick_duration": 2.483e-4,
-    },
-    0.0: {
-        "rotor_velocity": 0.0,
-        "tip_normal_displacement": -2.3728353e-6,
-        "tip_slope": 1.0207838e-4,
-        "normal_impulse": 4.534537e-3,
-        "duration": 9.908446e-4,
-        "stick_duration": 0.0,
-    },
+    mu: {name: value for name, (value, _, _) in row.items()} for mu, row in HERTZ_CASE_A.items()
 }
-"""Hertz, K = 1e10 N m^-3/2, by friction coefficient."""
+"""Hertz, K = 1e10 N m^-3/2, by friction coefficient. A printed sum of impulses of 4.532969e-3 N s is a
+trapezoid over solver steps of 2 us and low by 4e-4; the quadrature of the force and the momentum balance
+give the one that is used, as for the others."""
 
-RIGID_VELOCITY = -0.448569
-RIGID_IMPULSE = 3.380450e-3
-RIGID_IN_CONTACT = 5.198480e-4
+RIGID_VELOCITY, RIGID_IMPULSE, RIGID_IN_CONTACT = (
+    RIGID_CASE_A[name][0] for name in ("rotor_velocity", "normal_impulse", "duration")
+)
 """Rigid contact with exact stick, mu = 0.3."""
 
 TOUCH_DOWNS = {"hertz": (131.075e-6, 424.723e-6), "rigid": (131.075e-6, 430.417e-6)}

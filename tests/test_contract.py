@@ -1,5 +1,9 @@
 """The contract of every law that comes with the package, and of the laws that prove the engine."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.testing import LawContract
 from contactlab.testing.laws import HuntCrossley, NewtonRestitution, SpringDashpot, TensileDashpot
@@ -44,3 +48,35 @@ class TestNewtonRestitution(LawContract):
 def test_no_law_of_the_package_is_left_out() -> None:
     held = {contract.law.name for contract in LawContract.__subclasses__()}
     assert held >= set(LAWS)
+
+
+ELSEWHERE = """\
+from contactlab.laws import {law}
+from contactlab.testing import LawContract
+
+class TestIt(LawContract):
+    law = {law}(friction_coefficient=0.2)
+    {more}
+"""
+
+
+def run_elsewhere(folder: Path, law: str, more: str = "") -> tuple[int, str]:
+    """Exit status and output of pytest on three lines in another folder."""
+    (folder / "test_it.py").write_text(ELSEWHERE.format(law=law, more=more))
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_it.py"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+def test_another_project_has_the_contract_in_three_lines(tmp_path: Path) -> None:
+    status, out = run_elsewhere(tmp_path, "LagrangeStick")
+    assert status == 0
+    assert "15 passed" in out
+
+
+def test_a_law_that_the_motor_does_not_suit_brings_its_own(tmp_path: Path) -> None:
+    status, out = run_elsewhere(
+        tmp_path, "LagrangeStick", "make_motor = staticmethod(lambda: 1 / 0)"
+    )
+    assert status == 1
+    assert "ZeroDivisionError" in out

@@ -10,14 +10,15 @@ from scipy.linalg import eigh
 
 from contactlab.materials import Piezoceramic
 from contactlab.resonator import NormalModes, RitzMatrices, RitzResonator
+from contactlab.testing import references
 
 COUPLING_DIGIT = 0.5e-3
 FREQUENCY_DIGIT = 5.0
 """Half a unit of the last printed digit of Table 1: N/V, and Hz."""
 
 TABLE_1 = [
-    (PLACEMENT_1, (-0.016, -0.057, 0.006), (2020.0, 5380.0)),
-    (PLACEMENT_2, (0.021, 0.027, 0.005), (3210.0, 5460.0)),
+    (PLACEMENT_1, *references.TABLE_1["placement 1"]),
+    (PLACEMENT_2, *references.TABLE_1["placement 2"]),
 ]
 
 

@@ -25,6 +25,7 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.command.runner import refusals
+from contactlab.command.verbs import VERBS
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.quantity import describe
@@ -98,7 +99,8 @@ class _Composer:
                 self.faults.append(
                     f"{line} cannot be read; an argument must have the form KEY=VALUE or "
                     "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
-                    "too if it has special characters, \"KEY='1 µm'\"."
+                    "too if it has special characters, \"KEY='1 µm'\". A verb stands first: "
+                    f"{', '.join(VERBS)}."
                 )
                 continue
             if override.key_or_group:

@@ -1,0 +1,4 @@
+"""The verbs of the command: words that may stand first in place of a run."""
+
+VERBS = {"verify": "print what is claimed of the engine and the laws, and what is found"}
+"""What each does. Its work is `main(arguments)` in the module of its name beside this one."""

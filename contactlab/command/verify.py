@@ -1,0 +1,95 @@
+"""`contactlab verify`: every claim with what is expected, what is found, the tolerance and the verdict."""
+
+import argparse
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from textwrap import shorten
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from contactlab.command.verbs import VERBS
+
+if TYPE_CHECKING:
+    from contactlab.testing import Claim
+
+HOLDS, FAILS = 0, 1
+"""Exit statuses."""
+
+NUMBERS = "{:>17} {:>15} {:>10}  {}"
+WIDEST_CLAIM = 82
+
+
+def main(arguments: list[str]) -> int:
+    """Check everything and print the table.
+
+    Returns:
+        The exit status: 0 if every claim is as it should be.
+    """
+    parser = argparse.ArgumentParser(prog="contactlab verify", description=_description())
+    parser.parse_args(arguments)
+    started = perf_counter()
+    width = min(max(shutil.get_terminal_size((140, 24)).columns - 58, 40), WIDEST_CLAIM)
+    print(f"{'claim':<{width}}" + NUMBERS.format("expected", "found", "tolerance", "verdict"))
+    checked: list[Claim] = []
+    for heading, group in _groups():
+        print(f"\n{heading}", flush=True)
+        for claim in group():
+            checked.append(claim)
+            print(_row(claim, width), flush=True)
+    failed = [claim for claim in checked if not claim.holds]
+    broken = sum(bool(claim.excuse) and claim.holds for claim in checked)
+    print(
+        f"\n{len(checked)} claims in {perf_counter() - started:.0f} s: "
+        f"{len(checked) - len(failed) - broken} hold, {broken} are broken as their law declares, "
+        f"{len(failed)} fail."
+    )
+    for claim in failed:
+        print(f"Failed: {claim}")
+    return FAILS if failed else HOLDS
+
+
+def _description() -> str:
+    return (
+        f"{VERBS['verify'].capitalize()}: closed forms on small plants, numbers of independent solvers "
+        "for the paper's motor, random flights, and the contract of every law. Exit status 1 if a claim "
+        "fails."
+    )
+
+
+def _groups() -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
+    """Headings and their claims."""
+    # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
+    from contactlab.testing.bench import Bench
+    from contactlab.testing.closed_forms import CLOSED_FORMS
+    from contactlab.testing.contract import PROPERTIES, check
+    from contactlab.testing.references import REFERENCES
+    from contactlab.testing.touchdowns import random_touchdowns
+
+    for form in CLOSED_FORMS:
+        yield _first_line(form), form
+    for reference in REFERENCES:
+        yield _first_line(reference), reference
+    yield _first_line(random_touchdowns), random_touchdowns
+    for law in (HertzPenalty(1e10, 0.3), LagrangeStick(0.3), LagrangeSlip(0.3)):
+        bench = Bench(law)
+
+        def contract(bench: Bench = bench) -> Iterator["Claim"]:
+            for name in PROPERTIES:
+                yield from check(bench, name)
+
+        yield f"The contract of {law.name}: {law.equation}", contract
+
+
+def _first_line(function: Callable[..., object]) -> str:
+    return (function.__doc__ or "").strip().splitlines()[0]
+
+
+def _row(claim: "Claim", width: int) -> str:
+    unit = "" if claim.units == "1" else f" [{claim.units}]"
+    words = shorten(claim.statement + unit, width, placeholder="...")
+    tolerance = f"{claim.tolerance:.1e}" if claim.relation == "=" else ""
+    expected = f"{'' if claim.relation == '=' else claim.relation + ' '}{claim.expected:.9g}"
+    return f"{words:<{width}}" + NUMBERS.format(
+        expected, f"{claim.found:.9g}", tolerance, claim.verdict
+    )

@@ -1,0 +1,117 @@
+"""What others found for the same motor: the paper's printed table, and independent solvers.
+
+Case A: placement 2, clearance 1 um, 100 V at 3210 and 6420 Hz, phase -pi/5, no load, from rest, at 5 ms.
+Its numbers are those of two event-driven solvers that share no code with this package (DOP853 at a
+relative tolerance of 1e-10, every switch an event); the tests run one of them again.
+"""
+
+from collections.abc import Iterator
+
+from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.resonator import RitzResonator
+from contactlab.testing.bench import paper_motor
+from contactlab.testing.claim import Claim, close
+from contactlab.testing.runs import last, run
+from contactlab.trajectory import Trajectory
+
+PLACEMENTS = {"placement 1": (15.968e-3, 25.065e-3), "placement 2": (0.914e-3, 10.146e-3)}
+"""Start and end of the first patch set [m]."""
+
+TABLE_1 = {
+    "placement 1": ((-0.016, -0.057, 0.006), (2.02e3, 5.38e3)),
+    "placement 2": ((0.021, 0.027, 0.005), (3.21e3, 5.46e3)),
+}
+"""Couplings Gamma_11, Gamma_21, Gamma_31 [N/V] and frequencies f_1, f_2 [Hz] as printed in Table 1."""
+
+HERTZ_CASE_A = {
+    0.3: {
+        "rotor_velocity": (-0.4468048, 1e-6, "rad s-1"),
+        "tip_normal_displacement": (-2.3727588e-6, 1e-12, "m"),
+        "tip_slope": (1.0026338e-4, 1e-10, "rad"),
+        "normal_impulse": (4.534830e-3, 5e-9, "N s"),
+        "duration": (9.908710e-4, 1e-9, "s"),
+        "stick_duration": (2.483e-4, 1e-7, "s"),
+    },
+    0.0: {
+        "rotor_velocity": (0.0, 0.0, "rad s-1"),
+        "tip_normal_displacement": (-2.3728353e-6, 1e-12, "m"),
+        "tip_slope": (1.0207838e-4, 1e-10, "rad"),
+        "normal_impulse": (4.534537e-3, 5e-9, "N s"),
+        "duration": (9.908446e-4, 1e-9, "s"),
+        "stick_duration": (0.0, 0.0, "s"),
+    },
+}
+"""By friction coefficient, K = 1e10 N m^-3/2: value, a few units of its last digit, unit."""
+
+RIGID_CASE_A = {
+    "rotor_velocity": (-0.448569, 5e-5, "rad s-1"),
+    "normal_impulse": (3.380450e-3, 4e-7, "N s"),
+    "duration": (5.198480e-4, 1e-8, "s"),
+}
+"""Rigid contact with exact stick, mu = 0.3: value, what extrapolation may leave, unit."""
+
+SLIP_ONLY_VELOCITY = -0.4836
+"""Limit of the slip-only law in the paper's time stepping, mu = 0.3 [rad/s]."""
+
+CASE_A_DURATION = 5e-3
+
+
+def printed_table() -> Iterator[Claim]:
+    """The ten numbers of Table 1, to half a unit of the printed digit."""
+    for placement, (start, end) in PLACEMENTS.items():
+        resonator = RitzResonator(patch_start=start, patch_end=end)
+        couplings, frequencies = TABLE_1[placement]
+        for i, printed in enumerate(couplings):
+            found = float(resonator.matrices.coupling[i, 0])
+            yield Claim(
+                f"Table 1, {placement}: coupling {i + 1}1", printed, found, 0.5e-3, units="N V-1"
+            )
+        for i, printed in enumerate(frequencies):
+            found = float(resonator.modes.natural_frequency[i])
+            yield Claim(f"Table 1, {placement}: frequency {i + 1}", printed, found, 5.0, units="Hz")
+
+
+def compliant_case_a() -> Iterator[Claim]:
+    """The Hertz contact at default settings."""
+    for mu, expected in HERTZ_CASE_A.items():
+        trajectory = run(paper_motor(), HertzPenalty(1e10, mu), CASE_A_DURATION)
+        words = f"case A, hertz_penalty, mu {mu:g}"
+        yield close(f"{words}: contacts", trajectory.contacts["duration"].size, 16, 0.0)
+        for name, (value, digit, units) in expected.items():
+            found = _measure(trajectory, name)
+            yield Claim(f"{words}: {name.replace('_', ' ')}", value, found, digit, units=units)
+
+
+def rigid_case_a() -> Iterator[Claim]:
+    """The rigid laws, extrapolated from two steps; the impact's force is its impulse over the step."""
+    coarse, fine = (
+        run(paper_motor(), LagrangeStick(0.3), CASE_A_DURATION, step) for step in (5e-8, 2.5e-8)
+    )
+    for name, (value, left, units) in RIGID_CASE_A.items():
+        found = 2.0 * _measure(fine, name) - _measure(coarse, name)
+        words = f"case A, lagrange_stick, step to zero: {name.replace('_', ' ')}"
+        yield Claim(words, value, found, left, units=units)
+    coarse, fine = (
+        run(paper_motor(), LagrangeSlip(0.3), CASE_A_DURATION, step) for step in (2e-8, 1e-8)
+    )
+    yield Claim(
+        "case A, lagrange_slip, step 10 ns: rotor velocity",
+        SLIP_ONLY_VELOCITY,
+        last(fine, "rotor_velocity"),
+        1e-4,
+        units="rad s-1",
+    )
+    peaks = [float(t.contacts["peak_normal_force"].max()) for t in (coarse, fine)]
+    yield close(
+        "case A, lagrange_slip: peak force at half the step", peaks[1] / peaks[0], 2.0, 1e-3
+    )
+
+
+def _measure(trajectory: Trajectory, name: str) -> float:
+    """Last record of a series, or the sum of a column of the contacts."""
+    if name in trajectory.series:
+        return last(trajectory, name)
+    return float(trajectory.contacts[name].sum())
+
+
+REFERENCES = (printed_table, compliant_case_a, rigid_case_a)
