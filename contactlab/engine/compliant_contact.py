@@ -86,7 +86,7 @@ def press(
         flips += 1
         level += 2 * (flips // 2)
     remaining = run.real[END] - run.real[TIME]
-    event, s = first_event(plant, tables, step, run)
+    event, s = first_event(plant, tables, step, run, rate)
     if s > remaining:
         event, s = NOTHING, remaining
     step.real[TAKEN] = s

@@ -86,9 +86,17 @@ def contradicted(step: Step, run: Run, slip: float) -> bool:
 
 
 @part_kernel
-def first_event(plant: Plant, tables: Tables, step: Step, run: Run) -> tuple[int, float]:
-    """The earliest event in the step and its time, or NOTHING and the step's length."""
+def first_event(
+    plant: Plant, tables: Tables, step: Step, run: Run, rate: float
+) -> tuple[int, float]:
+    """The earliest event in the step and its time, or NOTHING and the step's length.
+
+    Args:
+        plant, tables, step, run: the step.
+        rate: gap rate at its start [m/s].
+    """
     left = 0.0
+    before = rate
     sticks = step.whole[MODE] == STICK
     rubs = largest(step.force[BOUND]) > 0.0
     for i in range(NODES):
@@ -106,10 +114,39 @@ def first_event(plant: Plant, tables: Tables, step: Step, run: Run) -> tuple[int
             if happened:
                 at = locate(plant, step, event, left, right)
                 first, s = (event, at) if first == NOTHING or at < s else (first, s)
+        now = step.gap_rate[i]
+        if before > 0.0 > now and step.gap[i] < 0.0:
+            top = _highest(plant, step, left, right, before, now)
+            if top > 0.0:
+                at = locate(plant, step, RELEASE, left, top)
+                first, s = (RELEASE, at) if first == NOTHING or at < s else (first, s)
         if first != NOTHING:
             return first, s
         left = right
+        before = now
     return NOTHING, step.real[LENGTH]
+
+
+@inner_kernel
+def _highest(
+    plant: Plant, step: Step, left: float, right: float, before: float, after: float
+) -> float:
+    """A time at which the gap is open between two nodes at which it is closed, or zero where there is none.
+
+    The gap rate falls from `before` to `after`; its zero by secants, of which two are plenty.
+    """
+    at = left
+    for _ in range(3):
+        at = left + (right - left) * before / (before - after)
+        flow_to(plant, step, at)
+        gap, rate = gap_and_rate(plant, step.other_q, step.other_v)
+        if gap >= 0.0:
+            return at
+        if rate > 0.0:
+            left, before = at, rate
+        else:
+            right, after = at, rate
+    return 0.0
 
 
 @inner_kernel
