@@ -169,6 +169,57 @@ def peak_force(mechanics: Mechanics, law: Law, phase: PhaseEnd, start: float) ->
     return max(values[best], -float(inside.fun))
 
 
+def early_release(mechanics: Mechanics, law: Law, phase: PhaseEnd, start: float) -> float | None:
+    """First instant [s] of a phase at which the surface would have to pull, between two that push.
+
+    Release is looked for by the sign of N where integration steps end, which a dip of N below zero
+    within a step does not show.  N is smooth over a few steps, so that a dip lies next to a step
+    end where N is lower than at both neighbours; there the minimum is sought.
+    """
+    course = phase.course
+    if course is None:
+        raise ValueError("The phase was integrated without its course; no dip can be sought.")
+
+    def force(t: float) -> float:
+        return law(mechanics.contact(t, course(t)))[0]
+
+    times = course.ts[course.ts >= start]
+    values = np.array([force(t) for t in times])
+    for k in range(1, len(times) - 1):
+        if not values[k - 1] >= values[k] <= values[k + 1]:
+            continue
+        around = (times[k - 1], times[k + 1])
+        fine = {"xatol": 1e-4 * (around[1] - around[0])}
+        lowest = minimize_scalar(force, bounds=around, method="bounded", options=fine)
+        if lowest.fun < 0.0:
+            return float(lowest.x)
+    return None
+
+
+def hold(
+    mechanics: Mechanics,
+    mode: int,
+    mu: float,
+    t: float,
+    y: np.ndarray,
+    end: float,
+    stepper: Stepper,
+) -> PhaseEnd:
+    """One phase in one mode from (t, y) to its first switch or `end` [s].
+
+    A release that hides within a step is brought to light by repeating the phase up to the minimum
+    of N, where the last step ends below zero.
+    """
+    law, stop = force_law(mode, mu), end
+    switches = phase_events(mechanics, mechanics.contact(t, y), mode, mu)
+    while True:
+        phase = run_phase(mechanics, law, switches, t, y, stop, stepper, keep_course=True)
+        earlier = early_release(mechanics, law, phase, t)
+        if earlier is None:
+            return phase
+        stop = earlier
+
+
 def ride(
     mechanics: Mechanics,
     mu: float,
@@ -190,8 +241,7 @@ def ride(
         if mode == FREE or force_law(mode, mu)(c)[0] <= 0.0:
             break
         law = force_law(mode, mu)
-        switches = phase_events(mechanics, c, mode, mu)
-        result = run_phase(mechanics, law, switches, t, y, end, stepper, keep_course=True)
+        result = hold(mechanics, mode, mu, t, y, end, stepper)
         book.add(result.t - t if mode == 0 else 0.0, peak_force(mechanics, law, result, t))
         left, t, y = mode, result.t, result.y
         if result.fired in (None, 0):
