@@ -40,8 +40,8 @@ BACKWARD = 3e-8
 """Relative change of the inputs whose effect is no disagreement: see `neighbours`."""
 
 LATE = 1.3e-7
-"""A contact that the motor starts in (no clearance) begins at the end of the engine's first step of flight,
-which starts from the contact step of 4 us in powers of two [s]."""
+"""A contact that the motor starts in (no clearance) may begin at the end of the engine's first step of
+flight, the contact step of 4 us halved five times or more [s]."""
 
 STEPS = np.array([6e-8, 4.6e-8, 3.5e-8, 2.7e-8, 2.1e-8, 1.6e-8])
 """Contact steps of the rigid law [s], not multiples of one another: a slip reversal falls somewhere else in
@@ -199,6 +199,18 @@ def test_hertz_ends_where_the_oracle_ends(seed: int) -> None:
         assert np.all(error <= allowed), name
 
 
+def off_the_graze(changes: dict[str, float]) -> dict[str, float]:
+    """The motor, or its neighbour by 1e-13 m of clearance where it grazes at every passage.
+
+    Without clearance and first tone the tip never rises: it swings by, and the gap is zero with zero
+    rate whenever the beam is straight. A rigid contact answers a closer pass by eps with an
+    impact at a rate of sqrt(eps), so that round-off of 1e-22 m, rooted again at each passage, grows
+    until it is seen: no solver in float64 can tell whether this motor ever touches.
+    """
+    grazes = changes["voltage_1"] == 0.0 and changes["clearance"] == 0.0
+    return changes | {"clearance": 1e-13} if grazes else changes
+
+
 @cache
 def rigid_ends(seed: int) -> tuple[Array, Array, Array, Array]:
     """Steps [s]; ends of the engine at each step, of the oracle, and their sizes.
@@ -208,7 +220,7 @@ def rigid_ends(seed: int) -> tuple[Array, Array, Array, Array]:
     runs leave the line. The steps shrink until the engine makes all of the oracle's contacts and its
     own ends differ little from step to step.
     """
-    changes = random_motor(seed)
+    changes = off_the_graze(random_motor(seed))
     reference = solve_rigid_stick(oracle_motor(**changes), DURATION)
     law, motor = LagrangeStick(changes["friction_coefficient"]), default_motor(**changes)
     expected = carrying_rows(reference).sum()
