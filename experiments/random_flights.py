@@ -2,11 +2,11 @@
 
     python experiments/random_flights.py [--flights N] [--workers N] [--seed N] [--csv FILE]
 
-Every flight is also searched on a dense grid, in closed form (`contactlab.testing.flights`), which
+Every flight is also searched on a dense grid, in closed form (`contactlab.testing.flights.closed`), which
 knows nothing of the bound by which the engine passes over stretches of flight. A touch-down is wrong
 where it differs from the reference by more than 1e-15 s and what float64 leaves uncertain. The figures
 depend on the seed and the number of flights alone. The status is 1 where a flight went wrong;
-`contactlab.testing.random_flights.random_flight(seed, number)` gives such a flight again.
+`contactlab.testing.flights.randomly.random_flight(seed, number)` gives such a flight again.
 """
 
 import argparse
@@ -23,7 +23,7 @@ from time import perf_counter
 
 from tqdm import tqdm
 
-from contactlab.testing.random_flights import KINDS, Tally, added, fly
+from contactlab.testing.flights.randomly import KINDS, Tally, added, fly
 
 CHUNK = 100
 """Flights a task: a fraction of a second, so that the workers end together."""

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from contactlab.testing import Claim
-from contactlab.testing.closed_forms import CLOSED_FORMS
-from contactlab.testing.impacts import dashpot_impacts, hunt_crossley_impact, modal_impacts
-from contactlab.testing.impacts import hertz_impact as hertz
+from contactlab.testing.forms import CLOSED_FORMS
+from contactlab.testing.forms.impacts import dashpot_impacts, hunt_crossley_impact, modal_impacts
+from contactlab.testing.forms.impacts import hertz_impact as hertz
 
 Form = Callable[..., Iterator[Claim]]
 

@@ -14,8 +14,8 @@ from contactlab.laws.base import MultiplierKernel, PenaltyKernel
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
 from contactlab.testing import LawContract
-from contactlab.testing.bench import Bench
-from contactlab.testing.contract import PROPERTIES, check
+from contactlab.testing.contract.bench import Bench
+from contactlab.testing.contract.properties import PROPERTIES, check
 
 Forces = tuple[float, float, float, float]
 STIFFNESS = 1e10

@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from contactlab.testing.random_flights import KINDS, Tally, added, fly, random_flight
+from contactlab.testing.flights.randomly import KINDS, Tally, added, fly, random_flight
 
 SCRIPT = Path(__file__).parents[1] / "experiments" / "random_flights.py"
 FLIGHTS = 600

@@ -7,8 +7,8 @@ from command_line import Command
 
 from contactlab.command import verify
 from contactlab.testing import Claim, at_most, close
+from contactlab.testing.flights.touchdowns import random_touchdowns
 from contactlab.testing.references import REFERENCES
-from contactlab.testing.touchdowns import random_touchdowns
 
 GROUPS = "contactlab.command.verify._groups"
 

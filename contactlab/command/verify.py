@@ -60,11 +60,11 @@ def _groups() -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
     """Headings and their claims."""
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
-    from contactlab.testing.bench import Bench
-    from contactlab.testing.closed_forms import CLOSED_FORMS
-    from contactlab.testing.contract import PROPERTIES, check
+    from contactlab.testing.contract.bench import Bench
+    from contactlab.testing.contract.properties import PROPERTIES, check
+    from contactlab.testing.flights.touchdowns import random_touchdowns
+    from contactlab.testing.forms import CLOSED_FORMS
     from contactlab.testing.references import REFERENCES
-    from contactlab.testing.touchdowns import random_touchdowns
 
     for form in CLOSED_FORMS:
         yield _first_line(form), form

@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.engine.contacts import count_event
 from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
 from contactlab.engine.plant import Plant
-from contactlab.engine.run import DEPTH, PEAK, SIGN, SWITCHES, Run, count_event
+from contactlab.engine.run import DEPTH, PEAK, SIGN, SWITCHES, Run
 from contactlab.engine.step import (
     BOUND,
     FRICTION,

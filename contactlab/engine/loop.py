@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from contactlab.compiled import kernel
 from contactlab.engine.compliant_contact import press
 from contactlab.engine.compliant_events import switch_friction
+from contactlab.engine.contacts import close_contact, open_contact
 from contactlab.engine.events import NOTHING, RELEASE, TOUCH
 from contactlab.engine.flight import fly
 from contactlab.engine.plant import Plant
@@ -20,9 +21,7 @@ from contactlab.engine.run import (
     TIME,
     TOUCHING,
     Run,
-    close_contact,
     commit,
-    open_contact,
 )
 from contactlab.engine.step import Step, begin
 from contactlab.engine.tables import Tables

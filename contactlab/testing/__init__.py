@@ -11,6 +11,6 @@ The command `contactlab verify` prints what is claimed and what is found.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close
-from contactlab.testing.suite import LawContract
+from contactlab.testing.contract.suite import LawContract
 
 __all__ = ["Claim", "LawContract", "at_least", "at_most", "close"]

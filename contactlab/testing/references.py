@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.resonator import RitzResonator
-from contactlab.testing.bench import paper_motor
 from contactlab.testing.claim import Claim, close
+from contactlab.testing.contract.bench import paper_motor
 from contactlab.testing.runs import last, run
 from contactlab.trajectory import Trajectory
 

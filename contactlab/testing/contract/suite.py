@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.testing.bench import Bench, paper_motor
-from contactlab.testing.contract import check
+from contactlab.testing.contract.bench import Bench, paper_motor
+from contactlab.testing.contract.properties import check
 
 
 @lru_cache(maxsize=8)

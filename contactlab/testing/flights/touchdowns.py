@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from contactlab.testing.claim import Claim, at_least, at_most
-from contactlab.testing.random_flights import fly
+from contactlab.testing.flights.randomly import fly
 
 FLIGHTS, SEED = 1000, 0
 

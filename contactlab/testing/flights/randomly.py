@@ -13,8 +13,8 @@ from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
 from contactlab.motor import Motor
 from contactlab.resonator import NormalModes, RitzResonator
-from contactlab.testing.flights import Flight, flight_of
-from contactlab.testing.shaped_flights import double_well
+from contactlab.testing.flights.closed import Flight, flight_of
+from contactlab.testing.flights.shaped import double_well
 
 Array = NDArray[np.float64]
 

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws import MultiplierLaw
-from contactlab.testing.bench import BELT_MASS, MASS, MOTOR_DURATION, NUDGE, WEIGHT, Bench
 from contactlab.testing.claim import Claim, at_most, close
-from contactlab.testing.flights import flight_of
-from contactlab.testing.kernels import ROUND_OFF, answers_of
+from contactlab.testing.contract.bench import BELT_MASS, MASS, MOTOR_DURATION, NUDGE, WEIGHT, Bench
+from contactlab.testing.contract.kernels import ROUND_OFF, answers_of
+from contactlab.testing.flights.closed import flight_of
 from contactlab.testing.plants import FLAT
 from contactlab.trajectory import Trajectory
 

@@ -9,8 +9,8 @@ import numpy as np
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import Array, MultiplierKernel, PenaltyKernel
-from contactlab.testing.bench import Bench, mirrored
 from contactlab.testing.claim import Claim, at_least, at_most
+from contactlab.testing.contract.bench import Bench, mirrored
 from contactlab.trajectory import Trajectory
 
 ORDER_SCATTER = 0.3

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from contactlab.drive import Drive
 from contactlab.motor import Motor
 from contactlab.resonator import NormalModes
-from contactlab.testing.flights import Flight, flight_of
+from contactlab.testing.flights.closed import Flight, flight_of
 
 Array = NDArray[np.float64]
 Phasors = NDArray[np.complex128]

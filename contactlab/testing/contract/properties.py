@@ -8,9 +8,9 @@ broken, or the declaration is wrong.
 from collections.abc import Callable, Iterable, Iterator
 
 from contactlab.laws import ContactLaw
-from contactlab.testing import forces, kernels, repetition
-from contactlab.testing.bench import Bench
 from contactlab.testing.claim import Claim, at_most
+from contactlab.testing.contract import forces, kernels, repetition
+from contactlab.testing.contract.bench import Bench
 
 Property = Callable[[Bench], Iterator[Claim]]
 

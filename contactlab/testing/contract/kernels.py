@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.parameter import parameters_of
-from contactlab.testing.bench import Bench
 from contactlab.testing.claim import Claim, at_most
+from contactlab.testing.contract.bench import Bench
 
 Array = NDArray[np.float64]
 
