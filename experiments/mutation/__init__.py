@@ -1,0 +1,1 @@
+"""Errors that somebody could make: the physics broken on purpose, one line at a time."""

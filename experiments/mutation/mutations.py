@@ -1,0 +1,7 @@
+"""What a mutation is, and all of them."""
+
+from mutation.of_contact import CONTACT
+from mutation.of_engine import ENGINE
+from mutation.of_motor import MOTOR
+
+MUTATIONS = (*MOTOR, *CONTACT, *ENGINE)
