@@ -1,0 +1,151 @@
+"""What every experiment shares: its configuration, its output folder, and the four files it leaves.
+
+An experiment is a module with
+
+    SAYS                        what the paper says, in our own words
+    study(setup, short)         the numbers, an xarray dataset; `short` is the form that the tests run
+    table(data)                 rows of numbers for the CSV file and the terminal
+    draw(data)                  the figure
+    finding(data)               a sentence made from the numbers by rule, and whether the claim holds
+
+and `conf/experiment/NAME.yaml`, its difference from the default configuration.
+"""
+
+import csv
+import io
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import matplotlib.pyplot as plt
+import xarray
+import yaml
+from hydra import compose, initialize_config_dir
+from hydra.errors import HydraException
+from matplotlib.figure import Figure
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from contactlab.app import conf_directory
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.faults import one_line
+from contactlab.output.provenance import versions
+
+STYLE = Path(__file__).with_name("paper.mplstyle")
+DONE, CONTRADICTED, REFUSED = 0, 1, 2
+"""Exit statuses; a finding that does not hold is no failure of the script, but nobody shall "
+"overlook it."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What an experiment has left.
+
+    Args:
+        name: of the experiment.
+        says: what the paper says.
+        sentence: what we find.
+        holds: whether the claim holds.
+        rows: the table.
+        folder: where figure.png, figure.pdf, data.nc and table.csv are.
+    """
+
+    name: str
+    says: str
+    sentence: str
+    holds: bool
+    rows: list[dict[str, object]]
+    folder: Path
+
+
+def setup_of(name: str, overrides: Sequence[str] = ()) -> Setup:
+    """The checked configuration of an experiment.
+
+    Raises:
+        ConfigurationError: with every fault, a sentence each.
+    """
+    chosen = [f"experiment={name}", *overrides]
+    try:
+        with initialize_config_dir(str(conf_directory()), version_base="1.3"):
+            composed = compose("config", overrides=chosen)
+    except (HydraException, OmegaConfBaseException) as error:
+        raise ConfigurationError([one_line(error)]) from error
+    return build(OmegaConf.to_container(composed, resolve=True))  # type: ignore[arg-type]
+
+
+def perform(
+    module: ModuleType, folder: Path, overrides: Sequence[str] = (), short: bool = False
+) -> Result:
+    """Run an experiment and write its figure, dataset and table."""
+    name = module.__name__.rpartition(".")[2]
+    setup = setup_of(name, overrides)
+    data: xarray.Dataset = module.study(setup, short)
+    sentence, holds = module.finding(data)
+    rows: list[dict[str, object]] = module.table(data)
+    folder.mkdir(parents=True, exist_ok=True)
+    data.attrs |= {
+        "title": (module.__doc__ or "").partition("\n")[0],
+        "finding": sentence,
+        "configuration": yaml.safe_dump(setup.configuration, sort_keys=False),
+        **versions(),
+    }
+    data.to_netcdf(folder / "data.nc", engine="netcdf4")
+    (folder / "table.csv").write_text(as_csv(rows), encoding="utf-8")
+    with plt.style.context(STYLE):
+        figure: Figure = module.draw(data)
+        figure.savefig(folder / "figure.png")
+        # No date in the file: the same run gives the same bytes.
+        figure.savefig(folder / "figure.pdf", metadata={"CreationDate": None})
+    plt.close(figure)
+    return Result(name, module.SAYS, sentence, holds, rows, folder)
+
+
+def as_csv(rows: list[dict[str, object]]) -> str:
+    """Rows as text, a header first."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def show(result: Result) -> None:
+    """Print the table and the finding."""
+    cells = [list(result.rows[0]), *([_cell(v) for v in row.values()] for row in result.rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
+    for row in cells:
+        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
+    print(f"\n{'Holds' if result.holds else 'DOES NOT HOLD'}: {result.sentence}")
+    print(f"Written to {result.folder}: figure.png, figure.pdf, data.nc, table.csv")
+
+
+def main(name: str, arguments: Sequence[str] | None = None) -> int:
+    """Run one experiment from the command line; returns the exit status.
+
+    python experiments/NAME.py [output=DIR] [KEY=VALUE ...]
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    module: Any = sys.modules[name]
+    stem = Path(module.__file__).stem
+    if "--help" in words or "-h" in words:
+        print(f"{module.__doc__}\nusage: python experiments/{stem}.py [output=DIR] [KEY=VALUE ...]")
+        return DONE
+    folder = Path("outputs") / "experiments" / stem
+    for word in [w for w in words if w.startswith("output=")]:
+        folder = Path(word.removeprefix("output="))
+        words.remove(word)
+    try:
+        module.__name__ = stem
+        result = perform(module, folder, words)
+    except ConfigurationError as error:
+        print(*error.faults, sep="\n", file=sys.stderr)
+        return REFUSED
+    show(result)
+    return DONE if result.holds else CONTRADICTED

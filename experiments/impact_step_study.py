@@ -1,0 +1,110 @@
+"""Peak force and impulse against the contact step: what the rigid laws' impact means, beside Hertz.
+
+A rigid impact takes one step h, so that its force is impulse / h (eq. 59); the impulse converges.
+"""
+
+import sys
+
+import numpy as np
+import xarray
+from harness import main
+from matplotlib.figure import Figure
+
+from contactlab.config import Setup
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
+
+SAYS = (
+    "Figure 9 shows peaks of the normal force at every impact. The paper calls them a product of "
+    "the multiplier, "
+    "which stops the tip within one time step, without physical meaning; the velocity of the "
+    "rotor has one, since "
+    "it follows from the impulse. Contact stiffness, by Hertz, is proposed as the remedy."
+)
+STEPS = tuple(10.0**-k for k in np.arange(6.0, 8.01, 0.25))
+LAWS = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
+
+
+def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+    """All steps for every law; the step of the Hertz contact is its longest."""
+    steps = np.array(STEPS[::4] if short else STEPS)
+    mu = setup.configuration["contact"]["friction_coefficient"]
+    laws = (LagrangeSlip(mu), LagrangeStick(mu), HertzPenalty(1e10, mu))
+    peaks, impulses = np.empty((3, steps.size)), np.empty((3, steps.size))
+    for i, law in enumerate(laws):
+        for j, step in enumerate(steps):
+            run = simulate(
+                setup.motor,
+                law,
+                duration=setup.duration,
+                record_interval=setup.duration,
+                contact_step=float(step),
+            )
+            peaks[i, j] = run.contacts["peak_normal_force"].max()
+            impulses[i, j] = run.contacts["normal_impulse"].sum()
+    return xarray.Dataset(
+        {
+            "peak_normal_force": (("law", "contact_step"), peaks, {"units": "N"}),
+            "normal_impulse": (("law", "contact_step"), impulses, {"units": "N s"}),
+            "peak_exponent": ("law", _exponents(steps, peaks), {"units": "1"}),
+        },
+        coords={"law": list(LAWS), "contact_step": ("contact_step", steps, {"units": "s"})},
+    )
+
+
+def _exponents(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Slopes of straight lines through the logarithms."""
+    return np.array([np.polyfit(np.log(steps), np.log(row), 1)[0] for row in values])
+
+
+def table(data: xarray.Dataset) -> list[dict[str, object]]:
+    """One row a law and step."""
+    return [
+        {
+            "law": law,
+            "contact step [s]": float(step),
+            "peak normal force [N]": float(data.peak_normal_force.sel(law=law, contact_step=step)),
+            "normal impulse [N s]": float(data.normal_impulse.sel(law=law, contact_step=step)),
+        }
+        for law in LAWS
+        for step in data.contact_step.values
+    ]
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Peaks on the left, impulses on the right."""
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
+    step = 1e6 * data.contact_step.values
+    for i, law in enumerate(LAWS):
+        left.loglog(step, data.peak_normal_force[i], "os^"[i] + "-", label=law)
+        change = data.normal_impulse[i] / data.normal_impulse[i, -1] - 1.0
+        right.semilogx(step, 100.0 * change, "os^"[i] + "-", label=law)
+    left.set_ylabel("peak normal force (N)")
+    right.set_ylabel("change of the normal impulse (%)")
+    for axes in (left, right):
+        axes.set_xlabel("contact step (µs)")
+    left.legend()
+    return figure
+
+
+def finding(data: xarray.Dataset) -> tuple[str, bool]:
+    """Whether the peaks of the rigid laws grow as 1/h while all impulses converge."""
+    slip, stick, hertz = (float(x) for x in data.peak_exponent)
+    peak = float(data.peak_normal_force.sel(law="hertz_penalty").values[-1])
+    drift = float(np.abs(data.normal_impulse[:, -1] / data.normal_impulse[:, -2] - 1.0).max())
+    sentence = (
+        f"The peak force of the rigid laws goes with the step to the power {slip:.3f} (slip) and "
+        f"{stick:.3f} "
+        f"(stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses converge; the "
+        "last refinement "
+        f"changes them by {100.0 * drift:.2g} % at most."
+    )
+    return sentence, abs(slip + 1.0) < 0.02 and abs(stick + 1.0) < 0.02 and abs(
+        hertz
+    ) < 1e-3 and drift < 1e-3
+
+
+if __name__ == "__main__":
+    sys.exit(main(__name__))
