@@ -1,4 +1,4 @@
-"""Rotor velocity over the coefficient of friction, which the paper does not give, under every law."""
+"""Rotor velocity over the friction coefficient, which the paper does not give, under every law."""
 
 import sys
 

@@ -1,0 +1,161 @@
+"""Figure 8: rotor velocity, a: from rest at three clearances, b: from -0.9 rad/s, c: under load."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import xarray
+from harness import main
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from contactlab.config import Setup
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.motor import Motor
+
+SAYS = (
+    "Figure 8a shows the rotor from rest at clearances of 0, 1 and 2 um; the smallest is called "
+    "the best, since "
+    "its contact lasts longest. 8b starts at -0.9 rad/s and reaches a steady state. 8c gives the "
+    "velocity for "
+    "loads of 0, 1, 2 and 5 mN m."
+)
+CLEARANCES = (0.0, 1e-6, 2e-6)
+LOADS = (0.0, 1e-3, 2e-3, 5e-3)
+START = -0.9
+TRANSIENT = 5e-3
+RIGID_STEP = 1e-7
+"""Contact step of the rigid laws [s]."""
+
+
+def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+    """All three panels under all three laws; the loads brake, whichever way the motor turns."""
+    mu = setup.configuration["contact"]["friction_coefficient"]
+    laws: dict[str, ContactLaw] = {
+        "lagrange_slip": LagrangeSlip(mu),
+        "lagrange_stick": LagrangeStick(mu),
+        "hertz_penalty": HertzPenalty(1e10, mu),
+    }
+    duration = 0.02 if short else setup.duration
+    transients, steady, loaded = [], [], []
+    for law in tqdm(laws.values(), unit=" laws", disable=None):
+        motors = [with_clearance(setup.motor, clearance) for clearance in CLEARANCES]
+        transients.append([velocity(motor, law, TRANSIENT, 250) for motor in motors])
+        steady.append(velocity(with_rotor(setup.motor, START, 0.0), law, duration, 200))
+        forward = np.sign(steady[-1][-1])
+        motors = [with_rotor(setup.motor, 0.0, forward * load) for load in LOADS]
+        loaded.append([velocity(motor, law, duration, 20)[-4:].mean() for motor in motors])
+    return xarray.Dataset(
+        {
+            "transient": (
+                ("law", "clearance", "instant"),
+                np.array(transients),
+                {"units": "rad s-1"},
+            ),
+            "from_start": (("law", "time"), np.array(steady), {"units": "rad s-1"}),
+            "under_load": (("law", "load_torque"), np.array(loaded), {"units": "rad s-1"}),
+        },
+        coords={
+            "law": list(laws),
+            "clearance": ("clearance", np.array(CLEARANCES), {"units": "m"}),
+            "instant": ("instant", np.linspace(0.0, TRANSIENT, 251), {"units": "s"}),
+            "time": ("time", np.linspace(0.0, duration, 201), {"units": "s"}),
+            "load_torque": ("load_torque", np.array(LOADS), {"units": "N m"}),
+        },
+    )
+
+
+def with_clearance(motor: Motor, clearance: float) -> Motor:
+    """The motor with another clearance [m]."""
+    return replace(motor, geometry=replace(motor.geometry, clearance=clearance))
+
+
+def with_rotor(motor: Motor, velocity: float, load: float) -> Motor:
+    """The motor with another initial velocity [rad/s] and load [N m]."""
+    return replace(motor, rotor=replace(motor.rotor, initial_velocity=velocity, load_torque=load))
+
+
+def velocity(motor: Motor, law: ContactLaw, duration: float, records: int) -> np.ndarray:
+    """Rotor velocity [rad/s] at so many equal intervals."""
+    step = None if isinstance(law, HertzPenalty) else RIGID_STEP
+    run = simulate(
+        motor, law, duration=duration, record_interval=duration / records, contact_step=step
+    )
+    if not run.complete:
+        raise RuntimeError(f"{law.name}: {run.message}")
+    return run.series["rotor_velocity"]
+
+
+def table(data: xarray.Dataset) -> list[dict[str, object]]:
+    """One row a law."""
+    return [
+        {"law": str(law)}
+        | {
+            f"{1e6 * c:.0f} um, 5 ms": float(data.transient[i, j, -1])
+            for j, c in enumerate(CLEARANCES)
+        }
+        | {"steady": float(data.from_start[i, -20:].mean())}
+        | {f"{1e3 * load:.0f} mN m": float(data.under_load[i, j]) for j, load in enumerate(LOADS)}
+        for i, law in enumerate(data.law.values)
+    ]
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Three panels; the transients for the paper's law, the others for all."""
+    import matplotlib.pyplot as plt
+
+    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.2, 2.5), layout="constrained")
+    for j, clearance in enumerate(CLEARANCES):
+        a.plot(
+            1e3 * data.instant,
+            data.transient[0, j],
+            ["-", "--", "-."][j],
+            label=f"{1e6 * clearance:.0f} µm",
+        )
+    a.set_title("(a) lagrange_slip, from rest")
+    a.legend(title="clearance")
+    for i, law in enumerate(data.law.values):
+        style = ["-", "--", "-."][i]
+        b.plot(1e3 * data.time, data.from_start[i], style, label=str(law))
+        c.plot(1e3 * data.load_torque, np.abs(data.under_load[i]), "os^"[i] + style, label=str(law))
+    b.set_title(f"(b) from {START} rad/s")
+    b.legend()
+    c.set_title("(c) under load")
+    c.set_xlabel("braking torque (mN m)")
+    c.set_ylabel("rotor speed (rad/s)")
+    for ax in (a, b):
+        ax.set_xlabel("time (ms)")
+        ax.set_ylabel("rotor velocity (rad/s)")
+    return figure
+
+
+def finding(data: xarray.Dataset) -> tuple[str, bool]:
+    """Order of the clearances, steady state, and fall with the load, under every law."""
+    speeds = np.abs(data.transient[:, :, -1].values)
+    names = data.law.values
+    ordered = [str(n) for n, row in zip(names, speeds, strict=True) if np.all(np.diff(row) < 0.0)]
+    tail = data.from_start.values[:, -40:]
+    drift = float((np.ptp(tail, axis=1) / np.abs(tail).mean(axis=1)).max())
+    falls = bool(np.all(np.diff(np.abs(data.under_load.values), axis=1) < 0.0))
+    best = [
+        f"{1e6 * CLEARANCES[int(np.argmax(row))]:.0f} um under {n}"
+        for n, row in zip(names, speeds, strict=True)
+    ]
+    words = (
+        "as the paper has it, under " + ", ".join(ordered)
+        if ordered
+        else "under no law as in the paper"
+    )
+    return (
+        f"After 5 ms the clearances are ordered {words}; the fastest is {', '.join(best)}. From "
+        "-0.9 rad/s the "
+        f"velocity settles within {100 * drift:.1f} % over the last fifth of the run. The speed "
+        "falls with every "
+        f"braking torque: {'yes' if falls else 'no'}.",
+        "lagrange_slip" in ordered and drift < 0.05 and falls,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main(__name__))

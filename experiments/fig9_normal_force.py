@@ -1,0 +1,113 @@
+"""Figure 9: the normal force over time under the paper's law at two steps, and under Hertz."""
+
+import sys
+
+import numpy as np
+import xarray
+from harness import main
+from matplotlib.figure import Figure
+
+from contactlab.config import Setup
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip
+
+SAYS = (
+    "Figure 9 shows the normal force with a high peak at every impact. The peak is called "
+    "without physical "
+    "meaning, made by a multiplier that stops the tip within one step."
+)
+STEPS = (1e-6, 2.5e-7)
+"""Contact steps of the paper's law [s]; records are as fine as the finer one."""
+
+
+def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+    """Forces over the same stretch of time."""
+    mu = setup.configuration["contact"]["friction_coefficient"]
+    cases: list[tuple[str, ContactLaw, float | None]] = [
+        *((f"lagrange_slip, step {1e6 * h:g} µs", LagrangeSlip(mu), h) for h in STEPS),
+        ("hertz_penalty", HertzPenalty(1e10, mu), None),
+    ]
+    runs = [
+        simulate(
+            setup.motor,
+            law,
+            duration=setup.duration,
+            record_interval=setup.record_interval,
+            contact_step=step,
+        )
+        for _, law, step in cases
+    ]
+    return xarray.Dataset(
+        {
+            "normal_force": (
+                ("case", "time"),
+                np.array([run.series["normal_force"] for run in runs]),
+                {"units": "N"},
+            ),
+            "peak": (
+                "case",
+                [run.contacts["peak_normal_force"].max() for run in runs],
+                {"units": "N"},
+            ),
+            "impulse": (
+                "case",
+                [run.contacts["normal_impulse"].sum() for run in runs],
+                {"units": "N s"},
+            ),
+        },
+        coords={
+            "case": [name for name, _, _ in cases],
+            "time": ("time", runs[0].time, {"units": "s"}),
+        },
+    )
+
+
+def table(data: xarray.Dataset) -> list[dict[str, object]]:
+    """One row a case."""
+    return [
+        {
+            "case": str(case),
+            "peak [N]": float(data.peak[i]),
+            "impulse [N s]": float(data.impulse[i]),
+        }
+        for i, case in enumerate(data.case.values)
+    ]
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """All forces over one period, the peaks on a logarithmic axis."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(5.0, 2.8), layout="constrained")
+    late = data.time >= data.time[-1] - 4.2e-4
+    for i, case in enumerate(data.case.values):
+        force = data.normal_force[i][late]
+        axes.semilogy(
+            1e6 * data.time[late],
+            force.where(force > 1e-2),
+            ["-", "--", "-"][i],
+            lw=[0.8, 0.8, 1.4][i],
+            label=str(case),
+        )
+    axes.set_xlabel("time (µs)")
+    axes.set_ylabel("normal force (N)")
+    axes.legend()
+    return figure
+
+
+def finding(data: xarray.Dataset) -> tuple[str, bool]:
+    """Whether the peak is the step's and not the motor's."""
+    coarse, fine, hertz = (float(x) for x in data.peak)
+    change = float(data.impulse[1] / data.impulse[0]) - 1.0
+    ratio = fine / coarse
+    return (
+        f"A step {STEPS[0] / STEPS[1]:g} times as short makes the peak {ratio:.2f} times as high "
+        f"({coarse:.0f} to "
+        f"{fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The Hertz contact peaks "
+        f"at {hertz:.1f} N.",
+        abs(ratio / (STEPS[0] / STEPS[1]) - 1.0) < 0.05 and abs(change) < 0.01,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main(__name__))
