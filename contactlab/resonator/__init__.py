@@ -1,0 +1,10 @@
+"""The resonator: one beam, several bases, and normal modes as the one face of all of them.
+
+    RitzResonator             the paper's basis of smooth beam shapes
+"""
+
+from contactlab.resonator.modes import NormalModes
+from contactlab.resonator.patched_beam import PatchedBeam
+from contactlab.resonator.ritz import RitzMatrices, RitzResonator
+
+__all__ = ["NormalModes", "PatchedBeam", "RitzMatrices", "RitzResonator"]
