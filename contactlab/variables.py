@@ -75,14 +75,21 @@ CONTACT_MODE: Final = Variable(
 )
 
 RESONATOR: Final = (
-    Variable("natural_frequency", ("mode",), "Hz", "f", "undamped natural frequency"),
+    Variable(
+        "natural_frequency",
+        ("mode",),
+        "Hz",
+        "f",
+        "undamped natural frequency; pseudo-modes of a static correction come last",
+    ),
     Variable("damping_ratio", ("mode",), "1", "zeta", "damping ratio"),
     Variable(
         "electromechanical_coupling",
         ("shape", "electrode"),
         "N V-1",
         "Gamma",
-        "generalised force per voltage; electrode 0 is the patch set as placed, 1 its mirror",
+        "generalised force per voltage on a shape psi of int psi^2 dx = L: beam shapes (ritz) or "
+        "modes (finite_element); electrode 0 is the patch set as placed, 1 its mirror",
     ),
 )
 
