@@ -6,7 +6,8 @@ from typing import get_args
 from pydantic_core import ErrorDetails
 
 from contactlab.config.quantity import FAULT, describe
-from contactlab.config.schema import KINDS, Configuration, Section
+from contactlab.config.schema import KINDS, Configuration
+from contactlab.config.section import Section
 
 
 class ConfigurationError(ValueError):
@@ -43,6 +44,9 @@ def sentence(fault: ErrorDetails) -> str:
                 f"{key}.{KINDS[key]} is {describe(fault['ctx']['tag'])}; it must be one of "
                 f"{fault['ctx']['expected_tags']}. Choose one by {key}=NAME."
             )
+        case "bool_type":
+            value = describe(fault["input"])
+            return f"{key} is {value}; it must be true or false. Leave it out for that of the file."
         case _:
             value = describe(fault["input"])
             if not key:

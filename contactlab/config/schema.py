@@ -6,39 +6,21 @@ binds several keys together is in `contactlab.config.rules`.
 
 from typing import Annotated, ClassVar, Literal, final, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import Field
 
 from contactlab.config.quantity import Quantity
+from contactlab.config.section import Section
 
 MOST_SHAPES = 40
 """Beam shapes that `contactlab.beam` vouches for; repeated here because its import takes long."""
+
+MOST_KEPT_MODES = 40
+"""Normal modes that `contactlab.resonator.finite_element` vouches for; repeated for the same reason."""
 
 MOST_FRICTION = 5.0
 """Dry solids slide on each other at 0.05 to 1.5; beyond 5 a slip of the pen is likelier."""
 
 _PAPER = "The paper's motor has {}.".format
-
-
-class Section(BaseModel):
-    """A frozen group of keys that refuses every key it does not know.
-
-    A validation with a dictionary as its context leaves each sound value in it under its full
-    key, also where other keys are faulty, so that rules on several keys can be checked as far as
-    possible.
-    """
-
-    model_config = ConfigDict(
-        strict=True, extra="forbid", frozen=True, allow_inf_nan=False, protected_namespaces=()
-    )
-    path: ClassVar[str]
-    """Where the section stands, with the trailing dot: 'solver.'."""
-
-    @field_validator("*", mode="after")
-    @classmethod
-    def _remember(cls, value: object, info: ValidationInfo) -> object:
-        if info.context is not None and not isinstance(value, Section):
-            info.context[f"{cls.path}{info.field_name}"] = value
-        return value
 
 
 Stiffness = Annotated[
@@ -110,9 +92,8 @@ class SteelSection(Section):
     density: Annotated[float, Quantity("kg/m^3", above=0.0, hint="Steel has 7850 kg/m^3.")]
 
 
-@final
 class ResonatorSection(Section):
-    """The beam with its tip."""
+    """The beam with its tip, whatever basis it is computed in."""
 
     path: ClassVar[str] = "resonator."
 
@@ -122,12 +103,37 @@ class ResonatorSection(Section):
     patch_thickness: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.001 m"))]
     tip_mass: Annotated[float, Quantity("kg", at_least=0.0, hint="0 is a beam without tip.")]
     tip_inertia: Annotated[float, Quantity("kg m^2", at_least=0.0, hint="0 is a point mass.")]
-    shapes: Annotated[
-        int, Quantity("1", at_least=1, at_most=MOST_SHAPES, whole=True, hint="The paper takes 4.")
-    ]
     mass_damping: Annotated[float, Quantity("1/s", at_least=0.0, hint="0 switches it off.")]
     stiffness_damping: Annotated[float, Quantity("s", at_least=0.0, hint="0 switches it off.")]
     steel: SteelSection
+
+
+@final
+class RitzSection(ResonatorSection):
+    """The paper's basis: eigenshapes of the bare beam."""
+
+    basis: Literal["ritz"]
+    shapes: Annotated[
+        int, Quantity("1", at_least=1, at_most=MOST_SHAPES, whole=True, hint="The paper takes 4.")
+    ]
+
+
+@final
+class FiniteElementSection(ResonatorSection):
+    """The converged basis: normal modes of finite elements."""
+
+    basis: Literal["finite_element"]
+    kept_modes: Annotated[
+        int,
+        Quantity(
+            "1",
+            at_least=1,
+            at_most=MOST_KEPT_MODES,
+            whole=True,
+            hint="The static correction stands for the modes beyond.",
+        ),
+    ]
+    static_correction: bool
 
 
 _CeramicDensity = Annotated[float, Quantity("kg/m^3", above=0.0, hint="PZ26 has 7700 kg/m^3.")]
@@ -268,7 +274,7 @@ class Configuration(Section):
     path: ClassVar[str] = ""
 
     law: Annotated[AnyLaw, Field(discriminator="name")]
-    resonator: ResonatorSection
+    resonator: Annotated[RitzSection | FiniteElementSection, Field(discriminator="basis")]
     piezoceramic: Annotated[BendingSection | TensorSection, Field(discriminator="constants")]
     placement: PlacementSection
     drive: DriveSection
@@ -278,5 +284,5 @@ class Configuration(Section):
     record: RecordSection
 
 
-KINDS = {"law": "name", "piezoceramic": "constants"}
+KINDS = {"law": "name", "resonator": "basis", "piezoceramic": "constants"}
 """The groups whose keys depend on a choice, and the key that tells which was made."""

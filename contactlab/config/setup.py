@@ -15,7 +15,13 @@ from pydantic import ValidationError
 
 from contactlab.config.faults import ConfigurationError, sentence
 from contactlab.config.rules import broken_rules
-from contactlab.config.schema import LAWS, BendingSection, Configuration, HertzPenaltySection
+from contactlab.config.schema import (
+    LAWS,
+    BendingSection,
+    Configuration,
+    HertzPenaltySection,
+    RitzSection,
+)
 
 # The objects are imported where they are built: they bring the compiler with them, and a
 # configuration with a fault shall be told so at once.
@@ -109,14 +115,17 @@ def _modes(checked: Configuration) -> "NormalModes":
     import numpy as np
 
     from contactlab.materials import Steel
-    from contactlab.resonator import RitzResonator
+    from contactlab.resonator import FiniteElementResonator, PatchedBeam, RitzResonator
 
+    section = checked.resonator
+    basis: Callable[..., PatchedBeam]
+    basis = RitzResonator if isinstance(section, RitzSection) else FiniteElementResonator
     try:
         # Numbers far from any motor may overflow on the way; the result says so.
         with np.errstate(all="ignore"):
-            modes = RitzResonator(
-                **checked.resonator.model_dump(exclude={"steel"}),
-                steel=Steel(**checked.resonator.steel.model_dump()),
+            modes = basis(
+                **section.model_dump(exclude={"basis", "steel"}),
+                steel=Steel(**section.steel.model_dump()),
                 piezoceramic=_piezoceramic(checked),
                 patch_start=checked.placement.start,
                 patch_end=checked.placement.end,
@@ -124,7 +133,7 @@ def _modes(checked: Configuration) -> "NormalModes":
             sound = bool(np.all(modes.stiffness > 0.0)) and bool(
                 np.isfinite(modes.natural_frequency).all() and np.isfinite(modes.coupling).all()
             )
-    except (np.linalg.LinAlgError, ValueError):
+    except (np.linalg.LinAlgError, ValueError, ArithmeticError):
         sound = False
     if not sound:
         raise ConfigurationError(

@@ -1,0 +1,27 @@
+"""What every group of keys has in common: nothing unknown passes, and sound values are remembered."""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+
+
+class Section(BaseModel):
+    """A frozen group of keys that refuses every key it does not know.
+
+    A validation with a dictionary as its context leaves each sound value in it under its full
+    key, also where other keys are faulty, so that rules on several keys can be checked as far as
+    possible.
+    """
+
+    model_config = ConfigDict(
+        strict=True, extra="forbid", frozen=True, allow_inf_nan=False, protected_namespaces=()
+    )
+    path: ClassVar[str]
+    """Where the section stands, with the trailing dot: 'solver.'."""
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _remember(cls, value: object, info: ValidationInfo) -> object:
+        if info.context is not None and not isinstance(value, Section):
+            info.context[f"{cls.path}{info.field_name}"] = value
+        return value
