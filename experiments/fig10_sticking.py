@@ -120,9 +120,9 @@ def draw(data: xarray.Dataset) -> Figure:
             strict=True,
         ):
             shown = data.isel(case=i).sel(time=slice(left, right))
-            ax.plot(1e6 * shown.time, shown.tip_velocity, "-", label="tip")
-            ax.plot(1e6 * shown.time, shown.rim_velocity, "--", label="rotor's rim")
-            ax.set_xlabel("time (µs)")
+            ax.plot(1e6 * (shown.time - begin), shown.tip_velocity, "-", label="tip")
+            ax.plot(1e6 * (shown.time - begin), shown.rim_velocity, "--", label="rotor's rim")
+            ax.set_xlabel("time since it began (µs)")
         row[0].set_title(str(data.case.values[i]).partition(",")[0])
         row[1].set_title("zoom")
         row[0].set_ylabel("velocity (m/s)")

@@ -70,7 +70,7 @@ def draw(data: xarray.Dataset) -> Figure:
         start, end = (float(x) for x in data.patch[i])
         for left, right in ((start, end), (length - end, length - start)):
             axes.plot([1e3 * left, 1e3 * right], [-1.15 - 0.12 * i] * 2, lw=3, color="0.25")
-        axes.annotate(str(placement), (0.5e3 * length, -1.18 - 0.12 * i), ha="center", fontsize=6)
+        axes.annotate(str(placement), (1e3 * length + 1.0, -1.18 - 0.12 * i), fontsize=6)
     axes.set_xlabel("place along the beam (mm)")
     axes.set_ylabel("curvature over the largest")
     axes.legend(title="shape", loc="center left", bbox_to_anchor=(1.0, 0.5))

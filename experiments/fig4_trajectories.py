@@ -98,7 +98,7 @@ def draw(data: xarray.Dataset) -> Figure:
             ax = axes[1 - i, j]
             ax.plot(1e6 * data.across[i, j], 1e6 * data.height[i, j])
             ax.set_title(
-                f"({next(letters)}) {placement}, {drive}, $\\phi$ = {float(data.phase[i, j]):.2f}"
+                f"({next(letters)}) {placement}, {drive},\n$\\phi$ = {float(data.phase[i, j]):.2f} rad"
             )
     for ax in axes[1]:
         ax.set_xlabel("along the rotor (µm)")

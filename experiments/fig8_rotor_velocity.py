@@ -87,6 +87,12 @@ def velocity(motor: Motor, law: ContactLaw, duration: float, records: int) -> np
     return run.series["rotor_velocity"]
 
 
+def forward(data: xarray.Dataset) -> np.ndarray:
+    """Velocities under load, positive the way each law turns without [rad/s], shape (law, load)."""
+    velocities = data.under_load.values
+    return np.asarray(velocities * np.sign(velocities[:, :1]))
+
+
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
     """One row a law."""
     return [
@@ -118,12 +124,12 @@ def draw(data: xarray.Dataset) -> Figure:
     for i, law in enumerate(data.law.values):
         style = ["-", "--", "-."][i]
         b.plot(1e3 * data.time, data.from_start[i], style, label=str(law))
-        c.plot(1e3 * data.load_torque, np.abs(data.under_load[i]), "os^"[i] + style, label=str(law))
+        c.plot(1e3 * data.load_torque, forward(data)[i], "os^"[i] + style, label=str(law))
     b.set_title(f"(b) from {START} rad/s")
     b.legend()
     c.set_title("(c) under load")
     c.set_xlabel("braking torque (mN m)")
-    c.set_ylabel("rotor speed (rad/s)")
+    c.set_ylabel("velocity, forward (rad/s)")
     for ax in (a, b):
         ax.set_xlabel("time (ms)")
         ax.set_ylabel("rotor velocity (rad/s)")
@@ -137,7 +143,7 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     ordered = [str(n) for n, row in zip(names, speeds, strict=True) if np.all(np.diff(row) < 0.0)]
     tail = data.from_start.values[:, -40:]
     drift = float((np.ptp(tail, axis=1) / np.abs(tail).mean(axis=1)).max())
-    falls = bool(np.all(np.diff(np.abs(data.under_load.values), axis=1) < 0.0))
+    falls = bool(np.all(np.diff(forward(data), axis=1) < 0.0))
     best = [
         f"{1e6 * CLEARANCES[int(np.argmax(row))]:.0f} um under {n}"
         for n, row in zip(names, speeds, strict=True)

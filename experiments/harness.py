@@ -46,6 +46,7 @@ class Result:
 
     Args:
         name: of the experiment.
+        title: its first line.
         says: what the paper says.
         sentence: what we find.
         holds: whether the claim holds.
@@ -54,6 +55,7 @@ class Result:
     """
 
     name: str
+    title: str
     says: str
     sentence: str
     holds: bool
@@ -86,8 +88,9 @@ def perform(
     sentence, holds = module.finding(data)
     rows: list[dict[str, object]] = module.table(data)
     folder.mkdir(parents=True, exist_ok=True)
+    title = (module.__doc__ or "").partition("\n")[0]
     data.attrs |= {
-        "title": (module.__doc__ or "").partition("\n")[0],
+        "title": title,
         "finding": sentence,
         "configuration": yaml.safe_dump(setup.configuration, sort_keys=False),
         **versions(),
@@ -100,7 +103,7 @@ def perform(
         # No date in the file: the same run gives the same bytes.
         figure.savefig(folder / "figure.pdf", metadata={"CreationDate": None})
     plt.close(figure)
-    return Result(name, module.SAYS, sentence, holds, rows, folder)
+    return Result(name, title, module.SAYS, sentence, holds, rows, folder)
 
 
 def as_csv(rows: list[dict[str, object]]) -> str:
@@ -108,17 +111,18 @@ def as_csv(rows: list[dict[str, object]]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
     writer.writeheader()
-    writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
+    writer.writerows({key: as_text(value) for key, value in row.items()} for row in rows)
     return text.getvalue()
 
 
-def _cell(value: Any) -> str:
+def as_text(value: Any) -> str:
+    """A cell of a table."""
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def show(result: Result) -> None:
     """Print the table and the finding."""
-    cells = [list(result.rows[0]), *([_cell(v) for v in row.values()] for row in result.rows)]
+    cells = [list(result.rows[0]), *([as_text(v) for v in row.values()] for row in result.rows)]
     widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
     for row in cells:
         print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))

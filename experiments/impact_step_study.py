@@ -78,9 +78,11 @@ def draw(data: xarray.Dataset) -> Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     step = 1e6 * data.contact_step.values
     for i, law in enumerate(LAWS):
-        left.loglog(step, data.peak_normal_force[i], "os^"[i] + "-", label=law)
+        # The rigid laws lie upon each other: the first shows as a ring.
+        ring = {"markersize": 7, "markerfacecolor": "none"} if i == 0 else {}
+        left.loglog(step, data.peak_normal_force[i], "os^"[i] + "-", label=law, **ring)
         change = data.normal_impulse[i] / data.normal_impulse[i, -1] - 1.0
-        right.semilogx(step, 100.0 * change, "os^"[i] + "-", label=law)
+        right.semilogx(step, 100.0 * change, "os^"[i] + "-", label=law, **ring)
     left.set_ylabel("peak normal force (N)")
     right.set_ylabel("change of the normal impulse (%)")
     for axes in (left, right):

@@ -2,7 +2,7 @@
 
 from mutation.kinds import Mutation
 
-RESONATOR = "contactlab/resonator.py"
+RESONATOR = "contactlab/resonator"
 TABLE = ("tests/test_resonator.py",)
 CASE_A = ("tests/test_case_a.py",)
 
@@ -10,8 +10,8 @@ MOTOR = (
     Mutation(
         "the mass of one layer of patches (misprint of eq. 28)",
         RESONATOR,
-        "piezo.density * 2.0 * w * tp",
-        "piezo.density * 1.0 * w * tp",
+        "self.piezoceramic.density * 2.0 * self.width",
+        "self.piezoceramic.density * 1.0 * self.width",
         TABLE,
     ),
     Mutation(
@@ -24,8 +24,8 @@ MOTOR = (
     Mutation(
         "t_p for t_s in the lever of the coupling",
         RESONATOR,
-        "w * (ts + tp) * piezo",
-        "w * (tp + tp) * piezo",
+        "self.width * (self.beam_thickness + self.patch_thickness)",
+        "self.width * (self.patch_thickness + self.patch_thickness)",
         TABLE,
     ),
     Mutation(
@@ -45,8 +45,8 @@ MOTOR = (
     Mutation(
         "patches stiffen the beam as a layer about its own middle",
         RESONATOR,
-        "layers_inertia = 2.0 / 3.0 * w * (1.5 * tp**2 * ts + 0.75 * ts**2 * tp + tp**3)",
-        "layers_inertia = 2.0 / 12.0 * w * tp**3",
+        "inertia = 2.0 / 3.0 * self.width * (1.5 * tp**2 * ts + 0.75 * ts**2 * tp + tp**3)",
+        "inertia = 2.0 / 12.0 * self.width * (0.0 * ts + tp**3)",
         TABLE,
     ),
     Mutation(
