@@ -9,14 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 import xarray
-from harness import main
+from harness import changed, laws_of, main
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty
-from contactlab.resonator import FiniteElementResonator, NormalModes, RitzResonator
+from contactlab.laws import ContactLaw
+from contactlab.resonator import NormalModes
 
 SAYS = (
     "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
@@ -39,15 +39,18 @@ QUANTITIES = {
 
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """Every basis at the converged first natural frequency and its double, and at the configured drive."""
-    placement = setup.configuration["placement"]
-    patches = {"patch_start": placement["start"], "patch_end": placement["end"]}
     shapes = SHAPES[1:4] if short else SHAPES
     kept = 6 if short else CONVERGED
-    reference = FiniteElementResonator(kept_modes=kept, **patches).modes
-    bases = [*(RitzResonator(shapes=n, **patches).modes for n in shapes), reference]
-    mu = setup.configuration["contact"]["friction_coefficient"]
+    given = {
+        k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")
+    }
+    elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
+    reference = changed(setup, {"resonator": given | elements}).motor.modes
+    ritz = ({"resonator": given | {"basis": "ritz", "shapes": n}} for n in shapes)
+    bases = [*(changed(setup, choice).motor.modes for choice in ritz), reference]
+    law = laws_of(setup)["hertz_penalty"]
     rows = [
-        measure(modes, setup, reference.natural_frequency[0], mu)
+        measure(modes, setup, reference.natural_frequency[0], law)
         for modes in tqdm(bases, unit=" bases", disable=None)
     ]
     values = np.array(rows)
@@ -63,12 +66,12 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def measure(modes: NormalModes, setup: Setup, frequency: float, mu: float) -> list[float]:
+def measure(modes: NormalModes, setup: Setup, frequency: float, law: ContactLaw) -> list[float]:
     """The quantities of one resonator in the motor."""
     drive = replace(setup.motor.drive, frequency=frequency * np.array([1.0, 2.0]))
     run = simulate(
         replace(setup.motor, modes=modes, drive=drive),
-        HertzPenalty(1e10, mu),
+        law,
         duration=setup.duration,
         record_interval=setup.duration,
     )

@@ -9,14 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from contactlab.config import Setup
 from contactlab.drive import Drive
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty, LagrangeStick
 
 SAYS = (
     "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, "
@@ -33,7 +32,7 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     phases = np.linspace(-np.pi, np.pi, 3 if short else 21)
     ratios = np.linspace(0.95, 1.02, 2 if short else 15)
     settings = setup.configuration["drive"]
-    mu = setup.configuration["contact"]["friction_coefficient"]
+    laws = laws_of(setup)
     velocity = np.full((len(LAWS), ratios.size, phases.size), np.nan)
     contacts = np.zeros_like(velocity)
     cells = [(i, j) for i in range(ratios.size) for j in range(phases.size)]
@@ -46,10 +45,10 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
             phases[j],
         )
         motor = replace(setup.motor, drive=drive)
-        for k, law in enumerate((HertzPenalty(1e10, mu), LagrangeStick(mu))):
+        for k, name in enumerate(LAWS):
             run = simulate(
                 motor,
-                law,
+                laws[name],
                 duration=setup.duration,
                 record_interval=setup.duration / 20.0,
                 contact_step=STICK_STEP if k else None,

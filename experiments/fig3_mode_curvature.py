@@ -4,12 +4,11 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import changed, main, placed
 from matplotlib.figure import Figure
 
 from contactlab.beam import ClampedBeam
 from contactlab.config import Setup
-from contactlab.resonator import RitzResonator
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (
@@ -27,10 +26,8 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     length = setup.configuration["resonator"]["length"]
     place = np.linspace(0.0, length, 401)
     curvature = ClampedBeam(length, SHAPES).evaluate(place, 2)
-    coupling = [
-        RitzResonator(patch_start=start, patch_end=end, shapes=SHAPES).matrices.coupling[:, 0]
-        for start, end in PLACEMENTS.values()
-    ]
+    five = changed(setup, {"resonator.shapes": SHAPES})
+    coupling = [placed(five, start, end).shape_coupling[:, 0] for start, end in PLACEMENTS.values()]
     return xarray.Dataset(
         {
             "curvature": (("shape", "place"), curvature, {"units": "m-2"}),

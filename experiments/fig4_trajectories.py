@@ -4,12 +4,12 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import main, placed
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
 from contactlab.drive import Drive
-from contactlab.resonator import NormalModes, RitzResonator
+from contactlab.resonator import NormalModes
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (
@@ -31,7 +31,7 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     height = np.empty_like(across)
     phases = np.empty((2, 2))
     for i, (start, end) in enumerate(PLACEMENTS.values()):
-        modes = RitzResonator(patch_start=start, patch_end=end).modes
+        modes = placed(setup, start, end)
         first, second = modes.natural_frequency[:2]
         for j, tone in enumerate((0.5 * second, first)):
             phases[i, j] = symmetric_phase(modes, voltages, tone)

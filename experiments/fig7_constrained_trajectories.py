@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty, LagrangeSlip
 
 SAYS = (
     "Figure 7 shows the free figure of eight and the trajectories that contact leaves of it, for "
@@ -24,8 +23,7 @@ FREE = 1e-3
 
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """The last periods of a run from rest, under the paper's law and under Hertz."""
-    mu = setup.configuration["contact"]["friction_coefficient"]
-    laws = {"lagrange_slip": LagrangeSlip(mu), "hertz_penalty": HertzPenalty(1e10, mu)}
+    laws = {name: laws_of(setup)[name] for name in ("lagrange_slip", "hertz_penalty")}
     duration = 2e-3 if short else setup.duration
     kept = int(2.0 / setup.configuration["drive"]["frequency"] / setup.record_interval)
     columns = ("tip_tangential_displacement", "tip_normal_displacement", "gap")

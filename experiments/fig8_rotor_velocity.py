@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.laws import ContactLaw, HertzPenalty
 from contactlab.motor import Motor
 
 SAYS = (
@@ -31,12 +31,7 @@ RIGID_STEP = 1e-7
 
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """All three panels under all three laws; the loads brake, whichever way the motor turns."""
-    mu = setup.configuration["contact"]["friction_coefficient"]
-    laws: dict[str, ContactLaw] = {
-        "lagrange_slip": LagrangeSlip(mu),
-        "lagrange_stick": LagrangeStick(mu),
-        "hertz_penalty": HertzPenalty(1e10, mu),
-    }
+    laws = laws_of(setup)
     duration = 0.02 if short else setup.duration
     transients, steady, loaded = [], [], []
     for law in tqdm(laws.values(), unit=" laws", disable=None):

@@ -4,12 +4,12 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip
+from contactlab.laws import ContactLaw
 
 SAYS = (
     "Figure 9 shows the normal force with a high peak at every impact. The peak is called "
@@ -22,10 +22,10 @@ STEPS = (1e-6, 2.5e-7)
 
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """Forces over the same stretch of time."""
-    mu = setup.configuration["contact"]["friction_coefficient"]
+    laws = laws_of(setup)
     cases: list[tuple[str, ContactLaw, float | None]] = [
-        *((f"lagrange_slip, step {1e6 * h:g} µs", LagrangeSlip(mu), h) for h in STEPS),
-        ("hertz_penalty", HertzPenalty(1e10, mu), None),
+        *((f"lagrange_slip, step {1e6 * h:g} µs", laws["lagrange_slip"], h) for h in STEPS),
+        ("hertz_penalty", laws["hertz_penalty"], None),
     ]
     runs = [
         simulate(

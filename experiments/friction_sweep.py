@@ -4,13 +4,12 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import changed, laws_of, main
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 
 SAYS = (
     "Coulomb friction is assumed and its coefficient appears in every equation of the contact, "
@@ -28,7 +27,8 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     sticking = np.zeros_like(velocity)
     efficiency_loss = np.zeros_like(velocity)
     for j, mu in enumerate(tqdm(coefficients, unit=" coefficients", disable=None)):
-        for i, law in enumerate((LagrangeSlip(mu), LagrangeStick(mu), HertzPenalty(1e10, mu))):
+        rubbing = changed(setup, {"contact.friction_coefficient": float(mu)})
+        for i, law in enumerate(laws_of(rubbing).values()):
             run = simulate(
                 setup.motor,
                 law,

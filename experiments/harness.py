@@ -11,10 +11,11 @@ An experiment is a module with
 and `conf/experiment/NAME.yaml`, its difference from the default configuration.
 """
 
+import copy
 import csv
 import io
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -32,9 +33,14 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.app import conf_directory
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import one_line
+from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.output.provenance import versions
+from contactlab.resonator import NormalModes
 
 STYLE = Path(__file__).with_name("paper.mplstyle")
+STIFFNESS = 1e10
+"""Of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""
+
 DONE, CONTRADICTED, REFUSED = 0, 1, 2
 """Exit statuses; a finding that does not hold is no failure of the script, but nobody shall "
 "overlook it."""
@@ -76,6 +82,34 @@ def setup_of(name: str, overrides: Sequence[str] = ()) -> Setup:
     except (HydraException, OmegaConfBaseException) as error:
         raise ConfigurationError([one_line(error)]) from error
     return build(OmegaConf.to_container(composed, resolve=True))  # type: ignore[arg-type]
+
+
+def changed(setup: Setup, changes: Mapping[str, object]) -> Setup:
+    """The setup built again with some full keys set otherwise."""
+    configuration = copy.deepcopy(setup.configuration)
+    for key, value in changes.items():
+        *groups, name = key.split(".")
+        section = configuration
+        for group in groups:
+            section = section[group]
+        section[name] = value
+    return build(configuration)
+
+
+def placed(setup: Setup, start: float, end: float) -> NormalModes:
+    """Modes of the configured resonator with the first patch set elsewhere [m]."""
+    return changed(setup, {"placement.start": start, "placement.end": end}).motor.modes
+
+
+def laws_of(setup: Setup) -> dict[str, ContactLaw]:
+    """All three laws with the configured friction, and the configured stiffness if the law has one."""
+    mu = setup.configuration["contact"]["friction_coefficient"]
+    stiffness = setup.configuration["law"].get("stiffness") or STIFFNESS
+    return {
+        "lagrange_slip": LagrangeSlip(mu),
+        "lagrange_stick": LagrangeStick(mu),
+        "hertz_penalty": HertzPenalty(stiffness, mu),
+    }
 
 
 def perform(

@@ -7,12 +7,11 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 
 SAYS = (
     "Figure 9 shows peaks of the normal force at every impact. The paper calls them a product of "
@@ -28,10 +27,9 @@ LAWS = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """All steps for every law; the step of the Hertz contact is its longest."""
     steps = np.array(STEPS[::4] if short else STEPS)
-    mu = setup.configuration["contact"]["friction_coefficient"]
-    laws = (LagrangeSlip(mu), LagrangeStick(mu), HertzPenalty(1e10, mu))
+    laws = laws_of(setup)
     peaks, impulses = np.empty((3, steps.size)), np.empty((3, steps.size))
-    for i, law in enumerate(laws):
+    for i, law in enumerate(laws.values()):
         for j, step in enumerate(steps):
             run = simulate(
                 setup.motor,

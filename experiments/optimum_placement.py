@@ -5,17 +5,15 @@ Along the curve f2(start, end) = 2 f1(start, end) the coupling |Gamma_31| is fol
 """
 
 import sys
-from dataclasses import replace
 
 import numpy as np
 import xarray
-from harness import main
+from harness import main, placed
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from tqdm import tqdm
 
 from contactlab.config import Setup
-from contactlab.resonator import RitzResonator
 
 SAYS = (
     "Two placements are compared, with f2/f1 of 2.67 and 1.71, and a ratio of two is said to be "
@@ -28,17 +26,16 @@ SHORTEST = 1e-3
 
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """A map of ratio and couplings, and the curve on which the ratio is two."""
-    base = RitzResonator(shapes=setup.configuration["resonator"]["shapes"])
-    half = 0.5 * base.length
+    half = 0.5 * setup.configuration["resonator"]["length"]
     places = np.linspace(0.0, half, 20 if short else 96)
     ratio = np.full((places.size, places.size), np.nan)
     coupling = np.full((places.size, places.size, 3), np.nan)
     for i, start in enumerate(tqdm(places, unit=" rows", disable=None)):
         for j, end in enumerate(places):
             if end - start >= SHORTEST:
-                ratio[i, j], coupling[i, j] = _numbers(base, start, end)
-    curve = _curve(base, places, ratio)
-    numbers = [_numbers(base, start, end) for start, end in curve]
+                ratio[i, j], coupling[i, j] = _numbers(setup, start, end)
+    curve = _curve(setup, places, ratio)
+    numbers = [_numbers(setup, start, end) for start, end in curve]
     return xarray.Dataset(
         {
             "frequency_ratio": (("start", "end"), ratio, {"units": "1"}),
@@ -59,21 +56,21 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def _numbers(base: RitzResonator, start: float, end: float) -> tuple[float, np.ndarray]:
+def _numbers(setup: Setup, start: float, end: float) -> tuple[float, np.ndarray]:
     """f2/f1 and the first three couplings of the first patch set [N/V]."""
-    resonator = replace(base, patch_start=float(start), patch_end=float(end))
-    frequency = resonator.modes.natural_frequency
-    return float(frequency[1] / frequency[0]), resonator.matrices.coupling[:3, 0]
+    modes = placed(setup, float(start), float(end))
+    ratio = modes.natural_frequency[1] / modes.natural_frequency[0]
+    return float(ratio), modes.shape_coupling[:3, 0]
 
 
-def _curve(base: RitzResonator, places: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+def _curve(setup: Setup, places: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     """Placements (start, end) of ratio two, every crossing of every row of the map refined."""
     found = []
     for i, start in enumerate(places):
         for j in np.flatnonzero((ratio[i, :-1] - 2.0) * (ratio[i, 1:] - 2.0) < 0.0):
 
             def miss(end: float, start: float = start) -> float:
-                return _numbers(base, start, end)[0] - 2.0
+                return _numbers(setup, start, end)[0] - 2.0
 
             found.append((start, brentq(miss, places[j], places[j + 1], xtol=1e-9)))
     return np.array(found).reshape(-1, 2)

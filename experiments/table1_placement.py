@@ -4,11 +4,10 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import main, placed
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
-from contactlab.resonator import RitzResonator
 from contactlab.testing.references import PLACEMENTS, TABLE_1
 
 SAYS = (
@@ -24,12 +23,10 @@ HALF_UNITS = np.array([0.5e-3, 0.5e-3, 0.5e-3, 5.0, 5.0])
 
 def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     """Both placements with the resonator's other inputs as they are configured."""
-    given = setup.configuration["resonator"]
     rows = []
     for start, end in PLACEMENTS.values():
-        resonator = RitzResonator(patch_start=start, patch_end=end, shapes=given["shapes"])
-        coupling = resonator.matrices.coupling[:3, 0]
-        rows.append(np.concatenate([coupling, resonator.modes.natural_frequency[:2]]))
+        modes = placed(setup, start, end)
+        rows.append(np.concatenate([modes.shape_coupling[:3, 0], modes.natural_frequency[:2]]))
     printed = np.array([np.concatenate(TABLE_1[placement]) for placement in PLACEMENTS])
     return xarray.Dataset(
         {
