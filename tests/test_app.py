@@ -74,7 +74,7 @@ def test_version_is_shown(command: Command) -> None:
     [
         ("contactlab law=lagrange_", "law=lagrange_slip law=lagrange_stick"),
         ("contactlab solver.d", "solver.duration="),
-        ("contactlab -m experiment=", "experiment=case_a"),
+        ("contactlab -m experiment=c", "experiment=case_a"),
     ],
 )
 def test_tab_completes_options_and_keys(

@@ -78,7 +78,7 @@ CONTACT = (
         RIGID,
         "        q[j] -= gap / gradient *",
         "        q[j] -= 0.0 * gap / gradient *",
-        ("tests/test_case_a.py", "tests/test_contract.py"),
+        ("tests/test_rigid_step.py",),
     ),
     Mutation(
         "a rigid contact is released a step late",
@@ -106,7 +106,7 @@ CONTACT = (
         COLLOCATION,
         "                + tables.tip_v[level, 3, i, m]\n            )",
         "            )",
-        FORMS,
+        ("tests/test_against_oracle.py",),
     ),
     Mutation(
         "the cone is never left",

@@ -131,6 +131,6 @@ MOTOR = (
         "contactlab/engine/plant.py",
         "force_im=force.imag.copy()",
         "force_im=-force.imag.copy()",
-        ("tests/test_case_a.py",),
+        ("tests/test_against_oracle.py",),
     ),
 )
