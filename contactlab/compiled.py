@@ -22,7 +22,7 @@ import numba.core.config
 Function = TypeVar("Function", bound=Callable[..., object])
 
 PACKAGE = Path(__file__).parent
-SOURCES = ("compiled.py", "geometry.py", "variables.py", "laws/*.py", "engine/*.py")
+SOURCES = ("compiled.py", "geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
 
 PREFIX = "kernels-"

@@ -25,6 +25,10 @@ Array = NDArray[np.float64]
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
 
+SET_VALUED, SPRING_AND_SLIDER, CREEPING = 0, 1, 2
+"""Kinds of friction: stick without any slip; a spring that a slider ends; a force that the slip and the
+memory determine."""
+
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=False)
 

@@ -1,0 +1,53 @@
+"""Set-valued Coulomb friction."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.compiled import kernel
+from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.part import BoundKernel, Friction
+
+Array = NDArray[np.float64]
+
+STATIC_RATIO = Parameter("mu_s/mu", "1", "static over kinetic coefficient", at_least=1.0)
+"""Shared by the friction laws that hold more than they drag."""
+
+
+@final
+@dataclass(frozen=True)
+class Coulomb(Friction):
+    """|F| <= mu_s N in stick, F = -mu N sign(v) in slip; exact stick.
+
+    Source: Coulomb (1785); Moreau (1988) in the set-valued form.
+
+    Args:
+        friction_coefficient: mu of slip [1].
+        static_ratio: mu_s / mu [1].
+    """
+
+    name: ClassVar[str] = "coulomb"
+    equation: ClassVar[str] = "|F| <= mu_s N, F = -mu N sign(v) where v != 0"
+    source: ClassVar[str] = "Coulomb (1785); Moreau (1988)"
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    static_ratio: Annotated[float, STATIC_RATIO] = 1.0
+
+    @property
+    def friction_limit(self) -> float:
+        """Largest |F|/N [1]."""
+        return self.friction_coefficient * self.static_ratio
+
+    @property
+    def bound(self) -> BoundKernel:
+        """The kernel; see `Friction.bound`."""
+        return coulomb_bound
+
+
+@kernel
+def coulomb_bound(normal: float, slip: float, parameters: Array, at: int) -> float:
+    """Largest friction [N]."""
+    ratio = parameters[at + 1] if slip == 0.0 else 1.0
+    return parameters[at] * ratio * max(normal, 0.0)

@@ -1,0 +1,9 @@
+"""Elastic normal forces by name. A new one is one module and one entry here."""
+
+from contactlab.laws.normal.hertz_point import HertzPoint
+from contactlab.laws.normal.linear import Linear
+from contactlab.laws.part import NormalForce
+
+NORMAL_FORCES: dict[str, type[NormalForce]] = {part.name: part for part in (HertzPoint, Linear)}
+
+__all__ = ["NORMAL_FORCES", "HertzPoint", "Linear"]
