@@ -3,19 +3,23 @@
 The oscillators answer a polynomial force exactly, so only the force itself is unknown: its values at
 the nodes are iterated until the law agrees with the motion that they cause. In slip the friction is
 the law's bound against the slip; in stick it is the friction that holds the slip at zero at every node.
+Friction that is not set-valued is in `contactlab.engine.state_friction`.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiled import part_kernel
 from contactlab.engine.plant import Plant
+from contactlab.engine.state_friction import correct_state, follow_bound, mobility, push_node
 from contactlab.engine.step import (
     BOUND,
+    CLOSING,
     FRICTION,
     NORMAL,
     PUSH_TH,
     PUSH_U,
+    RUBBING,
     TIP_ROTOR,
     TIP_TH,
     TIP_TH_RATE,
@@ -28,7 +32,7 @@ from contactlab.engine.step import (
 )
 from contactlab.engine.tables import NODES, Tables, step_length
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import STICK, PenaltyKernel
+from contactlab.laws.base import CREEPING, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 
 Array = NDArray[np.float64]
 
@@ -51,14 +55,6 @@ def prepare(plant: Plant, tables: Tables, step: Step, level: int) -> None:
         step.tip[i, TIP_ROTOR] = rotor
 
 
-@inner_kernel
-def push_node(step: Step, i: int) -> None:
-    """Generalised forces of node i from its normal force and friction."""
-    normal, friction = step.force[NORMAL, i], step.force[FRICTION, i]
-    step.force[PUSH_U, i] = normal * step.rows[i, 0] + friction * step.rows[i, 2]
-    step.force[PUSH_TH, i] = normal * step.rows[i, 1] + friction * step.rows[i, 3]
-
-
 @part_kernel
 def collocate(
     plant: Plant,
@@ -68,6 +64,7 @@ def collocate(
     mode: int,
     sign: float,
     force: PenaltyKernel,
+    rub: FrictionKernel,
     parameters: Array,
     momentum: float,
 ) -> int:
@@ -77,13 +74,15 @@ def collocate(
         plant, tables, step, level: the step.
         mode: SLIP or STICK.
         sign: direction of the slip in SLIP.
-        force, parameters: the law.
+        force, rub, parameters: the law.
         momentum: impulse scale of the contact [N s].
 
     Returns:
         Sweeps that were needed, or 0 where the iteration does not contract.
     """
     h = step_length(tables, level)
+    rubbing = step.whole[RUBBING]
+    follows = rubbing == CREEPING or (rubbing != SET_VALUED and mode == STICK)
     factored = False
     for sweep in range(1, MOST_ITERATIONS + 1):
         change = 0.0
@@ -91,13 +90,15 @@ def collocate(
         for i in range(NODES):
             old_normal, old_friction = step.force[NORMAL, i], step.force[FRICTION, i]
             _law_at_node(plant, tables, step, level, i, mode, force, parameters)
-            if mode != STICK:
+            if mode != STICK and not follows:
                 step.force[FRICTION, i] = -sign * step.force[BOUND, i]
             push_node(step, i)
             change = max(change, abs(step.force[NORMAL, i] - old_normal))
             change = max(change, abs(step.force[FRICTION, i] - old_friction))
             largest = max(largest, step.force[NORMAL, i])
-        if mode == STICK:
+        if follows:
+            change = max(change, correct_state(tables, step, level, rub, parameters))
+        elif mode == STICK:
             if not factored:
                 _factor_stick(tables, step, level)
                 factored = True
@@ -105,6 +106,8 @@ def collocate(
         if not np.isfinite(change):
             return 0
         if change <= AGREEMENT * largest or change * h <= 1e-3 * AGREEMENT * momentum:
+            if rubbing != SET_VALUED and not follows:
+                follow_bound(tables, step, level, sign, rub, parameters)
             shape_forces(tables, step)
             return sweep
     return 0
@@ -140,7 +143,7 @@ def _law_at_node(
     normal, bound, loss = 0.0, 0.0, 0.0
     if gap < 0.0:
         seen = 0.0 if mode == STICK else slip
-        normal, bound, _, loss = force(gap, rate, seen, parameters)
+        normal, bound, _, loss = force(gap, rate, seen, step.real[CLOSING], parameters)
     step.rows[i, 0], step.rows[i, 1], step.rows[i, 2], step.rows[i, 3] = n_u, n_th, t_u, t_th
     step.force[NORMAL, i] = normal
     step.force[BOUND, i] = bound
@@ -148,20 +151,15 @@ def _law_at_node(
     step.gap[i] = gap
     step.gap_rate[i] = rate
     step.slip[i] = slip
+    step.sliding[i] = slip
 
 
 @part_kernel
 def _factor_stick(tables: Tables, step: Step, level: int) -> None:
     """Factor d slip_i / d friction_m (LU without pivoting: the matrix is h a_im D_tt nearly)."""
     for i in range(NODES):
-        t_u, t_th = step.rows[i, 2], step.rows[i, 3]
         for m in range(NODES):
-            s_u, s_th = step.rows[m, 2], step.rows[m, 3]
-            step.stick[i, m] = (
-                t_u * (tables.tip_v[level, 0, i, m] * s_u + tables.tip_v[level, 1, i, m] * s_th)
-                + t_th * (tables.tip_v[level, 1, i, m] * s_u + tables.tip_v[level, 2, i, m] * s_th)
-                + tables.tip_v[level, 3, i, m]
-            )
+            step.stick[i, m] = mobility(tables, step, level, i, m)
     for p in range(NODES):
         for i in range(p + 1, NODES):
             step.stick[i, p] /= step.stick[p, p]

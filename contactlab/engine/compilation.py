@@ -14,6 +14,7 @@ from contactlab.engine.run import Run
 from contactlab.engine.step import Step
 from contactlab.engine.tables import Tables
 from contactlab.laws.base import (
+    FRICTION_SIGNATURE,
     MULTIPLIER_SIGNATURE,
     PENALTY_SIGNATURE,
     ContactLaw,
@@ -26,9 +27,17 @@ Array = NDArray[np.float64]
 
 @kernel
 def no_force(
-    gap: float, gap_rate: float, slip: float, parameters: Array
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Stands for the penalty law in a run of a multiplier law."""
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def no_friction(
+    gap: float, gap_rate: float, slip: float, normal: float, memory: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Stands for the friction with memory in a run of a law with set-valued friction."""
     return 0.0, 0.0, 0.0, 0.0
 
 
@@ -47,15 +56,20 @@ def no_impulse(
     return 0.0, 0.0, 0
 
 
-def kernels_of(law: ContactLaw) -> tuple[Any, Any]:
-    """The law's compiled kernel, and the idle one of the other family."""
+def kernels_of(law: ContactLaw) -> tuple[Any, Any, Any]:
+    """The law's kernels of normal force, friction and impulse; idle ones for those that it lacks."""
     force: Any = law.force if isinstance(law, PenaltyLaw) else no_force
+    rub: Any = (law.rub if isinstance(law, PenaltyLaw) else None) or no_friction
     solve: Any = law.solve if isinstance(law, MultiplierLaw) else no_impulse
     # Asking for a compilation that is there already costs as much as a tenth of a short run.
-    for chosen, signature in ((force, PENALTY_SIGNATURE), (solve, MULTIPLIER_SIGNATURE)):
+    for chosen, signature in (
+        (force, PENALTY_SIGNATURE),
+        (rub, FRICTION_SIGNATURE),
+        (solve, MULTIPLIER_SIGNATURE),
+    ):
         if not chosen.signatures:
             chosen.compile(signature)
-    return force, solve
+    return force, rub, solve
 
 
 def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
@@ -78,6 +92,7 @@ def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
         (
             *(numba.typeof(memory) for memory in (plant, tables, step, run)),
             numba.types.FunctionType(PENALTY_SIGNATURE),
+            numba.types.FunctionType(FRICTION_SIGNATURE),
             numba.types.FunctionType(MULTIPLIER_SIGNATURE),
             numba.types.boolean,
             PENALTY_SIGNATURE.args[-1],

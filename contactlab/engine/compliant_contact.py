@@ -7,7 +7,6 @@ from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.collocation import (
     collocate,
     prepare,
-    push_node,
 )
 from contactlab.engine.compliant_events import contradicted, first_event, track_extremes
 from contactlab.engine.events import NOTHING
@@ -28,14 +27,19 @@ from contactlab.engine.run import (
     UNSOLVED,
     Run,
 )
+from contactlab.engine.state_friction import push_node
 from contactlab.engine.step import (
     BOUND,
+    CLOSING,
     COLLOCATED,
     FRICTION,
     KIND,
     LENGTH,
+    MEMORY,
+    MEMORY_RATE,
     MODE,
     NORMAL,
+    RUBBING,
     TAKEN,
     Step,
     add_collocated,
@@ -45,7 +49,7 @@ from contactlab.engine.step import (
 )
 from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import SLIP, STICK, PenaltyKernel
+from contactlab.laws.base import SET_VALUED, SLIP, STICK, FrictionKernel, PenaltyKernel
 
 Array = NDArray[np.float64]
 
@@ -57,6 +61,7 @@ def press(
     step: Step,
     run: Run,
     force: PenaltyKernel,
+    rub: FrictionKernel,
     parameters: Array,
 ) -> int:
     """Take a step that `begin` made ready through compliant contact; returns the event that ends it.
@@ -64,29 +69,29 @@ def press(
     The mode of the step that follows is set by `switch_friction` once the step is committed.
     """
     step.whole[KIND] = COLLOCATED
-    gap, rate, normal, bound, slip = _start(plant, step, force, parameters)
+    gap, rate, slip, normal, bound, rubbed = _start(plant, step, force, rub, parameters)
     level = _separation_level(tables, run, gap, rate, normal)
     flips = 0
-    _guess(step, run, normal, bound)
+    _guess(step, run, normal, bound, rubbed)
     while True:
         if level >= FINEST:
             run.whole[ENDING] = UNSOLVED
             step.real[TAKEN] = 0.0
             return NOTHING
-        error = _attempt(plant, tables, step, run, level, normal, force, parameters)
+        error = _attempt(plant, tables, step, run, level, normal, rubbed, force, rub, parameters)
         # A dip that ends before the first node would be left where it begins, still approaching.
         hidden = rate < 0.0 <= step.gap[0] and level < FINEST - 9
         if error > 1.0 or hidden:
             run.whole[REJECTED_STEPS] += 1
             level += 2 if error > 500.0 or hidden else 1
             continue
-        if not contradicted(step, run, slip):
+        if not contradicted(plant, step, run, slip, rub, parameters):
             break
         # Neither slipping nor sticking fits at this length: look closer before trying again.
         flips += 1
         level += 2 * (flips // 2)
     remaining = run.real[END] - run.real[TIME]
-    event, s = first_event(plant, tables, step, run, rate)
+    event, s = first_event(plant, tables, step, run, rate, rub, parameters)
     if s > remaining:
         event, s = NOTHING, remaining
     step.real[TAKEN] = s
@@ -100,7 +105,7 @@ def press(
 
 
 @inner_kernel
-def _guess(step: Step, run: Run, normal: float, bound: float) -> None:
+def _guess(step: Step, run: Run, normal: float, bound: float, rubbed: float) -> None:
     """Make TAKEN the place x = s/h of the step's start on the force polynomial that stands.
 
     The first attempt continues the step before; every further one starts on its own forerunner, at
@@ -113,25 +118,33 @@ def _guess(step: Step, run: Run, normal: float, bound: float) -> None:
     for d in range(NODES):
         step.shape[NORMAL, d] = normal if d == 0 else 0.0
         step.shape[BOUND, d] = bound if d == 0 else 0.0
+        step.shape[FRICTION, d] = rubbed if d == 0 else 0.0
+        step.shape[MEMORY_RATE, d] = 0.0
 
 
 @part_kernel
 def _start(
-    plant: Plant, step: Step, force: PenaltyKernel, parameters: Array
-) -> tuple[float, float, float, float, float]:
-    """Gap, gap rate, normal force, friction bound and slip where the step begins."""
+    plant: Plant,
+    step: Step,
+    force: PenaltyKernel,
+    rub: FrictionKernel,
+    parameters: Array,
+) -> tuple[float, float, float, float, float, float]:
+    """Gap, gap rate, slip, normal force, bound and friction by its memory where the step begins."""
     u, th, u_rate, th_rate, rotor = tip_motion(plant, step.q, step.v)
     gap, n_u, n_th, t_u, t_th = contact_frame(
         u, th, plant.tip_length, plant.radius, plant.clearance
     )
     rate = n_u * u_rate + n_th * th_rate
     slip = t_u * u_rate + t_th * th_rate + rotor
-    normal, bound = 0.0, 0.0
+    normal, bound, rubbed = 0.0, 0.0, 0.0
     if gap < 0.0:
-        normal, bound, _, _ = force(gap, rate, slip, parameters)
+        normal, bound, _, _ = force(gap, rate, slip, step.real[CLOSING], parameters)
+        if step.whole[RUBBING] != SET_VALUED:
+            rubbed = rub(gap, rate, slip, normal, step.real[MEMORY], parameters)[0]
     for i in range(NODES):
         step.rows[i, 0], step.rows[i, 1], step.rows[i, 2], step.rows[i, 3] = n_u, n_th, t_u, t_th
-    return gap, rate, normal, bound, slip
+    return gap, rate, slip, normal, bound, rubbed
 
 
 @part_kernel
@@ -155,7 +168,9 @@ def _attempt(
     run: Run,
     level: int,
     normal: float,
+    rubbed: float,
     force: PenaltyKernel,
+    rub: FrictionKernel,
     parameters: Array,
 ) -> float:
     """Solve a step at a level; returns its error over the tolerance, infinite where it cannot stand.
@@ -176,10 +191,14 @@ def _attempt(
         step.force[FRICTION, i] = force_at(step, FRICTION, x)
         if mode == SLIP:
             step.force[FRICTION, i] = -sign * step.force[BOUND, i]
+        # Only friction with a memory reads these.
+        step.force[MEMORY_RATE, i] = force_at(step, MEMORY_RATE, x)
+        climb = tables.nodes[i] * step.real[LENGTH]
+        step.memory[i] = step.real[MEMORY] + climb * step.force[MEMORY_RATE, i]
         push_node(step, i)
     step.real[TAKEN] = 0.0
     momentum = run.real[MOMENTUM]
-    sweeps = collocate(plant, tables, step, level, mode, sign, force, parameters, momentum)
+    sweeps = collocate(plant, tables, step, level, mode, sign, force, rub, parameters, momentum)
     run.whole[SWEEPS] += sweeps
     if sweeps == 0:
         return np.inf
@@ -188,6 +207,8 @@ def _attempt(
     if largest(step.gap) >= 0.0:
         return 0.5 if abs(normal) * h <= allowed else np.inf
     error = abs(step.shape[NORMAL, 0] - normal)
+    if step.whole[RUBBING] != SET_VALUED:
+        error = max(error, abs(step.shape[FRICTION, 0] - rubbed))
     if mode == STICK:
         error = max(error, 0.1 * abs(step.shape[FRICTION, NODES - 1]))
     return float(error * h / allowed)

@@ -7,24 +7,24 @@ from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.contacts import count_event
 from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
 from contactlab.engine.plant import Plant
-from contactlab.engine.run import DEPTH, PEAK, SIGN, SWITCHES, Run
+from contactlab.engine.run import DEPTH, DURATION, PEAK, SIGN, SWITCHES, Run
+from contactlab.engine.state_friction import contact_at, sliding_at
 from contactlab.engine.step import (
     BOUND,
     FRICTION,
     LENGTH,
     MODE,
     NORMAL,
+    RUBBING,
     TAKEN,
     Step,
     flow_to,
     force_at,
     largest,
-    tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables
 from contactlab.engine.touchdown import gap_and_rate
-from contactlab.geometry import contact_frame
-from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.base import CREEPING, SET_VALUED, SLIP, STICK, FrictionKernel
 
 Array = NDArray[np.float64]
 
@@ -58,12 +58,21 @@ def _count_switch(run: Run) -> None:
 
 
 @part_kernel
-def contradicted(step: Step, run: Run, slip: float) -> bool:
+def contradicted(
+    plant: Plant,
+    step: Step,
+    run: Run,
+    slip: float,
+    rub: FrictionKernel,
+    parameters: Array,
+) -> bool:
     """Whether the step denies its own friction mode from its start; the other mode is then set.
 
     Stick whose friction leaves the cone at once must slip against it; slip that starts from
-    zero into the wrong direction must stick.
+    zero into the wrong direction must stick. Creeping friction has no modes.
     """
+    if step.whole[RUBBING] == CREEPING:
+        return False
     if step.whole[MODE] == STICK:
         bound = step.force[BOUND, 0]
         friction = step.force[FRICTION, 0]
@@ -75,11 +84,12 @@ def contradicted(step: Step, run: Run, slip: float) -> bool:
             return True
         return False
     sign = run.whole[SIGN]
-    if (
-        largest(step.force[BOUND]) > 0.0
-        and sign * step.slip[0] < 0.0
-        and sign * slip <= SLIP_ROUND_OFF
-    ):
+    if largest(step.force[BOUND]) > 0.0 and sign * step.sliding[0] < 0.0:
+        if step.whole[RUBBING] != SET_VALUED:
+            begun = run.contact[DURATION] > 0.0
+            slip = sliding_at(plant, step, 0.0, rub, parameters) if begun else 0.0
+        if sign * slip > SLIP_ROUND_OFF:
+            return False
         step.whole[MODE] = STICK
         _count_switch(run)
         return True
@@ -88,18 +98,25 @@ def contradicted(step: Step, run: Run, slip: float) -> bool:
 
 @part_kernel
 def first_event(
-    plant: Plant, tables: Tables, step: Step, run: Run, rate: float
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    rate: float,
+    rub: FrictionKernel,
+    parameters: Array,
 ) -> tuple[int, float]:
     """The earliest event in the step and its time, or NOTHING and the step's length.
 
     Args:
         plant, tables, step, run: the step.
         rate: gap rate at its start [m/s].
+        rub, parameters: the law.
     """
     left = 0.0
     before = rate
     sticks = step.whole[MODE] == STICK
-    rubs = largest(step.force[BOUND]) > 0.0
+    rubs = largest(step.force[BOUND]) > 0.0 and step.whole[RUBBING] != CREEPING
     for i in range(NODES):
         right = tables.nodes[i] * step.real[LENGTH]
         first = NOTHING
@@ -108,18 +125,18 @@ def first_event(
             if event == RELEASE:
                 happened = step.gap[i] >= 0.0
             elif event == REVERSAL:
-                happened = rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0
+                happened = rubs and not sticks and run.whole[SIGN] * step.sliding[i] < 0.0
             else:
                 ceiling = step.force[BOUND, i] * (1.0 + CONE_ROUND_OFF)
                 happened = sticks and abs(step.force[FRICTION, i]) > ceiling
             if happened:
-                at = locate(plant, step, event, left, right)
+                at = locate(plant, step, event, left, right, rub, parameters)
                 first, s = (event, at) if first == NOTHING or at < s else (first, s)
         now = step.gap_rate[i]
         if before > 0.0 > now and step.gap[i] < 0.0:
             top = _highest(plant, step, left, right, before, now)
             if top > 0.0:
-                at = locate(plant, step, RELEASE, left, top)
+                at = locate(plant, step, RELEASE, left, top, rub, parameters)
                 first, s = (RELEASE, at) if first == NOTHING or at < s else (first, s)
         if first != NOTHING:
             return first, s
@@ -203,27 +220,35 @@ def _slope(step: Step, x: float) -> float:
 
 
 @inner_kernel
-def event_value(plant: Plant, step: Step, s: float, event: int) -> float:
+def event_value(
+    plant: Plant, step: Step, s: float, event: int, rub: FrictionKernel, parameters: Array
+) -> float:
     """A function of time in the step whose zero is the event."""
     if event == CONE:
         x = s / step.real[LENGTH]
         return force_at(step, BOUND, x) - abs(force_at(step, FRICTION, x))
+    if event == REVERSAL:
+        return sliding_at(plant, step, s, rub, parameters)
     flow_to(plant, step, s)
-    u, th, u_rate, th_rate, rotor = tip_motion(plant, step.other_q, step.other_v)
-    gap, _, _, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
-    if event == RELEASE:
-        return gap
-    return t_u * u_rate + t_th * th_rate + rotor
+    return contact_at(plant, step.other_q, step.other_v)[0]
 
 
 @inner_kernel
-def locate(plant: Plant, step: Step, event: int, left: float, right: float) -> float:
+def locate(
+    plant: Plant,
+    step: Step,
+    event: int,
+    left: float,
+    right: float,
+    rub: FrictionKernel,
+    parameters: Array,
+) -> float:
     """Time of an event between left and right, where its function has different signs.
 
     Regula falsi that halves the value of an end that stays twice (the Illinois rule).
     """
-    at_left = event_value(plant, step, left, event)
-    at_right = event_value(plant, step, right, event)
+    at_left = event_value(plant, step, left, event, rub, parameters)
+    at_right = event_value(plant, step, right, event, rub, parameters)
     if at_left == 0.0 or at_left * at_right > 0.0:
         # The zero lies at an end, to round-off: the nearer one.
         return left if abs(at_left) <= abs(at_right) else right
@@ -234,7 +259,7 @@ def locate(plant: Plant, step: Step, event: int, left: float, right: float) -> f
         s = (at_left * right - at_right * left) / (at_left - at_right)
         if not left < s < right:
             s = 0.5 * (left + right)
-        value = event_value(plant, step, s, event)
+        value = event_value(plant, step, s, event, rub, parameters)
         if value == 0.0 or abs(s - before) <= 1e-14 * step.real[LENGTH]:
             break
         before = s

@@ -27,10 +27,10 @@ from contactlab.engine.run import (
     WINDOW_START,
     Run,
 )
-from contactlab.engine.step import MODE, Step, tip_motion
+from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_motion
 from contactlab.engine.tables import Tables, step_length
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import FREE, SLIP, STICK
+from contactlab.laws.base import CREEPING, FREE, SLIP, STICK
 
 
 @inner_kernel
@@ -60,7 +60,9 @@ def open_contact(plant: Plant, tables: Tables, step: Step, run: Run, level: int)
     run.real[NORMAL_BEFORE] = 0.0
     run.real[FRICTION_BEFORE] = 0.0
     run.whole[PHASE] = TOUCHING
-    step.whole[MODE] = SLIP if slip != 0.0 else STICK
+    step.real[CLOSING] = max(-rate, 0.0)
+    step.real[MEMORY] = 0.0
+    step.whole[MODE] = SLIP if slip != 0.0 or step.whole[RUBBING] == CREEPING else STICK
     run.whole[SIGN] = 1 if slip > 0.0 else -1
     run.whole[LEVEL] = level
     run.whole[TOUCHDOWNS] += 1

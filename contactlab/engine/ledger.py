@@ -2,7 +2,7 @@
 
     drive_work    int sum_j v_j Re sum_k force_jk exp(i omega_k t) dt
     damping_loss  int sum_j c_j v_j^2 dt            resonator and rotor
-    friction_loss -int F slip dt
+    friction_loss -int F slip dt                   less what a spring of the friction holds
     contact_loss  int normal loss dt                normal damping; for a rigid law -int N gdot dt
     load_work     -int sum_j a_j v_j dt = int tau Omega dt, and the work against a preload
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
+    CLOSING,
     COLLOCATED,
     FLIGHT,
     FRICTION,
@@ -144,5 +145,6 @@ def increments_until(
                 u, th, plant.tip_length, plant.radius, plant.clearance
             )
             slip = t_u * u_rate + t_th * th_rate + rotor
-            loss = force(gap, n_u * u_rate + n_th * th_rate, slip, parameters)[3]
+            rate = n_u * u_rate + n_th * th_rate
+            loss = force(gap, rate, slip, step.real[CLOSING], parameters)[3]
         add_contact(normal, friction, slip, loss, weight, out)

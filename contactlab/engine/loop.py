@@ -25,7 +25,7 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import Step, begin
 from contactlab.engine.tables import Tables
-from contactlab.laws.base import MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 
 Array = NDArray[np.float64]
 
@@ -40,6 +40,7 @@ def advance(
     step: Step,
     run: Run,
     force: PenaltyKernel,
+    rub: FrictionKernel,
     solve: MultiplierKernel,
     compliant: bool,
     parameters: Array,
@@ -51,6 +52,7 @@ def advance(
         plant, tables, step, run: the motor and the memory of its run; they hold all of the state,
             so that it does not matter into how many calls a run is cut.
         force: kernel of a penalty law, used where `compliant`.
+        rub: its friction where that is not set-valued.
         solve: kernel of a multiplier law, used otherwise.
         compliant: the law's family.
         parameters: the law's parameters.
@@ -68,10 +70,10 @@ def advance(
         if run.whole[PHASE] != TOUCHING:
             event = fly(plant, tables, step, run)
         elif compliant:
-            event = press(plant, tables, step, run, force, parameters)
+            event = press(plant, tables, step, run, force, rub, parameters)
         else:
             event = hold_contact(plant, tables, step, run, solve, parameters)
-        commit(plant, tables, step, run, force, parameters)
+        commit(plant, tables, step, run, force, rub, parameters)
         if event == TOUCH:
             open_contact(plant, tables, step, run, tables.contact_level + refinement)
         elif event == RELEASE:

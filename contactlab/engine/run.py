@@ -17,19 +17,41 @@ from contactlab.engine.ledger import (
     increments_until,
 )
 from contactlab.engine.plant import Plant
-from contactlab.engine.step import COLLOCATED, KIND, LENGTH, MODE, TAKEN, Step, tip_motion
+from contactlab.engine.step import (
+    CLOSING,
+    COLLOCATED,
+    KIND,
+    LENGTH,
+    MEMORY,
+    MODE,
+    RUBBING,
+    TAKEN,
+    Step,
+    memory_at,
+    tip_motion,
+)
 from contactlab.engine.tables import Tables
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import FREE, STICK, PenaltyKernel
+from contactlab.laws.base import FREE, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 from contactlab.variables import CONTACTS, SERIES
 
 Array = NDArray[np.float64]
 
-TIME, END, INTERVAL, WINDOW, WINDOW_START, MOMENTUM, NORMAL_BEFORE, FRICTION_BEFORE, TOLERANCE = (
-    range(9)
-)
+(
+    TIME,
+    END,
+    INTERVAL,
+    WINDOW,
+    WINDOW_START,
+    MOMENTUM,
+    NORMAL_BEFORE,
+    FRICTION_BEFORE,
+    TOLERANCE,
+    HELD_ENERGY,
+) = range(10)
 """Places in `Run.real`: time, its end, record interval, the chatter window and its start [s], the
-contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1]."""
+contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1], what a
+spring of the friction holds at the last record [J]."""
 
 PHASE, SIGN, LEVEL, LEVEL_BEFORE, RECORDED, STORED, ENDING, EVENTS, IDLE = range(9)
 """Places in `Run.whole`: phase, slip direction, level of the next step and of the one before, records
@@ -94,7 +116,7 @@ class Run(NamedTuple):
 def run_for(records: int, contact_rows: int = 4096) -> Run:
     """Zeroed memory for a number of records."""
     return Run(
-        real=np.zeros(9),
+        real=np.zeros(10),
         whole=np.zeros(9 + len(COUNTS), dtype=np.int64),
         total=np.zeros(len(TERMS)),
         step_terms=np.zeros(len(TERMS)),
@@ -117,9 +139,18 @@ def record_time(run: Run, index: int) -> float:
 
 @inner_kernel
 def write_record(
-    plant: Plant, step: Step, run: Run, force: PenaltyKernel, parameters: Array
+    plant: Plant,
+    step: Step,
+    run: Run,
+    s: float,
+    force: PenaltyKernel,
+    rub: FrictionKernel,
+    parameters: Array,
 ) -> None:
-    """Write the next record from other_q, other_v and the ledger terms since the step's start."""
+    """Write the next record, at time s of the step.
+
+    The state there is in other_q and other_v, the ledger terms since the step's start in part_terms.
+    """
     q, v, part = step.other_q, step.other_v, run.part_terms
     index = run.whole[RECORDED]
     u, th, u_rate, th_rate, rotor = tip_motion(plant, q, v)
@@ -128,8 +159,13 @@ def write_record(
     )
     slip = t_u * u_rate + t_th * th_rate + rotor
     stored = 0.0
+    held = 0.0
     if step.whole[KIND] == COLLOCATED and gap < 0.0:
-        stored = force(gap, n_u * u_rate + n_th * th_rate, slip, parameters)[2]
+        rate = n_u * u_rate + n_th * th_rate
+        normal, _, stored, _ = force(gap, rate, slip, step.real[CLOSING], parameters)
+        if step.whole[RUBBING] != SET_VALUED:
+            memory = memory_at(step, s / step.real[LENGTH])
+            held = rub(gap, rate, slip, normal, memory, parameters)[2]
     kinetic = 0.0
     strain = 0.0
     angle = 0.0
@@ -142,9 +178,11 @@ def write_record(
     row[3], row[4], row[5], row[6] = gap, slip, -rotor / plant.radius, angle
     row[7] = run.total[NORMAL_IMPULSE] + part[NORMAL_IMPULSE]
     row[8] = run.total[FRICTION_IMPULSE] + part[FRICTION_IMPULSE]
-    row[9], row[10], row[11] = kinetic, strain, stored
+    row[9], row[10], row[11] = kinetic, strain, stored + held
     for term in range(NORMAL_IMPULSE):
         row[12 + term] = run.total[term] + part[term]
+    row[12 + FRICTIONAL] -= held
+    run.real[HELD_ENERGY] = held
     run.modes[index] = step.whole[MODE]
     run.whole[RECORDED] = index + 1
 
@@ -156,6 +194,7 @@ def commit(
     step: Step,
     run: Run,
     force: PenaltyKernel,
+    rub: FrictionKernel,
     parameters: Array,
 ) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
@@ -176,7 +215,7 @@ def commit(
             break
         at = min(due - start, s)
         increments_until(plant, tables, step, at, force, parameters, run.part_terms)
-        write_record(plant, step, run, force, parameters)
+        write_record(plant, step, run, at, force, rub, parameters)
     for term in range(run.total.size):
         run.total[term] += run.step_terms[term]
     if step.whole[MODE] != FREE:
@@ -189,6 +228,8 @@ def commit(
     if run.whole[IDLE] > IDLE_LIMIT:
         run.whole[ENDING] = CHATTERED
     run.real[TIME] = now
+    if step.whole[KIND] == COLLOCATED and step.whole[RUBBING] != SET_VALUED:
+        step.real[MEMORY] = memory_at(step, s / step.real[LENGTH])
     for j in range(step.q.size):
         step.q[j] = step.node_q[-1, j]
         step.v[j] = step.node_v[-1, j]

@@ -14,8 +14,10 @@ from contactlab.engine.run import (
     END,
     ENDING,
     EVENT_LIMIT,
+    HELD_ENERGY,
     INTERVAL,
     LEVEL,
+    LOSS,
     OPEN,
     PHASE,
     PRESSED,
@@ -31,7 +33,7 @@ from contactlab.engine.run import (
     Run,
     run_for,
 )
-from contactlab.engine.step import Step, step_for
+from contactlab.engine.step import RUBBING, Step, step_for
 from contactlab.engine.tables import tables_for
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -95,9 +97,11 @@ def simulate(
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
     run.real[WINDOW] = _chatter_window(plant, contact_step)
     run.whole[LEVEL] = tables.fresh_level
+    if isinstance(law, PenaltyLaw):
+        step.whole[RUBBING] = law.friction_kind
     _start(motor, plant, step, run, compliant)
     parameters = law.parameters()
-    force, solve = kernels_of(law)
+    force, rub, solve = kernels_of(law)
     compile_loop(plant, tables, step, run)
 
     if progress is not None:
@@ -106,7 +110,18 @@ def simulate(
     ending, message = Ending.COMPLETE, ""
     try:
         while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
-            advance(plant, tables, step, run, force, solve, compliant, parameters, STEPS_PER_CALL)
+            advance(
+                plant,
+                tables,
+                step,
+                run,
+                force,
+                rub,
+                solve,
+                compliant,
+                parameters,
+                STEPS_PER_CALL,
+            )
             finished.append(_collect(run))
             if progress is not None:
                 progress(float(run.real[TIME]))
@@ -118,6 +133,7 @@ def simulate(
     if run.whole[PHASE] == TOUCHING:
         # The end of the run cut this contact: it has no separation.
         run.contact[SEPARATION] = np.nan
+        run.contact[LOSS] -= run.real[HELD_ENERGY]
         finished.append(run.contact[np.newaxis])
     records = int(run.whole[RECORDED])
     series, modes = read_series(run, records)

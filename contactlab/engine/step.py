@@ -21,14 +21,16 @@ Array = NDArray[np.float64]
 FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
 """Kinds of a step: the degree of its force polynomial."""
 
-KIND, MODE = 0, 1
-"""Places in `Step.whole`: the kind and the contact mode."""
+KIND, MODE, RUBBING = range(3)
+"""Places in `Step.whole`: the kind, the contact mode, and the law's kind of friction."""
 
-LENGTH, TAKEN = 0, 1
-"""Places in `Step.real`: the length h of the step and the part of it that is taken [s]."""
+LENGTH, TAKEN, CLOSING, MEMORY = range(4)
+"""Places in `Step.real`: the length h of the step and the part of it that is taken [s], the approach with
+which the contact began [m/s], and the friction's memory where the step starts."""
 
-PUSH_U, PUSH_TH, FRICTION, NORMAL, BOUND = range(5)
-"""Rows of a step's force: generalised forces along u and th, friction, normal force, friction bound."""
+PUSH_U, PUSH_TH, FRICTION, NORMAL, BOUND, MEMORY_RATE = range(6)
+"""Rows of a step's force: generalised forces along u and th, friction, normal force, friction bound; and
+the rate of the friction's memory."""
 
 TIP_U, TIP_TH, TIP_U_RATE, TIP_TH_RATE, TIP_ROTOR = range(5)
 """Columns of the contact-free tip motion: u, th, their rates, and -R Omega."""
@@ -42,9 +44,13 @@ class Step(NamedTuple):
         q, v: state at the start, shape (j,).
         free_q, free_v: the same without the steady state, shape (j,).
         phase: cosine and sine of omega_k t at the start, shape (2, k).
-        force: values at the nodes, shape (5, i); rows PUSH_U ... BOUND.
-        shape: their polynomials in s/h, shape (5, i).
+        force: values at the nodes, shape (6, i); rows PUSH_U ... MEMORY_RATE.
+        shape: their polynomials in s/h, shape (6, i).
         gap, gap_rate, slip, loss: contact [m, m/s, m/s] and normal loss [W] at the nodes, shape (i,).
+        sliding: what must keep its sign in slip at the nodes, shape (i,) [m/s]: the slip, less what a
+            spring of the friction takes of it.
+        memory: the friction's memory at the nodes, shape (i,).
+        coupled: scratch of the friction with memory, shape (2 i, 2 i + 1).
         frame: directions of the contact that a HELD step keeps, shape (4,).
         node_q, node_v: state at the nodes; node_q is sure at the last one only, shape (i, j).
         node_phase: the phases at the nodes, shape (i, 2, k).
@@ -68,6 +74,9 @@ class Step(NamedTuple):
     gap_rate: Array
     slip: Array
     loss: Array
+    sliding: Array
+    memory: Array
+    coupled: Array
     frame: Array
     node_q: Array
     node_v: Array
@@ -85,20 +94,23 @@ def step_for(plant: Plant) -> Step:
     """Working memory for a plant at rest."""
     j, k = plant.stiffness.size, plant.omega.size
     return Step(
-        whole=np.zeros(2, dtype=np.int64),
+        whole=np.zeros(3, dtype=np.int64),
         # A first step continues a polynomial of zeros, of some length.
-        real=np.array([1.0, 0.0]),
+        real=np.array([1.0, 0.0, 0.0, 0.0]),
         q=np.zeros(j),
         v=np.zeros(j),
         free_q=np.zeros(j),
         free_v=np.zeros(j),
         phase=np.zeros((2, k)),
-        force=np.zeros((5, NODES)),
-        shape=np.zeros((5, NODES)),
+        force=np.zeros((6, NODES)),
+        shape=np.zeros((6, NODES)),
         gap=np.zeros(NODES),
         gap_rate=np.zeros(NODES),
         slip=np.zeros(NODES),
         loss=np.zeros(NODES),
+        sliding=np.zeros(NODES),
+        memory=np.zeros(NODES),
+        coupled=np.zeros((2 * NODES, 2 * NODES + 1)),
         frame=np.zeros(4),
         node_q=np.zeros((NODES, j)),
         node_v=np.zeros((NODES, j)),
@@ -133,7 +145,7 @@ def begin(plant: Plant, step: Step, time: float) -> None:
 @part_kernel
 def shape_forces(tables: Tables, step: Step) -> None:
     """Polynomials through the forces at the nodes."""
-    for row in range(5):
+    for row in range(6):
         for d in range(NODES):
             total = 0.0
             for m in range(NODES):
@@ -153,7 +165,7 @@ def largest(values: Array) -> float:
 @inner_kernel
 def hold_forces(step: Step) -> None:
     """Polynomials of a constant force that stands at the first node."""
-    for row in range(5):
+    for row in range(6):
         step.shape[row, 0] = step.force[row, 0]
         for d in range(1, NODES):
             step.shape[row, d] = 0.0
@@ -166,6 +178,15 @@ def force_at(step: Step, row: int, x: float) -> float:
     for d in range(NODES - 1, -1, -1):
         total = total * x + step.shape[row, d]
     return total
+
+
+@inner_kernel
+def memory_at(step: Step, x: float) -> float:
+    """The friction's memory at x = s/h."""
+    total = 0.0
+    for d in range(NODES - 1, -1, -1):
+        total = (total + step.shape[MEMORY_RATE, d] / (d + 1)) * x
+    return float(step.real[MEMORY] + step.real[LENGTH] * total)
 
 
 @inner_kernel

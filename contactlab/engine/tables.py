@@ -36,6 +36,7 @@ class Tables(NamedTuple):
     Args:
         nodes, weights: c_i and b_i on (0, 1].
         lagrange: basis polynomials, l_m(x) = sum_d lagrange[m, d] x^d.
+        derivative: rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes.
         longest: length of level 0 [s].
         contact_level: level of the longest step in contact.
         fresh_level: level of the first step after a release.
@@ -52,6 +53,7 @@ class Tables(NamedTuple):
     nodes: Array
     weights: Array
     lagrange: Array
+    derivative: Array
     longest: float
     contact_level: int
     fresh_level: int
@@ -81,6 +83,12 @@ def radau_rule(count: int) -> tuple[Array, Array, Array]:
     return nodes, weights, lagrange
 
 
+def derivative_at(nodes: Array, lagrange: Array) -> Array:
+    """The inverse of the collocation matrix a_im = int_0^c_i l_m dx."""
+    powers = np.arange(1, nodes.size + 1)
+    return np.asarray(np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T), np.float64)
+
+
 def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Tables:
     """An empty ladder that has the contact step as one of its levels.
 
@@ -107,6 +115,7 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
         nodes=nodes,
         weights=weights,
         lagrange=lagrange,
+        derivative=derivative_at(nodes, lagrange),
         longest=longest,
         contact_level=contact_level,
         fresh_level=fresh_level,

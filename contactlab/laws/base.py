@@ -32,12 +32,16 @@ memory determine."""
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=False)
 
-PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _parameters)
+PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _parameters)
+FRICTION_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _real, _parameters)
 MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(
     _real, _real, _real, _real, _real, _real, _real, _parameters
 )
 
-PenaltyKernel = Callable[[float, float, float, Array], tuple[float, float, float, float]]
+PenaltyKernel = Callable[[float, float, float, float, Array], tuple[float, float, float, float]]
+FrictionKernel = Callable[
+    [float, float, float, float, float, Array], tuple[float, float, float, float]
+]
 MultiplierKernel = Callable[
     [float, float, float, float, float, float, float, Array], tuple[float, float, int]
 ]
@@ -91,21 +95,44 @@ class ContactLaw(ABC):
 
 
 class PenaltyLaw(ContactLaw):
-    """A compliant law: force from penetration."""
+    """A compliant law: force from penetration.
+
+    Set-valued friction needs nothing but `force`, which gives its bound. A law whose friction has a
+    memory or creeps says so in `friction_kind` and has a second kernel, `rub`.
+    """
+
+    friction_kind: ClassVar[int] = SET_VALUED
+    """SET_VALUED; SPRING_AND_SLIDER, where |F| is held inside the bound; or CREEPING, without a bound."""
+    memory: ClassVar[tuple[str, ...]] = ()
+    """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
 
     @property
     @abstractmethod
     def force(self) -> PenaltyKernel:
         """The compiled force kernel.
 
-            force(gap, gap_rate, slip, parameters)
+            force(gap, gap_rate, slip, approach, parameters)
                 -> normal force N [N], friction bound [N], stored energy [J], normal loss [W]
 
         Called for gap < 0 only [m], gap_rate [m/s], slip [m/s]; the slip is exactly zero where the
-        contact sticks, so that a bound may have a static and a kinetic value. Friction is set-valued:
-        the engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V
+        contact sticks, so that a bound may have a static and a kinetic value. approach is the speed at
+        which the contact began [m/s], zero where it was pressed together. Set-valued friction: the
+        engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V
         makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss).
         """
+
+    @property
+    def rub(self) -> FrictionKernel | None:
+        """The compiled kernel of friction that is not set-valued, else None.
+
+            rub(gap, gap_rate, slip, normal, memory, parameters)
+                -> friction F [N], rate of the memory, stored energy [J], tangential stiffness [N/m]
+
+        normal is the normal force [N]. A SPRING_AND_SLIDER remembers the stretch z of its spring [m],
+        F = -stiffness z; the engine calls this while it holds, and in slip keeps F on the bound and z
+        with it. A CREEPING force may remember anything; its stiffness is not read.
+        """
+        return None
 
 
 class MultiplierLaw(ContactLaw):

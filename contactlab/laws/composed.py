@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import FrictionKernel, PenaltyKernel, PenaltyLaw
 from contactlab.laws.damping import Undamped
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
@@ -68,6 +68,11 @@ class Composed(PenaltyLaw):
         return values
 
     @property
+    def friction_kind(self) -> int:  # type: ignore[override]
+        """That of the friction."""
+        return self.friction.friction_kind
+
+    @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
         elastic_of: Any = self.normal.elastic
@@ -75,11 +80,33 @@ class Composed(PenaltyLaw):
         bound_of: Any = self.friction.bound
 
         def composed_force(
-            gap: float, gap_rate: float, slip: float, parameters: Array
+            gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
         ) -> tuple[float, float, float, float]:
             elastic, stored, _, _ = elastic_of(max(-gap, 0.0), parameters, 0)
-            normal = damped_of(elastic, -gap_rate, 0.0, parameters, DAMPING)
+            normal = damped_of(elastic, -gap_rate, approach, parameters, DAMPING)
             bound = bound_of(normal, slip, parameters, FRICTION)
             return normal, bound, stored, (elastic - normal) * gap_rate
 
         return fleeting_kernel(composed_force)
+
+    @property
+    def rub(self) -> FrictionKernel | None:
+        """The kernel; see `PenaltyLaw.rub`."""
+        elastic_of: Any = self.normal.elastic
+        state_of: Any = self.friction.state
+        if state_of is None:
+            return None
+
+        def composed_friction(
+            gap: float,
+            gap_rate: float,
+            slip: float,
+            normal: float,
+            memory: float,
+            parameters: Array,
+        ) -> tuple[float, float, float, float]:
+            _, _, stiffness, slope = elastic_of(max(-gap, 0.0), parameters, 0)
+            rate = -slope * gap_rate
+            return state_of(normal, stiffness, rate, slip, memory, parameters, FRICTION)  # type: ignore[no-any-return]
+
+        return fleeting_kernel(composed_friction)

@@ -47,7 +47,7 @@ class HertzPenalty(PenaltyLaw):
 
 @kernel
 def hertz_force(
-    gap: float, gap_rate: float, slip: float, parameters: Array
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
     depth = max(-gap, 0.0)

@@ -55,7 +55,7 @@ class SpringDashpot(PenaltyLaw):
 
 @kernel
 def spring_dashpot_force(
-    gap: float, gap_rate: float, slip: float, parameters: Array
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
     elastic = -parameters[0] * gap
@@ -89,7 +89,7 @@ class TensileDashpot(PenaltyLaw):
 
 @kernel
 def tensile_dashpot_force(
-    gap: float, gap_rate: float, slip: float, parameters: Array
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
     elastic = -parameters[0] * gap
@@ -122,7 +122,7 @@ class HuntCrossley(PenaltyLaw):
 
 @kernel
 def hunt_crossley_force(
-    gap: float, gap_rate: float, slip: float, parameters: Array
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
     depth = max(-gap, 0.0)

@@ -102,10 +102,10 @@ CONTACT = (
         FORMS,
     ),
     Mutation(
-        "stick forgets the rotor",
+        "the rotor does not answer within a step",
         COLLOCATION,
-        "                + tables.tip_v[level, 3, i, m]\n            )",
-        "            )",
+        "rotor += tables.tip_v[level, 3, i, m] *",
+        "rotor += 0.0 * tables.tip_v[level, 3, i, m] *",
         ("tests/test_against_oracle.py",),
     ),
     Mutation(

@@ -50,4 +50,4 @@ class Coulomb(Friction):
 def coulomb_bound(normal: float, slip: float, parameters: Array, at: int) -> float:
     """Largest friction [N]."""
     ratio = parameters[at + 1] if slip == 0.0 else 1.0
-    return parameters[at] * ratio * max(normal, 0.0)
+    return float(parameters[at] * ratio * max(normal, 0.0))

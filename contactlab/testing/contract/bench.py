@@ -115,7 +115,7 @@ class Bench:
         force, parameters = law.force, law.parameters()
 
         def missing(exponent: float) -> float:
-            return force(-(10.0**exponent), 0.0, 0.0, parameters)[0] - WEIGHT
+            return force(-(10.0**exponent), 0.0, 0.0, 0.0, parameters)[0] - WEIGHT
 
         exponent: float = brentq(missing, -15.0, 0.0, xtol=1e-15)
         return float(-(10.0**exponent))

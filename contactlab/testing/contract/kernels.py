@@ -67,9 +67,12 @@ def _force_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
         gap = -(10.0 ** rng.uniform(-9.0, -5.0))
         rate, slip = rng.normal(size=2) * 0.3
         slip *= rng.random() < 0.8
-        normal, bound, _, loss = law.force(gap, rate, slip, parameters)
+        speed = abs(rng.normal()) * 0.3
+        normal, bound, _, loss = law.force(gap, rate, slip, speed, parameters)
         h = 1e-4 * gap
-        ahead, behind = (law.force(gap + s * h, rate, slip, parameters)[2] for s in (1.0, -1.0))
+        ahead, behind = (
+            law.force(gap + s * h, rate, slip, speed, parameters)[2] for s in (1.0, -1.0)
+        )
         slope = (ahead - behind) / (2.0 * h)
         size = abs(normal) + abs(slope) + 1e-300
         if not law.allows_tension:
@@ -77,7 +80,8 @@ def _force_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
         excess = max(excess, -bound / size, (bound - law.friction_limit * abs(normal)) / size)
         gain = max(gain, -loss / (size * abs(rate)))
         potential = max(potential, abs(loss + (normal + slope) * rate) / (size * abs(rate)))
-        changed += law.force(gap, rate, slip, parameters) != law.force(gap, rate, slip, parameters)
+        asked = [law.force(gap, rate, slip, speed, parameters) for _ in range(2)]
+        changed += asked[0] != asked[1]
     changed += not np.array_equal(given, parameters)
     yield at_most("pull of the kernel, over the force", pull, 0.0)
     yield at_most("friction bound outside of [0, mu N], over the force", excess, ROUND_OFF)

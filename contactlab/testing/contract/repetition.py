@@ -115,11 +115,11 @@ class _OftenAskedPenalty(PenaltyLaw):
         inner: Any = self.law.force
 
         def asked(
-            gap: float, gap_rate: float, slip: float, parameters: Array
+            gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
         ) -> tuple[float, float, float, float]:
-            inner(1.5 * gap, -gap_rate, -slip, parameters)
-            inner(0.5 * gap, 2.0 * gap_rate, 0.0, parameters)
-            return inner(gap, gap_rate, slip, parameters)  # type: ignore[no-any-return]
+            inner(1.5 * gap, -gap_rate, -slip, approach, parameters)
+            inner(0.5 * gap, 2.0 * gap_rate, 0.0, approach, parameters)
+            return inner(gap, gap_rate, slip, approach, parameters)  # type: ignore[no-any-return]
 
         return fleeting_kernel(asked)
 
