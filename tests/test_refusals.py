@@ -13,7 +13,10 @@ from command_line import Command, left_behind
     [
         (["law=hertz"], "law is 'hertz'; it must be one of hertz_penalty, lagrange_slip"),
         (["law=null"], "law is null; it must be one of hertz_penalty"),
-        (["experiment=case_b"], "experiment is 'case_b'; it must be one of basis_convergence, case_a,"),
+        (
+            ["experiment=case_b"],
+            "experiment is 'case_b'; it must be one of basis_convergence, case_a,",
+        ),
         (["solver=5"], "solver is 5; it must be one of default"),
         (["contactstep=1"], "contactstep is not a known key. Did you mean solver.contact_step?"),
         (["+drive.gain=2"], "drive.gain is not a known key"),

@@ -10,15 +10,15 @@ are two families, and the engine knows only these two:
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from contactlab.laws.parameter import check_parameters
+from contactlab.laws.parameter import Parameter, check_parameters, parameters_of
 
 Array = NDArray[np.float64]
 
@@ -92,6 +92,19 @@ class ContactLaw(ABC):
     def describe(self) -> dict[str, float]:
         """The law's effective parameters by name, SI."""
         return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+
+    def declared(self) -> dict[str, Parameter]:
+        """What the law says of its parameters, by the same names."""
+        return parameters_of(type(self))
+
+    def changed(self, name: str, value: float) -> Self:
+        """The law with another value of one parameter.
+
+        Raises:
+            ValueError: the value is out of its range.
+        """
+        law: Any = self
+        return replace(law, **{name: value})  # type: ignore[no-any-return]
 
 
 class PenaltyLaw(ContactLaw):
