@@ -20,7 +20,8 @@ class MoreauJean(MultiplierLaw):
 
     The impulses are those of `newton`. No displacement is put back onto the closed gap: the contact
     penetrates by O(step), at first by what the impact step travels, and lasts, in the end without
-    impulse, until a step begins with an open gap. There is no peak force: it is impulse / step.
+    impulse, until a step begins with an open gap. A gap that opens from rest as the cube of time has its
+    contact longer by O(step^(1/3)) for that; state and impulses converge at order one.
 
     Source: Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics; Jean (1999),
     Comput. Methods Appl. Mech. Eng. 177, 235.
