@@ -21,6 +21,7 @@ from contactlab.engine.run import (
     OPEN,
     PHASE,
     PRESSED,
+    PROJECTS,
     RECORDED,
     RELEASED,
     RUNNING,
@@ -99,6 +100,8 @@ def simulate(
     run.whole[LEVEL] = tables.fresh_level
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
+    if isinstance(law, MultiplierLaw):
+        run.whole[PROJECTS] = law.projects
     _start(motor, plant, step, run, compliant)
     parameters = law.parameters()
     force, rub, solve = kernels_of(law)

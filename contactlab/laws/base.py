@@ -151,6 +151,11 @@ class PenaltyLaw(ContactLaw):
 class MultiplierLaw(ContactLaw):
     """A rigid law: the impulse of one step from the velocities that the step would end with."""
 
+    projects: ClassVar[bool] = True
+    """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
+    corrector does, and the last step is shortened to the release; else the constraint is one of
+    velocities only, the contact may penetrate by O(step), and it lasts until the gap is open."""
+
     @property
     @abstractmethod
     def solve(self) -> MultiplierKernel:

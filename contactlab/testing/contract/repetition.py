@@ -161,6 +161,10 @@ class _OftenAskedMultiplier(MultiplierLaw):
 
     law: MultiplierLaw
 
+    def __post_init__(self) -> None:
+        """Stepped as the law inside."""
+        object.__setattr__(self, "projects", self.law.projects)
+
     def parameters(self) -> Array:
         """Those of the law inside."""
         return self.law.parameters()
