@@ -15,7 +15,7 @@ from contactlab.laws import (
     Stronge,
 )
 from contactlab.testing import LawContract
-from contactlab.testing.laws import HuntCrossley, SpringDashpot, TensileDashpot
+from contactlab.testing.laws import SpringDashpot, TensileDashpot
 
 
 class TestHertzPenalty(LawContract):
@@ -44,10 +44,6 @@ class TestSpringDashpot(LawContract):
 
 class TestTensileDashpot(LawContract):
     law = TensileDashpot(stiffness=1e7, damping=5.0)
-
-
-class TestHuntCrossley(LawContract):
-    law = HuntCrossley(stiffness=1e10, loss=0.5, friction_coefficient=0.3)
 
 
 class TestNewton(LawContract):

@@ -10,6 +10,7 @@ from contactlab.engine.collocation import (
 )
 from contactlab.engine.compliant_events import contradicted, first_event, track_extremes
 from contactlab.engine.events import NOTHING
+from contactlab.engine.nodes import add_collocated
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
@@ -42,7 +43,6 @@ from contactlab.engine.step import (
     RUBBING,
     TAKEN,
     Step,
-    add_collocated,
     force_at,
     largest,
     tip_motion,

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.events import NOTHING, RELEASE
+from contactlab.engine.nodes import add_held, add_held_rates, free_response
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
@@ -43,9 +44,6 @@ from contactlab.engine.step import (
     PUSH_U,
     TAKEN,
     Step,
-    add_held,
-    add_held_rates,
-    free_response,
     hold_forces,
     tip_motion,
 )

@@ -18,8 +18,8 @@ from contactlab.laws.part import Damping, Friction, NormalForce, Part
 
 Array = NDArray[np.float64]
 
-DAMPING, FRICTION, SIZE = 4, 8, 16
-"""Where the parts' parameters begin in the law's; those of the normal force at 0."""
+NORMAL, DAMPING, FRICTION, SIZE = 0, 4, 8, 16
+"""Where the parts' parameters begin in the law's, and how many there are."""
 
 
 @final
@@ -77,7 +77,7 @@ class Composed(PenaltyLaw):
         """What the kernels read, each part's from its own place on."""
         values = np.zeros(SIZE)
         coefficients = (
-            (0, self.normal.coefficients()),
+            (NORMAL, self.normal.coefficients()),
             (DAMPING, self.damping.coefficients(self.normal)),
             (FRICTION, self.friction.coefficients()),
         )
@@ -128,7 +128,7 @@ def _force_of(elastic: Any, damped: Any, bound: Any) -> PenaltyKernel:
     def composed_force(
         gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
     ) -> tuple[float, float, float, float]:
-        spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, 0)
+        spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, NORMAL)
         normal = damped(spring, -gap_rate, approach, parameters, DAMPING)
         return (
             normal,
@@ -145,7 +145,7 @@ def _friction_of(elastic: Any, state: Any) -> FrictionKernel:
     def composed_friction(
         gap: float, gap_rate: float, slip: float, normal: float, memory: float, parameters: Array
     ) -> tuple[float, float, float, float]:
-        _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, 0)
+        _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, NORMAL)
         return state(  # type: ignore[no-any-return]
             normal, stiffness, -slope * gap_rate, slip, memory, parameters, FRICTION
         )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import Parameter
 
 Array = NDArray[np.float64]
 
@@ -92,37 +92,3 @@ def tensile_dashpot_force(
     elastic = -parameters[0] * gap
     viscous = -parameters[1] * gap_rate
     return elastic + viscous, 0.0, -0.5 * elastic * gap, -viscous * gap_rate
-
-
-@final
-@dataclass(frozen=True)
-class HuntCrossley(PenaltyLaw):
-    """Hertz with a loss that grows with the penetration, and Coulomb friction.
-
-    N = K d^1.5 max(1 + a ddot, 0),  |F| <= mu N
-    """
-
-    name: ClassVar[str] = "hunt_crossley"
-    equation: ClassVar[str] = "N = K d^1.5 max(1 + a ddot, 0), |F| <= mu N"
-    source: ClassVar[str] = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
-    default_contact_step: ClassVar[float] = 4e-6
-
-    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)]
-    loss: Annotated[float, Parameter("a", "s m-1", "loss per closing speed", at_least=0.0)]
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.0
-
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return hunt_crossley_force
-
-
-@kernel
-def hunt_crossley_force(
-    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
-    depth = max(-gap, 0.0)
-    elastic = parameters[0] * depth**1.5
-    normal = elastic * max(1.0 - parameters[1] * gap_rate, 0.0)
-    return normal, parameters[2] * normal, 0.4 * elastic * depth, (elastic - normal) * gap_rate

@@ -147,7 +147,7 @@ CONTACT = (
     Mutation(
         "slip that reverses goes on",
         EVENTS,
-        "happened = rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0",
+        "happened = rubs and not sticks and run.whole[SIGN] * step.sliding[i] < 0.0",
         "happened = False and rubs and not sticks",
         FORMS,
     ),

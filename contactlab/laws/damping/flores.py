@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
-from contactlab.laws.damping.hysteresis import LEAST_SPEED, RESTITUTION, closing_number
+from contactlab.laws.damping.hysteresis import ACHIEVED_RESTITUTION, LEAST_SPEED, closing_number
 from contactlab.laws.damping.lankarani_nikravesh import approach_damped
 from contactlab.laws.part import DampedKernel, Damping, NormalForce
 
@@ -27,7 +27,7 @@ class Flores(Damping):
     equation: ClassVar[str] = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
     source: ClassVar[str] = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
 
-    restitution: Annotated[float, RESTITUTION] = 0.8
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     least_speed: Annotated[float, LEAST_SPEED] = 1e-3
 
     def coefficients(self, normal: NormalForce) -> tuple[float, ...]:

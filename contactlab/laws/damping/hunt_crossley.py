@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.laws.damping.hysteresis import RESTITUTION, closing_number, refuse_beyond
+from contactlab.laws.damping.hysteresis import ACHIEVED_RESTITUTION, closing_number, refuse_beyond
 from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import DampedKernel, Damping, NormalForce
 
@@ -32,7 +32,7 @@ class HuntCrossley(Damping):
     equation: ClassVar[str] = "N = f(d) max(1 + a dd/dt, 0), a v = D(e)"
     source: ClassVar[str] = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
 
-    restitution: Annotated[float, RESTITUTION] = 0.8
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     impact_speed: Annotated[
         float, Parameter("v", "m s-1", "speed at which e is achieved", above=0.0)
     ] = 0.1

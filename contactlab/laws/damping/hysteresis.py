@@ -15,40 +15,42 @@ A model whose largest nominal D, that of e_n = 0, is smaller than what is asked 
 """
 
 from functools import cache
-from math import log1p
+from math import exp, log, log1p
 
 from scipy.optimize import brentq
 
 from contactlab.laws.parameter import Parameter
 
-RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
+ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
 
 LEAST_SPEED = Parameter("v_min", "m s-1", "slowest approach that is told apart", above=0.0)
 """A contact that begins without approach has no speed to divide by."""
+
+
+NEARLY_PLASTIC, NEARLY_ELASTIC = 0.025, 1e-6
+"""e below which 1 - e D is less than the unit of D, and 1 - e below which D is linear in it."""
 
 
 @cache
 def closing_number(restitution: float) -> float:
     """D = a v at which a free impact has a restitution, 0 < e <= 1 [1].
 
-    With D = x/(1 + e x), x in (0, inf): (1 + e) D = ln(1 + (1 + e) x), free of cancellation.
+    With D = x/(1 + e x), x in (0, inf): (1 + e) D = ln(1 + (1 + e) x), free of cancellation. At the ends
+    D is 1/e and 3/2 (1 - e) to double precision.
     """
     e = restitution
-    if e == 1.0:
-        return 0.0
+    if e < NEARLY_PLASTIC:
+        return 1.0 / e
+    if 1.0 - e < NEARLY_ELASTIC:
+        return 1.5 * (1.0 - e)
 
-    def missing(x: float) -> float:
-        return (1.0 + e) * x - (1.0 + e * x) * log1p((1.0 + e) * x)
+    def missing(logarithm: float) -> float:
+        x = exp(logarithm)
+        return (1.0 + e) * x / (1.0 + e * x) - log1p((1.0 + e) * x)
 
-    # Positive for small x by (1 - e)(1 + e) x^2 / 2, in the end negative.
-    right = 1.0
-    while missing(right) > 0.0:
-        right *= 2.0
-    left = right
-    while missing(left) <= 0.0:
-        left *= 0.5
-    x = float(brentq(missing, left, right, xtol=1e-300, rtol=1e-14))
-    return x / (1.0 + e * x)
+    # From an x that is too small by far to one that is too large.
+    x = exp(brentq(missing, log(1.0 - e), 2.0 / e + 2.0, xtol=1e-14))
+    return float(x / (1.0 + e * x))
 
 
 def refuse_beyond(name: str, restitution: float, most: float) -> None:

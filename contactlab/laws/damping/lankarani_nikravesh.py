@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.damping.hysteresis import (
+    ACHIEVED_RESTITUTION,
     LEAST_SPEED,
-    RESTITUTION,
     closing_number,
     refuse_beyond,
 )
@@ -37,7 +37,7 @@ class LankaraniNikravesh(Damping):
     equation: ClassVar[str] = "N = f(d) max(1 + D(e) (dd/dt)/v, 0), D <= 3/4"
     source: ClassVar[str] = "Lankarani and Nikravesh (1990), J. Mech. Des. 112, 369"
 
-    restitution: Annotated[float, RESTITUTION] = 0.8
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     least_speed: Annotated[float, LEAST_SPEED] = 1e-3
 
     def __post_init__(self) -> None:

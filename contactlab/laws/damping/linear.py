@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from contactlab.compiled import kernel
-from contactlab.laws.damping.hysteresis import RESTITUTION
+from contactlab.laws.damping.hysteresis import ACHIEVED_RESTITUTION
 from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import DampedKernel, Damping, NormalForce
 
@@ -40,7 +40,7 @@ class LinearDamping(Damping):
     equation: ClassVar[str] = "N = max(f(d) + c dd/dt, 0), c solved for e of (m, v)"
     source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
 
-    restitution: Annotated[float, RESTITUTION] = 0.8
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     effective_mass: Annotated[float, Parameter("m", "kg", "mass of the impact", above=0.0)] = 2e-3
     impact_speed: Annotated[float, Parameter("v", "m s-1", "speed of the impact", above=0.0)] = 0.1
 

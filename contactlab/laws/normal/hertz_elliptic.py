@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
-from math import exp, pi, sqrt
+from math import exp, log, pi, sqrt
 from typing import Annotated, ClassVar, final
 
 from scipy.optimize import brentq
@@ -17,8 +17,8 @@ STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
 
 EFFECTIVE_MODULUS = Parameter("E*", "Pa", "effective modulus", above=0.0)
 
-ROUND = 1e-9
-"""Relative difference of radii below which the circular contact is exact in double precision."""
+ROUND = 1e-5
+"""Relative difference of radii below which the contact is circular: F_2 differs by its square from 1."""
 
 
 @final
@@ -73,7 +73,9 @@ def approach_factor(ratio: float) -> float:
         over, under, _ = terms(slenderness)
         return over / under - ratio
 
-    slenderness = brentq(missing, 1e-6, 0.7 * ratio + 2.0, xtol=1e-15)
+    # Nearly two thirds of log(R'/R'').
+    size = log(ratio)
+    slenderness = brentq(missing, 0.4 * size, 0.8 * size, xtol=1e-15 * size, rtol=1e-14)
     over, under, first = terms(slenderness)
     squared = 1.0 - exp(-2.0 * slenderness)
     cubed = 4.0 / (pi * squared) * exp(-1.5 * slenderness) * sqrt(over * under)

@@ -1,10 +1,9 @@
 """Impacts whose outcome is known in closed form."""
 
 from collections.abc import Iterator
-from math import atan2, exp, log, pi, sqrt
+from math import atan2, exp, pi, sqrt
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import gamma
 
 from contactlab.engine.plant import delassus, plant_of
@@ -21,7 +20,7 @@ from contactlab.laws import (
 )
 from contactlab.motor import Motor
 from contactlab.testing.claim import Claim, close
-from contactlab.testing.laws import HuntCrossley, SpringDashpot, TensileDashpot
+from contactlab.testing.laws import SpringDashpot, TensileDashpot
 from contactlab.testing.plants import block, coupled_body
 from contactlab.testing.runs import first, run
 from contactlab.trajectory import Trajectory
@@ -98,22 +97,6 @@ def dashpot_impacts(mass: float = 1e-2, speed: float = 0.5, ratio: float = 0.3) 
         1e-6,
         units="s",
     )
-
-
-def hunt_crossley_impact(
-    mass: float = 1e-2, speed: float = 0.5, loss: float = 0.6
-) -> Iterator[Claim]:
-    """A ball against a Hunt-Crossley contact: D (1 + e) = ln[(1 + D)/(1 - e D)], D = a v."""
-    closing = loss * speed
-
-    def residual(e: float) -> float:
-        return closing * (1.0 + e) - log((1.0 + closing) / (1.0 - e * closing))
-
-    expected = brentq(residual, 0.1, 1.0 - 1e-9, xtol=1e-15)
-    trajectory = run(
-        block(mass, height=1e-6, gap_rate=-speed), HuntCrossley(1e9, loss), 1e-6 / speed + 1e-3
-    )
-    yield close("Hunt-Crossley impact: restitution", restitution(trajectory), expected, 1e-6)
 
 
 def oblique_impacts(mass: float = 0.1, speed: float = 0.2, mu: float = 0.3) -> Iterator[Claim]:
@@ -217,7 +200,6 @@ def bouncing_ball(height: float = 0.05, e: float = 0.5, gravity: float = 9.81) -
 CLAIMS = (
     hertz_impact,
     dashpot_impacts,
-    hunt_crossley_impact,
     oblique_impacts,
     modal_impacts,
     bouncing_ball,
