@@ -85,7 +85,7 @@ def test_closing_number_solves_its_equation(e: float) -> None:
 @pytest.mark.parametrize("edge", [0.025, 1.0 - 1e-6])
 def test_closing_number_is_smooth_where_its_rule_changes(edge: float) -> None:
     below, above = closing_number(edge * (1.0 - 1e-12)), closing_number(edge * (1.0 + 1e-12))
-    assert_allclose(below, above, rtol=1e-5)
+    assert_allclose(below, above, rtol=1e-9, atol=1e-10)
 
 
 @pytest.mark.parametrize(
