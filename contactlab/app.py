@@ -31,6 +31,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.command import interrupts
 from contactlab.command.composition import check, check_composition
+from contactlab.command.law_source import register
 from contactlab.command.runner import execute
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
@@ -71,6 +72,7 @@ def job_directory(number: object, overrides: str) -> str:
 
 
 OmegaConf.register_new_resolver("job_directory", job_directory, replace=True)
+register()
 
 
 def main() -> int:

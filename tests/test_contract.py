@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.laws import LAWS, Composed, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.testing import LawContract
 from contactlab.testing.laws import HuntCrossley, NewtonRestitution, SpringDashpot, TensileDashpot
 
@@ -39,6 +39,10 @@ class TestTensileDashpot(LawContract):
 
 class TestHuntCrossley(LawContract):
     law = HuntCrossley(stiffness=1e10, loss=0.5, friction_coefficient=0.3)
+
+
+class TestComposed(LawContract):
+    law = Composed()
 
 
 class TestNewtonRestitution(LawContract):

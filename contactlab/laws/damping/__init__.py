@@ -1,8 +1,16 @@
 """Normal losses by name. A new one is one module and one entry here."""
 
-from contactlab.laws.damping.none import Undamped
-from contactlab.laws.part import Damping
+from typing import TYPE_CHECKING
 
-DAMPINGS: dict[str, type[Damping]] = {part.name: part for part in (Undamped,)}
+from contactlab.laws.table import Table
 
-__all__ = ["DAMPINGS", "Undamped"]
+if TYPE_CHECKING:
+    from contactlab.laws.part import Damping
+
+DAMPINGS: "Table[type[Damping]]" = Table(
+    {
+        "none": "contactlab.laws.damping.none:Undamped",
+    }
+)
+
+__getattr__ = DAMPINGS.attribute

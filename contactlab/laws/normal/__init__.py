@@ -1,9 +1,17 @@
 """Elastic normal forces by name. A new one is one module and one entry here."""
 
-from contactlab.laws.normal.hertz_point import HertzPoint
-from contactlab.laws.normal.linear import Linear
-from contactlab.laws.part import NormalForce
+from typing import TYPE_CHECKING
 
-NORMAL_FORCES: dict[str, type[NormalForce]] = {part.name: part for part in (HertzPoint, Linear)}
+from contactlab.laws.table import Table
 
-__all__ = ["NORMAL_FORCES", "HertzPoint", "Linear"]
+if TYPE_CHECKING:
+    from contactlab.laws.part import NormalForce
+
+NORMAL_FORCES: "Table[type[NormalForce]]" = Table(
+    {
+        "hertz_point": "contactlab.laws.normal.hertz_point:HertzPoint",
+        "linear": "contactlab.laws.normal.linear:Linear",
+    }
+)
+
+__getattr__ = NORMAL_FORCES.attribute
