@@ -35,6 +35,7 @@ from contactlab.command.law_source import register
 from contactlab.command.runner import execute
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.laws import LawError
 
 COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
 """Exit statuses; that of an interrupted command is in `contactlab.command.interrupts`."""
@@ -111,6 +112,9 @@ def run(settings: DictConfig) -> int:
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
         return _refuse(error.faults)
+    except LawError as error:
+        print(error, file=sys.stderr)
+        return INCOMPLETE
     except OSError as error:
         print(f"The run could not be written: {error}", file=sys.stderr)
         return INCOMPLETE

@@ -20,7 +20,7 @@ DAMPING = 5.0
 
 @kernel
 def spring_and_dashpot(
-    gap: float, gap_rate: float, slip: float, parameters: np.ndarray
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: np.ndarray
 ) -> tuple[float, float, float, float]:
     stiffness, damping = parameters[0], parameters[1]
     normal = max(-stiffness * gap - damping * gap_rate, 0.0)

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from contactlab.laws.failure import LawError
 from contactlab.laws.registry import LAWS, law_class, law_names, origin_of
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ __all__ = [
     "HertzPenalty",
     "LagrangeSlip",
     "LagrangeStick",
+    "LawError",
     "MultiplierLaw",
     "PenaltyLaw",
     "hertz_stiffness",

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws.base import FrictionKernel, PenaltyKernel, PenaltyLaw
-from contactlab.laws.damping.none import Undamped
-from contactlab.laws.friction.coulomb import Coulomb
-from contactlab.laws.normal.hertz_point import HertzPoint
+from contactlab.laws.damping import Undamped
+from contactlab.laws.friction import Coulomb
+from contactlab.laws.normal import HertzPoint
 from contactlab.laws.part import Damping, Friction, NormalForce, Part
 
 Array = NDArray[np.float64]

@@ -59,10 +59,11 @@ def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
     try:
         hints = get_type_hints(owner)
         declared = parameters_of(owner)
-    # An annotation is any expression of somebody else's.
+        defaults = {field.name: _default(field) for field in fields(owner)}  # type: ignore[arg-type]
+    # An annotation or a default is any expression of somebody else's.
     except Exception as error:
         raise ValueError(
-            f"{owner.name} has annotations that cannot be read ({type(error).__name__}: {error})."
+            f"{owner.name} has fields that cannot be read ({type(error).__name__}: {error})."
         ) from error
     members = []
     for field in fields(owner):  # type: ignore[arg-type]
@@ -73,7 +74,7 @@ def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
                 f"{owner.name} has the field {field.name} without a declaration; it must be "
                 "Annotated[float, Parameter(...)], or a NormalForce, Damping or Friction."
             )
-        members.append(Member(field.name, parameter, family, _default(field)))
+        members.append(Member(field.name, parameter, family, defaults[field.name]))
     return members
 
 
