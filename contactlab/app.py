@@ -31,9 +31,11 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.command import interrupts
 from contactlab.command.composition import check, check_composition
+from contactlab.command.law_source import register
 from contactlab.command.runner import execute
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.laws import LawError
 
 COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
 """Exit statuses; that of an interrupted command is in `contactlab.command.interrupts`."""
@@ -71,6 +73,7 @@ def job_directory(number: object, overrides: str) -> str:
 
 
 OmegaConf.register_new_resolver("job_directory", job_directory, replace=True)
+register()
 
 
 def main() -> int:
@@ -109,6 +112,9 @@ def run(settings: DictConfig) -> int:
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
         return _refuse(error.faults)
+    except LawError as error:
+        print(error, file=sys.stderr)
+        return INCOMPLETE
     except OSError as error:
         print(f"The run could not be written: {error}", file=sys.stderr)
         return INCOMPLETE

@@ -1,16 +1,36 @@
-"""The configuration files, composed without Hydra: only what the tests need."""
+"""The configuration, composed without Hydra: the files and the options of laws that need none."""
 
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from contactlab.config import law_defaults
+
 CONF = Path(__file__).resolve().parent.parent / "conf"
 
 
 def options(group: str) -> list[str]:
-    """Names of a group's files."""
-    return sorted(path.stem for path in (CONF / group).glob("*.yaml"))
+    """Names of a group's options."""
+    files = [path.stem for path in (CONF / group).glob("*.yaml")]
+    others = law_defaults.options(group) if group in law_defaults.groups() else []
+    return sorted({*files, *others})
+
+
+def chosen(group: str, option: str, choices: dict[str, str]) -> dict[str, Any]:
+    """An option's keys, those of its own defaults included."""
+    path = CONF / group / f"{option}.yaml"
+    keys: dict[str, Any] = (
+        yaml.safe_load(path.read_text(encoding="utf-8"))
+        if path.exists()
+        else law_defaults.content(group, option)
+    )
+    for entry in keys.pop("defaults", []):
+        if isinstance(entry, dict):
+            ((below, part),) = entry.items()
+            name = f"{group}/{below}"
+            keys[below] = chosen(name, choices.get(name, part), choices)
+    return keys
 
 
 def composed(**choices: str) -> dict[str, Any]:
@@ -23,9 +43,9 @@ def composed(**choices: str) -> dict[str, Any]:
         for group, option in entry.items()
         if option is not None and not group.startswith("override ")
     }
+    given = groups | choices
     return {
-        group: yaml.safe_load((CONF / group / f"{option}.yaml").read_text(encoding="utf-8"))
-        for group, option in (groups | choices).items()
+        group: chosen(group, option, given) for group, option in given.items() if "/" not in group
     }
 
 

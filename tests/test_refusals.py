@@ -11,8 +11,8 @@ from command_line import Command, left_behind
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["law=hertz"], "law is 'hertz'; it must be one of hertz_penalty, lagrange_slip"),
-        (["law=null"], "law is null; it must be one of hertz_penalty"),
+        (["law=hertz"], "law is 'hertz'; it must be one of composed, hertz_penalty"),
+        (["law=null"], "law is null; it must be one of composed"),
         (
             ["experiment=case_b"],
             "experiment is 'case_b'; it must be one of basis_convergence, case_a,",
@@ -27,6 +27,23 @@ from command_line import Command, left_behind
             ["law=lagrange_slip", "law.stiffness=1"],
             "law.stiffness does not belong to lagrange_slip",
         ),
+        (
+            ["law=hertz_penalty", "law/normal=linear"],
+            "law/normal=linear does not belong to law=hertz_penalty; it must be absent",
+        ),
+        (
+            ["law=composed", "law/normal=rubber"],
+            "law/normal is 'rubber'; it must be one of hertz_point, linear",
+        ),
+        (["law=composed", "law.normal.name=rubber"], "Choose one by law/normal=NAME"),
+        (
+            ["law=composed", "law.friction.bristle_stiffness=1"],
+            "law.friction.bristle_stiffness does not belong to coulomb",
+        ),
+        (["law=composed", "law.normal.stiffness=2 N"], "cannot be converted to N/m^1.5"),
+        (["law=composed", "law.friction.static_ratio=0.5"], "it must be at least 1"),
+        (["law=composed", "~law.normal"], "law.normal is missing"),
+        (["-m", "law=composed", "law/normal=linear,rubber"], "law/normal is 'rubber'"),
         (["hydra.run.folder=x"], "hydra.run.folder=x cannot be composed"),
         (["contact.clearance=1", "um"], "um cannot be read; an argument must have the form"),
         (["rotor.radius=(1"], "rotor.radius=(1 cannot be read"),

@@ -6,17 +6,13 @@ values come out together. Where the command line is sound, the result is Hydra's
 """
 
 import copy
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import final
 
-from hydra._internal.config_loader_impl import get_overrides_dirname
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.config_loader import ConfigLoader
-from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
 from hydra.errors import HydraException
@@ -24,6 +20,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
+from contactlab.command.directories import resolved_directory, shared
 from contactlab.command.runner import refusals
 from contactlab.command.verbs import VERBS
 from contactlab.config import build
@@ -60,7 +57,7 @@ def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun
         job = composer.refuse_sweeps(overrides)
         directories = [composer.check_job(whole or composer.compose_job(job), job, 0)]
     known = [directory for directory in directories if directory is not None]
-    faults = composer.faults or [*_shared(known), *(f for path in known for f in refusals(path))]
+    faults = composer.faults or [*shared(known), *(f for path in known for f in refusals(path))]
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return RunMode.MULTIRUN if multirun else RunMode.RUN
@@ -186,13 +183,20 @@ class _Composer:
     def _compose_sound(self, lines: tuple[str, ...]) -> DictConfig | None:
         if (composed := self.compose_whole(lines)) is not None:
             return composed
-        sound = []
-        for line in lines:
+        sound: list[str] = []
+        faulty: list[str] = []
+        # What stands above first: the options of law/normal depend on the law.
+        for line in sorted(lines, key=_depth):
+            group = _group(line)
+            # With the wrong law nothing can be said of its parts.
+            if any(group.startswith(f"{above}/") for above in faulty):
+                continue
             try:
-                self._load((line,))
+                self._load((*sound, line))
                 sound.append(line)
             except Exception as error:
-                self.faults.append(self._explain(line, error))
+                self.faults.append(self._explain(line, error, sound))
+                faulty.append(group)
         try:
             return self._load(tuple(sound))
         except Exception as error:
@@ -233,12 +237,21 @@ class _Composer:
         except OmegaConfBaseException as error:
             self.faults.append(f"{override.input_line} cannot be set: {one_line(error)}")
 
-    def _explain(self, line: str, error: Exception) -> str:
-        """Why an override that is no value fails."""
+    def _explain(self, line: str, error: Exception, sound: list[str]) -> str:
+        """Why an override that is no value fails, after those that do not."""
         (override,) = self._parser.parse_overrides([line])
         group, value = override.key_or_group, override.value()
         options = self._options(group)
         if not options or value in options:
+            above = group.rpartition("/")[0]
+            composed = self.compose_whole(sound)
+            chosen = composed.hydra.runtime.choices.get(above) if above and composed else None
+            if options and chosen:
+                return (
+                    f"{line} does not belong to {above}={chosen}; it must be absent with this choice "
+                    f"of {above}. Leave it out or choose another {above}: contactlab {above}s lists "
+                    "what each is made of."
+                )
             return f"{line} cannot be composed: {one_line(error)}"
         near = get_close_matches(str(value), options, n=1)
         hint = f"Did you mean {near[0]}?" if near else "Choose one of them."
@@ -248,47 +261,22 @@ class _Composer:
         self, composed: DictConfig, tasks: list[Override], number: int, multirun: bool
     ) -> Path | None:
         """Output directory of a job."""
-        with open_dict(composed.hydra.job):
-            composed.hydra.job.num = number
-            composed.hydra.job.id = str(number)
-            composed.hydra.job.override_dirname = get_overrides_dirname(
-                tasks,
-                exclude_keys=composed.hydra.job.config.override_dirname.exclude_keys,
-                item_sep=composed.hydra.job.config.override_dirname.item_sep,
-                kv_sep=composed.hydra.job.config.override_dirname.kv_sep,
-            )
         # ${now:...} is one moment for all jobs, as it is for Hydra.
         OmegaConf.copy_cache(self._first or composed, composed)
         self._first = self._first or composed
-        keys = ("hydra.sweep.dir", "hydra.sweep.subdir") if multirun else ("hydra.run.dir",)
         try:
-            with _hydra_config(composed):
-                return Path(*(str(OmegaConf.select(composed, key)) for key in keys))
+            return resolved_directory(composed, tasks, number, multirun)
         except OmegaConfBaseException as error:
-            self.faults.append(
-                f"{' or '.join(keys)} cannot be resolved: {one_line(error)} Name a directory."
-            )
+            keys = "hydra.sweep.dir or hydra.sweep.subdir" if multirun else "hydra.run.dir"
+            self.faults.append(f"{keys} cannot be resolved: {one_line(error)} Name a directory.")
             return None
 
 
-def _shared(directories: list[Path]) -> Iterator[str]:
-    """Directories that more than one job would write to."""
-    for directory, count in Counter(directories).items():
-        if count > 1:
-            yield (
-                f"hydra.sweep.subdir gives '{directory}' to {count} jobs, which would overwrite "
-                "each other; it must differ from job to job. Leave it out."
-            )
+def _group(line: str) -> str:
+    """The group that an override chooses from."""
+    return line.partition("=")[0].partition("@")[0].lstrip("+~")
 
 
-@contextmanager
-def _hydra_config(composed: DictConfig) -> Iterator[None]:
-    """Make ${hydra:...} refer to a configuration for a while."""
-    instance = HydraConfig.instance()
-    before = instance.cfg
-    # Its setter makes a copy of everything, which takes longer than all else here.
-    instance.cfg = composed  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        instance.cfg = before
+def _depth(line: str) -> int:
+    """How deep the group of an override lies."""
+    return _group(line).count("/")

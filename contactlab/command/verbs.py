@@ -1,4 +1,7 @@
 """The verbs of the command: words that may stand first in place of a run."""
 
-VERBS = {"verify": "print what is claimed of the engine and the laws, and what is found"}
+VERBS = {
+    "laws": "list every installed law and part, with all that it declares",
+    "verify": "print what is claimed of the engine and the laws, and what is found",
+}
 """What each does. Its work is `main(arguments)` in the module of its name beside this one."""

@@ -1,13 +1,18 @@
 """What a configuration gets wrong, in sentences: key, value, what is admitted, the way out."""
 
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
+from functools import cache
 from typing import get_args
 
 from pydantic_core import ErrorDetails
 
+from contactlab.config.law_section import part_members, section_of
 from contactlab.config.quantity import FAULT, describe
 from contactlab.config.schema import KINDS, Configuration
 from contactlab.config.section import Section
+from contactlab.laws.declaration import PARTS
+from contactlab.laws.registry import law_names
 
 
 class ConfigurationError(ValueError):
@@ -22,10 +27,15 @@ class ConfigurationError(ValueError):
         self.faults = faults
 
 
-def sentence(fault: ErrorDetails) -> str:
-    """One of pydantic's findings in a sentence that starts with the key."""
+def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
+    """One of pydantic's findings in a sentence that starts with the key.
+
+    Args:
+        fault: as pydantic has it.
+        chosen: the names of law and parts by the keys of their sections.
+    """
     steps = [str(step) for step in fault["loc"]]
-    kind = ""
+    kind = chosen.get(".".join(steps[:-1]), "")
     # A section of several kinds is entered by the kind's name, which is no part of the key.
     if len(steps) > 2 and steps[0] in KINDS:
         kind = steps.pop(1)
@@ -34,7 +44,7 @@ def sentence(fault: ErrorDetails) -> str:
         case str(found) if found == FAULT:
             return f"{key} {fault['ctx']['sentence']}"
         case "extra_forbidden":
-            return _unknown(key, kind)
+            return _unknown(key, kind, chosen)
         case "missing":
             return f"{key} is missing; it must be given. Add it to the configuration."
         case "union_tag_not_found":
@@ -66,9 +76,33 @@ def one_line(error: BaseException) -> str:
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
+@cache
 def known_keys() -> list[str]:
-    """Every full key of every choice, in the order of the schema."""
-    return list(dict.fromkeys(_keys_of(Configuration)))
+    """Every full key of every choice, in the order of the schema; a law that is broken has none."""
+    laws = [key for section in _law_sections() for key in _keys_of(section)]
+    return list(dict.fromkeys([*laws, *_keys_with({})]))
+
+
+def _law_sections() -> Iterator[type[Section]]:
+    """The section of every law that is installed, with each of its parts."""
+    for name in law_names():
+        try:
+            yield section_of(name)
+            for member in part_members(name):
+                for part in PARTS[member.family]:
+                    yield section_of(name, ((member.name, part),))
+        except ValueError:
+            continue
+
+
+def _keys_with(chosen: Mapping[str, str]) -> list[str]:
+    """Every full key where law and parts are chosen; none of the law's where they are not known."""
+    keys = [key for key in _keys_of(Configuration) if not key.startswith("law.")]
+    parts = tuple((key.removeprefix("law."), part) for key, part in chosen.items() if key != "law")
+    try:
+        return [*_keys_of(section_of(chosen["law"], parts)), *keys]
+    except (KeyError, ValueError):
+        return ["law.name", *keys]
 
 
 def _keys_of(section: type[Section]) -> list[str]:
@@ -80,15 +114,15 @@ def _keys_of(section: type[Section]) -> list[str]:
     return keys
 
 
-def _unknown(key: str, kind: str) -> str:
+def _unknown(key: str, kind: str, chosen: Mapping[str, str]) -> str:
     """The sentence for a key that does not exist, or not in this kind of section."""
-    known = known_keys()
-    if key in known:
-        group = key.partition(".")[0]
+    if kind and any(name == key or name.startswith(f"{key}.") for name in known_keys()):
+        group = key.rpartition(".")[0].replace(".", "/")
         return (
             f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
             f"Leave it out or choose another {group}."
         )
+    known = _keys_with(chosen)
     parent, _, leaf = key.rpartition(".")
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)

@@ -20,6 +20,7 @@ _EXAMPLES = {
     "Hz": "3.2 kHz",
     "N m": "2 mN m",
     "N m s/rad": "1 uN m s/rad",
+    "N/m": "20 kN/mm",
     "N/m^1.5": "1e10 N/m**1.5",
     "Pa": "210 GPa",
     "V": "100 V",

@@ -7,7 +7,7 @@ keys come out together.
 
 from collections.abc import Callable, Iterator, Mapping
 
-from contactlab.config.schema import LAWS
+from contactlab.config.law_section import takes_tolerance
 
 Values = Mapping[str, object]
 
@@ -52,7 +52,7 @@ def _stiffness_is_given_once(values: Values) -> Iterator[str]:
 def _tolerance_is_for_compliant_laws(values: Values) -> Iterator[str]:
     tolerance = values.get("solver.tolerance")
     law = values.get("law.name")
-    if tolerance is not None and law is not None and not LAWS[str(law)].takes_tolerance:
+    if tolerance is not None and law is not None and not takes_tolerance(str(law)):
         yield (
             f"solver.tolerance is {tolerance:g}; it must be null with law={law}, which takes steps "
             "of solver.contact_step without a tolerance. Refine solver.contact_step instead."

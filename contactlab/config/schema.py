@@ -1,13 +1,16 @@
 """The keys of a configuration: sections, units and ranges.
 
 A section has no defaults; those stand in `conf/` alone, so there is one place to read them. What
-binds several keys together is in `contactlab.config.rules`.
+binds several keys together is in `contactlab.config.rules`. The keys of a law are not written here
+but made from what the law declares; see `contactlab.config.law_section`.
 """
 
-from typing import Annotated, ClassVar, Literal, final, get_args
+from functools import cache
+from typing import Annotated, ClassVar, Literal, final
 
-from pydantic import Field
+from pydantic import Field, create_model
 
+from contactlab.config.law_section import LawSection
 from contactlab.config.quantity import Quantity
 from contactlab.config.section import Section
 
@@ -21,64 +24,6 @@ MOST_FRICTION = 5.0
 """Dry solids slide on each other at 0.05 to 1.5; beyond 5 a slip of the pen is likelier."""
 
 _PAPER = "The paper's motor has {}.".format
-
-
-Stiffness = Annotated[
-    float | None,
-    Quantity(
-        "N/m^1.5",
-        above=0.0,
-        none=True,
-        hint="A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius.",
-    ),
-]
-TipRadius = Annotated[
-    float | None,
-    Quantity("m", above=0.0, none=True, hint="Leave it out where law.stiffness is given."),
-]
-
-
-class LawSection(Section):
-    """The law's own parameters; what all laws share is in `contact`."""
-
-    path: ClassVar[str] = "law."
-    takes_tolerance: ClassVar[bool] = False
-    """Whether the law is integrated with error control, as compliant laws are."""
-
-    name: str
-
-
-@final
-class HertzPenaltySection(LawSection):
-    """Exactly one of stiffness and tip radius is given."""
-
-    takes_tolerance: ClassVar[bool] = True
-
-    name: Literal["hertz_penalty"]
-    stiffness: Stiffness
-    tip_radius: TipRadius
-
-
-@final
-class LagrangeSlipSection(LawSection):
-    """No parameters of its own."""
-
-    name: Literal["lagrange_slip"]
-
-
-@final
-class LagrangeStickSection(LawSection):
-    """No parameters of its own."""
-
-    name: Literal["lagrange_stick"]
-
-
-AnyLaw = HertzPenaltySection | LagrangeSlipSection | LagrangeStickSection
-
-LAWS: dict[str, type[LawSection]] = {
-    get_args(section.model_fields["name"].annotation)[0]: section for section in get_args(AnyLaw)
-}
-"""The section of every law by the law's name."""
 
 
 @final
@@ -267,13 +212,12 @@ class RecordSection(Section):
     interval: Annotated[float, Quantity("s", above=0.0, hint="1e-06 s is usual.")]
 
 
-@final
 class Configuration(Section):
-    """A whole configuration, every number in SI."""
+    """A whole configuration, every number in SI; see `configuration_with` for the law's keys."""
 
     path: ClassVar[str] = ""
 
-    law: Annotated[AnyLaw, Field(discriminator="name")]
+    law: LawSection
     resonator: Annotated[RitzSection | FiniteElementSection, Field(discriminator="basis")]
     piezoceramic: Annotated[BendingSection | TensorSection, Field(discriminator="constants")]
     placement: PlacementSection
@@ -284,5 +228,12 @@ class Configuration(Section):
     record: RecordSection
 
 
-KINDS = {"law": "name", "resonator": "basis", "piezoceramic": "constants"}
-"""The groups whose keys depend on a choice, and the key that tells which was made."""
+KINDS = {"resonator": "basis", "piezoceramic": "constants"}
+"""The groups whose keys depend on a choice, and the key that tells which was made; that of the law
+is told by its name, and made from its declarations."""
+
+
+@cache
+def configuration_with(law: type[LawSection]) -> type[Configuration]:
+    """The keys of a configuration with one law."""
+    return create_model("Configuration", __base__=Configuration, law=(law, ...))

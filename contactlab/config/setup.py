@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any, final
 
 from pydantic import ValidationError
 
-from contactlab.config.faults import ConfigurationError, sentence
+from contactlab.config.faults import ConfigurationError, one_line, sentence
+from contactlab.config.law_section import HertzPenaltySection, chosen_section
 from contactlab.config.rules import broken_rules
 from contactlab.config.schema import (
-    LAWS,
     BendingSection,
     Configuration,
-    HertzPenaltySection,
     RitzSection,
+    configuration_with,
 )
 
 # The objects are imported where they are built: they bring the compiler with them, and a
@@ -77,7 +77,7 @@ def build(configuration: Mapping[str, object]) -> Setup:
     law = _law(checked, resolved)
     if checked.solver.contact_step is None:
         resolved["solver"]["contact_step"] = min(law.default_contact_step, checked.solver.duration)
-    if LAWS[law.name].takes_tolerance and checked.solver.tolerance is None:
+    if checked.law.takes_tolerance and checked.solver.tolerance is None:
         resolved["solver"]["tolerance"] = _default_tolerance()
     drive = _drive(resolved["drive"])
     _refuse_undamped_resonance(drive, modes)
@@ -99,12 +99,13 @@ def validate(configuration: Mapping[str, object]) -> Configuration:
         ConfigurationError: with every fault that was found.
     """
     sound: dict[str, object] = {}
-    faults = []
     checked = None
+    given = configuration.get("law") if isinstance(configuration, Mapping) else None
+    section, chosen, faults = chosen_section(given)
     try:
-        checked = Configuration.model_validate(configuration, context=sound)
+        checked = configuration_with(section).model_validate(configuration, context=sound)
     except ValidationError as error:
-        faults = [sentence(fault) for fault in error.errors(include_url=False)]
+        faults += [sentence(fault, chosen) for fault in error.errors(include_url=False)]
     faults += broken_rules(sound)
     if faults or checked is None:
         raise ConfigurationError(faults)
@@ -159,14 +160,24 @@ def _piezoceramic(checked: Configuration) -> "Piezoceramic":
 def _law(checked: Configuration, resolved: dict[str, Any]) -> "ContactLaw":
     """The law; a stiffness that follows from the tip's radius replaces it in `resolved`."""
     from contactlab import laws
+    from contactlab.laws.declaration import made
 
     section = checked.law
     if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
         stiffness = laws.hertz_stiffness(section.tip_radius, checked.rotor.radius)
         resolved["law"] |= {"stiffness": stiffness, "tip_radius": None}
-    given = {k: v for k, v in resolved["law"].items() if k not in ("name", "tip_radius")}
-    law: Callable[..., ContactLaw] = laws.LAWS[section.name]
-    return law(**given, friction_coefficient=checked.contact.friction_coefficient)
+    try:
+        law: ContactLaw = made(
+            laws.law_class(section.name),
+            resolved["law"],
+            checked.contact.friction_coefficient,
+        )
+    # A law of another package may refuse, or fail, in ways of its own.
+    except Exception as error:
+        raise ConfigurationError(
+            [f"law={section.name} cannot be made from its parameters: {one_line(error)}"]
+        ) from error
+    return law
 
 
 def _drive(settings: Mapping[str, float]) -> "Drive":

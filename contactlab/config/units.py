@@ -18,8 +18,26 @@ _NUMBER_AND_UNIT = re.compile(
 )
 
 
+_CF_POWER = re.compile(r"(?P<unit>[A-Za-z]+)(?P<power>-?\d+(\.\d+)?)")
+
+
 class UnitError(ValueError):
     """A text without a fitting number; the message goes on from '<key> is <text>, '."""
+
+
+def from_cf(unit: str) -> str:
+    """A unit of the CF conventions, 'N m-1.5', as configurations write it: 'N/m^1.5'."""
+    above: list[str] = []
+    below: list[str] = []
+    for factor in unit.split():
+        found = _CF_POWER.fullmatch(factor)
+        power = found["power"] if found else "1"
+        word = found["unit"] if found else factor
+        size = power.removeprefix("-")
+        (below if power.startswith("-") else above).append(
+            word if size == "1" else f"{word}^{size}"
+        )
+    return "/".join([" ".join(above) or "1", *below])
 
 
 def to_si(text: str, unit: str) -> float:
@@ -44,7 +62,8 @@ def to_si(text: str, unit: str) -> float:
         raise UnitError(f"whose unit '{parts['unit'].strip()}' is unknown")
     factor, units = given
     wanted = _root(unit)
-    assert wanted is not None, f"{unit} is a unit of this package and known to pint"
+    if wanted is None:
+        raise UnitError(f"which cannot be converted to the declared unit {unit}: that is unknown")
     # A damper's N m s per rad is usually written without the rad.
     spelled = (wanted, _root(unit.removesuffix("/rad")))
     if units not in [found[1] for found in spelled if found]:

@@ -1,6 +1,8 @@
 """From a law to the compiled loop: its kernel by address, and the loop compiled once for all laws."""
 
 import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numba
@@ -8,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import is_compiled, kernel
+from contactlab.engine.callback import compiled, law_errors
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import Run
@@ -56,20 +59,27 @@ def no_impulse(
     return 0.0, 0.0, 0
 
 
-def kernels_of(law: ContactLaw) -> tuple[Any, Any, Any]:
-    """The law's kernels of normal force, friction and impulse; idle ones for those that it lacks."""
+def kernels_of(
+    law: ContactLaw,
+) -> tuple[tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
+    """The law's kernels of normal force, friction and impulse; idle ones for those that it lacks.
+
+    Returns:
+        The kernels, and a context around their calls in which their exceptions come out as `LawError`.
+    """
     force: Any = law.force if isinstance(law, PenaltyLaw) else no_force
     rub: Any = (law.rub if isinstance(law, PenaltyLaw) else None) or no_friction
     solve: Any = law.solve if isinstance(law, MultiplierLaw) else no_impulse
-    # Asking for a compilation that is there already costs as much as a tenth of a short run.
-    for chosen, signature in (
-        (force, PENALTY_SIGNATURE),
-        (rub, FRICTION_SIGNATURE),
-        (solve, MULTIPLIER_SIGNATURE),
-    ):
-        if not chosen.signatures:
-            chosen.compile(signature)
-    return force, rub, solve
+    chosen = [
+        compiled(function, signature)
+        for function, signature in (
+            (force, PENALTY_SIGNATURE),
+            (rub, FRICTION_SIGNATURE),
+            (solve, MULTIPLIER_SIGNATURE),
+        )
+    ]
+    callbacks = [callback for _, callback in chosen if callback is not None]
+    return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, callbacks)
 
 
 def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:

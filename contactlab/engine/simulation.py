@@ -85,6 +85,7 @@ def simulate(
         ValueError: an argument out of range, an undamped mode that a tone meets, or tip and rotor
             that overlap at the start where the law is rigid.
         TypeError: a law of neither family.
+        LawError: the law's own code raised an exception, which is the cause.
     """
     contact_step = law.default_contact_step if contact_step is None else contact_step
     _check(law, duration, record_interval, contact_step, tolerance)
@@ -104,7 +105,7 @@ def simulate(
         run.whole[PROJECTS] = law.projects
     _start(motor, plant, step, run, compliant)
     parameters = law.parameters()
-    force, rub, solve = kernels_of(law)
+    (force, rub, solve), law_errors = kernels_of(law)
     compile_loop(plant, tables, step, run)
 
     if progress is not None:
@@ -113,18 +114,19 @@ def simulate(
     ending, message = Ending.COMPLETE, ""
     try:
         while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
-            advance(
-                plant,
-                tables,
-                step,
-                run,
-                force,
-                rub,
-                solve,
-                compliant,
-                parameters,
-                STEPS_PER_CALL,
-            )
+            with law_errors():
+                advance(
+                    plant,
+                    tables,
+                    step,
+                    run,
+                    force,
+                    rub,
+                    solve,
+                    compliant,
+                    parameters,
+                    STEPS_PER_CALL,
+                )
             finished.append(_collect(run))
             if progress is not None:
                 progress(float(run.real[TIME]))

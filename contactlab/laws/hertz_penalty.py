@@ -40,8 +40,8 @@ class HertzPenalty(PenaltyLaw):
     source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
     default_contact_step: ClassVar[float] = 4e-6
 
-    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)]
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
+    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)] = 1e10
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
     @property
     def composition(self) -> Composed:

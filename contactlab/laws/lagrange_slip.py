@@ -47,7 +47,7 @@ class LagrangeSlip(MultiplierLaw):
         }
     )
 
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
     @property
     def solve(self) -> MultiplierKernel:

@@ -38,7 +38,7 @@ class LagrangeStick(MultiplierLaw):
     source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
     default_contact_step: ClassVar[float] = 5e-8
 
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
     @property
     def solve(self) -> MultiplierKernel:

@@ -1,21 +1,20 @@
 """Normal losses by name. A new one is one module and one entry here."""
 
-from contactlab.laws.damping.flores import Flores
-from contactlab.laws.damping.hunt_crossley import HuntCrossley
-from contactlab.laws.damping.lankarani_nikravesh import LankaraniNikravesh
-from contactlab.laws.damping.linear import LinearDamping
-from contactlab.laws.damping.undamped import Undamped
-from contactlab.laws.part import Damping
+from typing import TYPE_CHECKING
 
-DAMPINGS: dict[str, type[Damping]] = {
-    part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores)
-}
+from contactlab.laws.table import Table
 
-__all__ = [
-    "DAMPINGS",
-    "Flores",
-    "HuntCrossley",
-    "LankaraniNikravesh",
-    "LinearDamping",
-    "Undamped",
-]
+if TYPE_CHECKING:
+    from contactlab.laws.part import Damping
+
+DAMPINGS: "Table[type[Damping]]" = Table(
+    {
+        "none": "contactlab.laws.damping.undamped:Undamped",
+        "linear": "contactlab.laws.damping.linear:LinearDamping",
+        "hunt_crossley": "contactlab.laws.damping.hunt_crossley:HuntCrossley",
+        "lankarani_nikravesh": "contactlab.laws.damping.lankarani_nikravesh:LankaraniNikravesh",
+        "flores": "contactlab.laws.damping.flores:Flores",
+    }
+)
+
+__getattr__ = DAMPINGS.attribute

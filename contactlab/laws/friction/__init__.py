@@ -1,14 +1,20 @@
 """Friction by name. A new one is one module and one entry here."""
 
-from contactlab.laws.friction.coulomb import Coulomb
-from contactlab.laws.friction.elasto_plastic import ElastoPlastic
-from contactlab.laws.friction.lugre import LuGre
-from contactlab.laws.friction.mindlin import Mindlin
-from contactlab.laws.friction.regularised import Regularised
-from contactlab.laws.part import Friction
+from typing import TYPE_CHECKING
 
-FRICTIONS: dict[str, type[Friction]] = {
-    part.name: part for part in (Coulomb, Regularised, Mindlin, LuGre, ElastoPlastic)
-}
+from contactlab.laws.table import Table
 
-__all__ = ["FRICTIONS", "Coulomb", "ElastoPlastic", "LuGre", "Mindlin", "Regularised"]
+if TYPE_CHECKING:
+    from contactlab.laws.part import Friction
+
+FRICTIONS: "Table[type[Friction]]" = Table(
+    {
+        "coulomb": "contactlab.laws.friction.coulomb:Coulomb",
+        "regularised": "contactlab.laws.friction.regularised:Regularised",
+        "mindlin": "contactlab.laws.friction.mindlin:Mindlin",
+        "lugre": "contactlab.laws.friction.lugre:LuGre",
+        "elasto_plastic": "contactlab.laws.friction.elasto_plastic:ElastoPlastic",
+    }
+)
+
+__getattr__ = FRICTIONS.attribute

@@ -1,14 +1,20 @@
 """Elastic normal forces by name. A new one is one module and one entry here."""
 
-from contactlab.laws.normal.hertz_elliptic import HertzElliptic
-from contactlab.laws.normal.hertz_point import HertzPoint
-from contactlab.laws.normal.line import Line
-from contactlab.laws.normal.linear import Linear
-from contactlab.laws.normal.lining import Lining
-from contactlab.laws.part import NormalForce
+from typing import TYPE_CHECKING
 
-NORMAL_FORCES: dict[str, type[NormalForce]] = {
-    part.name: part for part in (HertzPoint, HertzElliptic, Line, Linear, Lining)
-}
+from contactlab.laws.table import Table
 
-__all__ = ["NORMAL_FORCES", "HertzElliptic", "HertzPoint", "Line", "Linear", "Lining"]
+if TYPE_CHECKING:
+    from contactlab.laws.part import NormalForce
+
+NORMAL_FORCES: "Table[type[NormalForce]]" = Table(
+    {
+        "hertz_point": "contactlab.laws.normal.hertz_point:HertzPoint",
+        "hertz_elliptic": "contactlab.laws.normal.hertz_elliptic:HertzElliptic",
+        "line": "contactlab.laws.normal.line:Line",
+        "linear": "contactlab.laws.normal.linear:Linear",
+        "lining": "contactlab.laws.normal.lining:Lining",
+    }
+)
+
+__getattr__ = NORMAL_FORCES.attribute

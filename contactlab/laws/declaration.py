@@ -1,0 +1,104 @@
+"""What a law or a part is made from, read from its dataclass: numbers with units, and parts of a law.
+
+Configuration, options and listings all follow from this; nothing is written twice.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, Field, dataclass, fields
+from typing import TYPE_CHECKING, Any, final, get_type_hints
+
+from contactlab.laws.damping import DAMPINGS
+from contactlab.laws.friction import FRICTIONS
+from contactlab.laws.normal import NORMAL_FORCES
+from contactlab.laws.table import Table
+
+if TYPE_CHECKING:
+    from contactlab.laws.base import ContactLaw
+    from contactlab.laws.parameter import Parameter
+    from contactlab.laws.part import Part
+
+PARTS: Mapping[str, Table[Any]] = {
+    "normal": NORMAL_FORCES,
+    "damping": DAMPINGS,
+    "friction": FRICTIONS,
+}
+"""The parts of a composed law by family."""
+
+SHARED = "friction_coefficient"
+"""The parameter that is the contact's, whatever the law: laws are compared on one motor."""
+
+
+@final
+@dataclass(frozen=True)
+class Member:
+    """A field of a law or of a part.
+
+    Args:
+        name: of the field.
+        parameter: what is said of a number; None for a part.
+        family: of a part; empty for a number.
+        default: a number, a part, or None where it must be given.
+    """
+
+    name: str
+    parameter: "Parameter | None"
+    family: str
+    default: Any
+
+
+def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
+    """The fields of a law or a part, in their order.
+
+    Raises:
+        ValueError: a sentence on a field that is neither a declared number nor a part.
+    """
+    from contactlab.laws.parameter import parameters_of
+    from contactlab.laws.part import Damping, Friction, NormalForce
+
+    families = {NormalForce: "normal", Damping: "damping", Friction: "friction"}
+    try:
+        hints = get_type_hints(owner)
+        declared = parameters_of(owner)
+        defaults = {field.name: _default(field) for field in fields(owner)}  # type: ignore[arg-type]
+    # An annotation or a default is any expression of somebody else's.
+    except Exception as error:
+        raise ValueError(
+            f"{owner.name} has fields that cannot be read ({type(error).__name__}: {error})."
+        ) from error
+    members = []
+    for field in fields(owner):  # type: ignore[arg-type]
+        family = families.get(hints[field.name], "")
+        parameter = declared.get(field.name)
+        if not family and parameter is None:
+            raise ValueError(
+                f"{owner.name} has the field {field.name} without a declaration; it must be "
+                "Annotated[float, Parameter(...)], or a NormalForce, Damping or Friction."
+            )
+        members.append(Member(field.name, parameter, family, defaults[field.name]))
+    return members
+
+
+def made(
+    owner: "Callable[..., Any]", values: Mapping[str, Any], friction_coefficient: float
+) -> Any:
+    """A law or a part from its section of a configuration.
+
+    Raises:
+        ValueError: a sentence of the law's own.
+    """
+    given: dict[str, Any] = {}
+    for member in members_of(owner):  # type: ignore[arg-type]
+        if member.family:
+            below = values[member.name]
+            part = PARTS[member.family][below["name"]]
+            given[member.name] = made(part, below, friction_coefficient)
+        else:
+            shared = member.name == SHARED
+            given[member.name] = friction_coefficient if shared else values[member.name]
+    return owner(**given)
+
+
+def _default(field: "Field[Any]") -> Any:
+    if field.default is not MISSING:
+        return field.default
+    return None if field.default_factory is MISSING else field.default_factory()

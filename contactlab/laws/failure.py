@@ -1,0 +1,5 @@
+"""What a run ends with when the code of a law fails."""
+
+
+class LawError(RuntimeError):
+    """A law's own code raised an exception, which is the cause of this one."""
