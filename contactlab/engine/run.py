@@ -70,7 +70,7 @@ COUNTS = (
 
 RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
-start in contact."""
+start in contact, or on the point of it."""
 
 RUNNING, DIVERGED, UNSOLVED, CHATTERED = range(4)
 """Endings as the kernels know them."""
