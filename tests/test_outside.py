@@ -111,6 +111,8 @@ def test_it_runs_and_the_run_says_so(elsewhere: Elsewhere) -> None:
     assert status == 0, err
     name, section = law_of(elsewhere.folder / "run/run.nc")
     assert name == "power_law"
+    with xarray.open_dataset(elsewhere.folder / "run/run.nc") as root:
+        assert root.attrs["law_origin"] == "example-law 1.2.3"
     assert section == {"name": "power_law", "load": 10.0, "depth": 2e-6, "exponent": 2.0}
 
 
