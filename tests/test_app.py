@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray
@@ -18,6 +19,7 @@ from synthetic import synthetic_trajectory
 
 from contactlab import app, engine
 from contactlab.command import runner
+from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
 
 
@@ -38,9 +40,9 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Ending | BaseException]
     return replace
 
 
-def configuration_of(path: Path) -> dict[str, dict[str, object]]:
+def configuration_of(path: Path) -> dict[str, dict[str, Any]]:
     with xarray.open_dataset(path) as root:
-        configuration: dict[str, dict[str, object]] = yaml.safe_load(root.attrs["configuration"])
+        configuration: dict[str, dict[str, Any]] = yaml.safe_load(root.attrs["configuration"])
     return configuration
 
 
@@ -74,6 +76,8 @@ def test_version_is_shown(command: Command) -> None:
     [
         ("contactlab law=lagrange_", "law=lagrange_slip law=lagrange_stick"),
         ("contactlab solver.d", "solver.duration="),
+        ("contactlab law/normal=h", "law/normal=hertz_point"),
+        ("contactlab law=composed law.normal.s", "law.normal.stiffness="),
         ("contactlab -m experiment=c", "experiment=case_a"),
     ],
 )
@@ -87,6 +91,66 @@ def test_tab_completes_options_and_keys(
 
 
 # What it leaves behind
+
+
+def test_a_composed_law_runs_with_any_part_and_says_which(command: Command) -> None:
+    status, _, err = command(
+        "law=composed",
+        "law/normal=linear",
+        "law/damping=none",
+        "law/friction=coulomb",
+        "law.normal.stiffness=2e7",
+        "solver.duration=0.2 ms",
+        "hydra.run.dir=here",
+    )
+    assert status == 0, err
+    assert configuration_of(Path("here/run.nc"))["law"] == {
+        "name": "composed",
+        "normal": {"name": "linear", "stiffness": 2e7},
+        "damping": {"name": "none"},
+        "friction": {"name": "coulomb", "static_ratio": 1.0},
+    }
+
+
+def test_a_sweep_runs_over_parts(command: Command, ending: Callable[[Ending], None]) -> None:
+    ending(Ending.COMPLETE)
+    status, _, err = command(
+        "-m", "law=composed", "law/normal=linear,hertz_point", "hydra.sweep.dir=here"
+    )
+    assert status == 0, err
+    laws = [configuration_of(path)["law"] for path in sorted(Path("here").glob("*/run.nc"))]
+    assert [law["normal"] for law in laws] == [
+        {"name": "linear", "stiffness": 1e7},
+        {"name": "hertz_point", "stiffness": 1e10},
+    ]
+
+
+def test_a_file_of_ones_own_is_an_option(
+    command: Command, ending: Callable[[Ending], None], tmp_path: Path
+) -> None:
+    ending(Ending.COMPLETE)
+    folder = tmp_path / "mine/law"
+    folder.mkdir(parents=True)
+    text = "name: hertz_penalty\nstiffness: 3.0e+10\ntip_radius: null\n"
+    (folder / "stiff.yaml").write_text(text)
+    (folder / "rubber.yaml").write_text(
+        "defaults:\n  - composed\n  - override normal: linear\n  - _self_\nnormal:\n  stiffness: 1e4\n"
+    )
+    for name, stiffness in (("stiff", {"stiffness": 3e10}), ("rubber", {"normal": 1e4})):
+        status, _, err = command("--config-dir", "mine", f"law={name}", "hydra.run.dir=here")
+        assert status == 0, err
+        law = configuration_of(Path("here/run.nc"))["law"]
+        for key, value in stiffness.items():
+            assert law[key] == value or law[key] == {"name": "linear", "stiffness": value}
+
+
+def test_an_exception_of_a_law_is_a_sentence(
+    command: Command, ending: Callable[[Ending | BaseException], None]
+) -> None:
+    ending(LawError("The run ended because the law mine raised KeyError: 'x'."))
+    status, _, err = command("hydra.run.dir=here")
+    assert status == 1
+    assert err == "The run ended because the law mine raised KeyError: 'x'.\n"
 
 
 def test_run_leaves_dataset_picture_and_summary(command: Command) -> None:

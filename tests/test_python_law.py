@@ -170,3 +170,17 @@ def test_ctrl_c_inside_the_law_interrupts_the_run(
     assert came
     assert found.ending is Ending.INTERRUPTED
     assert np.isfinite(found.series["normal_force"]).all()
+
+
+def test_the_law_that_readme_writes_in_a_script_runs(motor: Motor, tmp_path: Path) -> None:
+    readme = Path(__file__).resolve().parents[1] / "README.md"
+    (code,) = [
+        block.partition("```")[0]
+        for block in readme.read_text(encoding="utf-8").split("```python\n")
+        if "class Spring(PenaltyLaw)" in block.partition("```")[0]
+    ]
+    names: dict[str, Any] = {"__name__": "script"}
+    exec(code, names)
+    found = run(motor, names["Spring"](2e7))
+    assert found.complete
+    assert len(found.contacts["start_time"]) > 1

@@ -5,14 +5,12 @@ A file of the same name in `conf/law`, or elsewhere on the search path, has prec
 
 from typing import Any
 
+from contactlab.config.quantity import MISSING
 from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
 from contactlab.laws.registry import law_class, law_names
 
 LAW = "law"
 """The group of the laws; those of the parts lie below it."""
-
-MISSING = "???"
-"""What Hydra takes for a value that has to be given."""
 
 
 def groups() -> list[str]:

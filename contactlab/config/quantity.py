@@ -13,7 +13,11 @@ from contactlab.config.units import UnitError, to_si
 FAULT = "quantity"
 """Type of the pydantic error that carries a finished sentence, all but the key."""
 
+MISSING = "???"
+"""What a configuration file writes for a value that has to be given."""
+
 _EXAMPLES = {
+    "1/m": "1 um^-1",
     "1/s": "7.5 Hz",
     "C/m^2": "9.2 C/m**2",
     "F/m": "6.2 nF/m",
@@ -74,6 +78,8 @@ class Quantity:
         """
         if value is None and self.none:
             return None
+        if value == MISSING:
+            raise self._fault("missing", self._expected)
         try:
             number, shown = self._number(value)
         except UnitError as error:

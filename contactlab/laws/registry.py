@@ -119,6 +119,13 @@ def law_class(name: str) -> "type[ContactLaw]":
     return found  # type: ignore[return-value]
 
 
+def provenance(law: type) -> str:
+    """The package and version that a law comes from; of one that no package brings, its module."""
+    entry = f"{law.__module__}:{law.__qualname__}"
+    found = [str(origin) for origin in origins() if origin.entry == entry and not origin.fault]
+    return found[0] if found else law.__module__
+
+
 def _fault_of(found: object, name: str) -> str:
     """What keeps an object from being the law of this name; empty for a law."""
     from contactlab.laws.base import MultiplierLaw, PenaltyLaw

@@ -18,6 +18,7 @@ import xarray
 import yaml
 
 from contactlab import variables
+from contactlab.laws.registry import provenance
 from contactlab.output.files import whole_file
 from contactlab.output.provenance import checkout_state, versions
 from contactlab.trajectory import Ending, Trajectory
@@ -124,6 +125,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "source": f"contactlab {code['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {law.source}.",
         "law": law.name,
+        "law_origin": provenance(type(law)),
         "law_parameters": json.dumps(law.describe()),
         "duration": float(trajectory.duration),
         "contact_step": float(trajectory.contact_step),
