@@ -35,7 +35,7 @@ on the terminal, with the laws that other packages bring. Friction coefficients 
 `contact.friction_coefficient`, the same for every law.
 
 The pictures show a standard cycle. A compliant law is driven by a body too heavy to be disturbed: it presses
-by 1 um for 50 us and slides twice to and fro by 1 um. A rigid law answers impacts of a body with the Delassus
+by 1 µm for 50 µs and slides twice to and fro by 1 µm. A rigid law answers impacts of a body with the Delassus
 matrix [[600, 250], [250, 800]] 1/kg: left over the approach at a slip of 0.05 m/s, right over the slip at an
 approach of 0.1 m/s.
 """

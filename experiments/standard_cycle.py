@@ -1,6 +1,6 @@
 """The standard cycle of a contact law: a body too heavy to be disturbed presses and slides to and fro.
 
-    d = 1 um sin(pi t / T),   way = 1 um sin(4 pi t / T),   0 <= t <= T = 50 us
+    d = 1 µm sin(pi t / T),   way = 1 µm sin(4 pi t / T),   0 <= t <= T = 50 µs
 
 A rigid law has no force over penetration; it is asked about impacts of one body instead.
 """
@@ -77,12 +77,12 @@ def _cycle(law: PenaltyLaw) -> Curves:
     return Curves(
         left=(depth * 1e6, normal),
         right=(way * 1e6, friction),
-        left_words=("penetration [um]", "normal force [N]"),
-        right_words=("way [um]", "friction [N]"),
+        left_words=("penetration [µm]", "normal force [N]"),
+        right_words=("way [µm]", "friction [N]"),
         numbers=(
             f"In the standard cycle: peak normal force {normal.max():.3g} N, largest friction "
-            f"{np.abs(friction).max():.3g} N, normal loss {_tidy(contact)} uJ, "
-            f"friction loss {_tidy(rubbing)} uJ."
+            f"{np.abs(friction).max():.3g} N, normal loss {_tidy(contact)} µJ, "
+            f"friction loss {_tidy(rubbing)} µJ."
         ),
     )
 
@@ -110,11 +110,11 @@ def _impacts(law: MultiplierLaw) -> Curves:
     return Curves(
         left=(speeds, normal * 1e6),
         right=(slips, friction * 1e6),
-        left_words=("approach [m/s]", "normal impulse [uN s]"),
-        right_words=("slip before the impact [m/s]", "friction impulse [uN s]"),
+        left_words=("approach [m/s]", "normal impulse [µN s]"),
+        right_words=("slip before the impact [m/s]", "friction impulse [µN s]"),
         numbers=(
             f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
-            f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} uN s."
+            f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
         ),
     )
 

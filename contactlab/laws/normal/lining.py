@@ -39,8 +39,8 @@ class Lining(NormalForce):
     hard_stiffness: Annotated[float, Parameter("k_2", "N m-1", "of what is behind", above=0.0)] = (
         5e7
     )
-    lining_depth: Annotated[float, Parameter("d_1", "m", "depth of the lining", above=0.0)] = 1e-6
-    passage: Annotated[float, Parameter("w", "m", "width of the passage", above=0.0)] = 2e-7
+    lining_depth: Annotated[float, Parameter("d_1", "m", "depth of the lining", above=0.0)] = 5e-7
+    passage: Annotated[float, Parameter("w", "m", "width of the passage", above=0.0)] = 1e-7
 
     @property
     def elastic(self) -> ElasticKernel:
