@@ -159,10 +159,10 @@ CONTACT = (
         FORMS,
     ),
     Mutation(
-        "a compliant contact is released where the slip reverses",
+        "a compliant contact is released a nanometre early",
         EVENTS,
-        "    if event == RELEASE:\n        return gap\n",
-        "    if event == RELEASE:\n        return gap + 1e-9\n",
+        "return contact_at(plant, step.other_q, step.other_v)[0]",
+        "return contact_at(plant, step.other_q, step.other_v)[0] + 1e-9",
         FORMS,
     ),
 )
