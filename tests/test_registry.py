@@ -30,6 +30,7 @@ def test_every_module_of_a_law_or_part_is_in_a_table() -> None:
         "base",
         "declaration",
         "failure",
+        "impact_process",
         "parameter",
         "part",
         "registry",
