@@ -6,7 +6,7 @@ import pytest
 
 from contactlab.testing import Claim
 from contactlab.testing.forms import CLOSED_FORMS
-from contactlab.testing.forms.impacts import dashpot_impacts, hunt_crossley_impact, modal_impacts
+from contactlab.testing.forms.impacts import dashpot_impacts, modal_impacts
 from contactlab.testing.forms.impacts import hertz_impact as hertz
 
 Form = Callable[..., Iterator[Claim]]
@@ -31,11 +31,6 @@ def test_hertz_impact_at_other_speeds_and_stiffnesses(speed: float, stiffness: f
 @pytest.mark.parametrize("ratio", [0.01, 0.1, 0.6, 0.9])
 def test_dashpot_impact_at_other_dampings(ratio: float) -> None:
     assert_all(dashpot_impacts(ratio=ratio))
-
-
-@pytest.mark.parametrize("loss", [0.05, 0.3, 1.5])
-def test_hunt_crossley_impact_at_other_losses(loss: float) -> None:
-    assert_all(hunt_crossley_impact(loss=loss))
 
 
 @pytest.mark.parametrize("seed", range(2, 12))

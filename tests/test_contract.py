@@ -4,9 +4,18 @@ import subprocess
 import sys
 from pathlib import Path
 
-from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.laws import (
+    LAWS,
+    HertzPenalty,
+    LagrangeSlip,
+    LagrangeStick,
+    MoreauJean,
+    Newton,
+    Poisson,
+    Stronge,
+)
 from contactlab.testing import LawContract
-from contactlab.testing.laws import HuntCrossley, NewtonRestitution, SpringDashpot, TensileDashpot
+from contactlab.testing.laws import SpringDashpot, TensileDashpot
 
 
 class TestHertzPenalty(LawContract):
@@ -37,12 +46,24 @@ class TestTensileDashpot(LawContract):
     law = TensileDashpot(stiffness=1e7, damping=5.0)
 
 
-class TestHuntCrossley(LawContract):
-    law = HuntCrossley(stiffness=1e10, loss=0.5, friction_coefficient=0.3)
+class TestNewton(LawContract):
+    law = Newton(friction_coefficient=0.3, restitution=0.5)
 
 
-class TestNewtonRestitution(LawContract):
-    law = NewtonRestitution(friction_coefficient=0.3, restitution=0.5)
+class TestPoisson(LawContract):
+    law = Poisson(friction_coefficient=0.3, restitution=0.5)
+
+
+class TestStronge(LawContract):
+    law = Stronge(friction_coefficient=0.3, restitution=0.5)
+
+
+class TestStrongeWithoutLoss(LawContract):
+    law = Stronge(friction_coefficient=0.3, restitution=1.0)
+
+
+class TestMoreauJean(LawContract):
+    law = MoreauJean(friction_coefficient=0.3, restitution=0.5)
 
 
 def test_no_law_of_the_package_is_left_out() -> None:

@@ -10,6 +10,7 @@ from motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
+from contactlab.testing.plants import block
 from contactlab.trajectory import Ending
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
@@ -132,6 +133,15 @@ def test_an_argument_out_of_range_is_refused_with_value_and_bound(
 def test_a_rigid_law_refuses_a_tolerance_it_would_ignore() -> None:
     with pytest.raises(ValueError, match="lagrange_stick has no error control"):
         simulate(case_a(), LagrangeStick(0.3), duration=1e-3, record_interval=1e-5, tolerance=1e-6)
+
+
+@laws
+def test_a_start_in_touch_that_closes_is_a_contact_from_the_start(law: ContactLaw) -> None:
+    ball = block(2e-3, gap_rate=-0.1, normal_stiffness=10.0)
+    contacts = simulate(ball, law, duration=1e-4, record_interval=1e-5).contacts
+    assert contacts["start_time"][0] == 0.0
+    assert contacts["approach_velocity"][0] == pytest.approx(-0.1)
+    assert contacts["normal_impulse"][0] > 0.9 * 2e-4
 
 
 def test_a_rigid_start_with_overlap_is_refused() -> None:

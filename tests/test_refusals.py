@@ -33,7 +33,7 @@ from command_line import Command, left_behind
         ),
         (
             ["law=composed", "law/normal=rubber"],
-            "law/normal is 'rubber'; it must be one of hertz_point, linear",
+            "law/normal is 'rubber'; it must be one of hertz_elliptic",
         ),
         (["law=composed", "law.normal.name=rubber"], "Choose one by law/normal=NAME"),
         (

@@ -100,8 +100,8 @@ def _described(owner: "type[ContactLaw | Part]", title: str, origin: str) -> str
     """All that a law or a part says of itself."""
     rows = {
         "equation": owner.equation,
-        **{f"parameter {m.name}": _parameter(m) for m in members_of(owner)},
-        **_declared(owner),
+        **{f"parameter {m.name}": described_parameter(m) for m in members_of(owner)},
+        **declared_rows(owner),
         "source": owner.source,
         "package": origin,
     }
@@ -110,7 +110,7 @@ def _described(owner: "type[ContactLaw | Part]", title: str, origin: str) -> str
     return "\n".join([title, *([_wrapped(first)] if first else []), *lines])
 
 
-def _parameter(member: Member) -> str:
+def described_parameter(member: Member) -> str:
     """Symbol, unit, meaning, default and range of a number; the options of a part."""
     said = member.parameter
     if said is None:
@@ -125,7 +125,7 @@ def _parameter(member: Member) -> str:
     return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range}"
 
 
-def _declared(owner: Any) -> dict[str, str]:
+def declared_rows(owner: Any) -> dict[str, str]:
     """What a law or part claims of itself where it says anything: a composed law leaves it to its parts."""
     from contactlab.laws.base import ContactLaw, PenaltyLaw
     from contactlab.laws.part import Friction
@@ -134,7 +134,7 @@ def _declared(owner: Any) -> dict[str, str]:
     if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
         rows["tension"] = "allowed" if owner.allows_tension else "none"
-        rows["convergence order"] = f"{owner.convergence_order:g}"
+        rows["convergence order"] = _of_parts(owner.convergence_order)
         rows["default contact step"] = f"{owner.default_contact_step:g} s"
     if issubclass(owner, ContactLaw | Friction):
         rows["stick"] = _of_parts(owner.exact_stick, {True: "exact", False: "creeps or chatters"})
@@ -151,7 +151,9 @@ def _of_parts(value: Any, words: dict[Any, str] | None = None) -> str:
     """A declaration in words; one that follows from the parts says so."""
     if isinstance(value, property):
         return "that of its parts"
-    return words[value] if words is not None else ", ".join(value)
+    if words is not None:
+        return words[value]
+    return f"{value:g}" if isinstance(value, float) else ", ".join(value)
 
 
 def _wrapped(text: str, indent: str = INDENT) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import part_kernel
+from contactlab.engine.nodes import free_response
 from contactlab.engine.plant import Plant
 from contactlab.engine.state_friction import correct_state, follow_bound, mobility, push_node
 from contactlab.engine.step import (
@@ -26,7 +27,6 @@ from contactlab.engine.step import (
     TIP_U,
     TIP_U_RATE,
     Step,
-    free_response,
     shape_forces,
     tip_motion,
 )

@@ -10,6 +10,7 @@ from contactlab.engine.collocation import (
 )
 from contactlab.engine.compliant_events import contradicted, first_event, track_extremes
 from contactlab.engine.events import NOTHING
+from contactlab.engine.nodes import add_collocated
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
@@ -27,7 +28,7 @@ from contactlab.engine.run import (
     UNSOLVED,
     Run,
 )
-from contactlab.engine.state_friction import push_node
+from contactlab.engine.state_friction import missed_between, push_node
 from contactlab.engine.step import (
     BOUND,
     CLOSING,
@@ -42,14 +43,13 @@ from contactlab.engine.step import (
     RUBBING,
     TAKEN,
     Step,
-    add_collocated,
     force_at,
     largest,
     tip_motion,
 )
 from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import SET_VALUED, SLIP, STICK, FrictionKernel, PenaltyKernel
+from contactlab.laws.base import CREEPING, SET_VALUED, SLIP, STICK, FrictionKernel, PenaltyKernel
 
 Array = NDArray[np.float64]
 
@@ -177,7 +177,8 @@ def _attempt(
 
     The error is what the force polynomial misses of the known force at the step's start, as an
     impulse; friction that sticks has no known start and is judged by its highest coefficient. A step
-    in which the gap opens carries a kink, and stands only when the whole force left is negligible.
+    in which the gap opens, or the force ends or begins before it, carries a kink, and stands only
+    when the whole force left is negligible.
     """
     build_level(plant, tables, level)
     prepare(plant, tables, step, level)
@@ -204,14 +205,27 @@ def _attempt(
         return np.inf
     h = step.real[LENGTH]
     allowed = run.real[TOLERANCE] * momentum
-    if largest(step.gap) >= 0.0:
-        return 0.5 if abs(normal) * h <= allowed else np.inf
+    if largest(step.gap) >= 0.0 or _lifts(step, normal):
+        most = max(abs(normal), largest(step.force[NORMAL]))
+        return 0.5 if most * h <= allowed else np.inf
     error = abs(step.shape[NORMAL, 0] - normal)
     if step.whole[RUBBING] != SET_VALUED:
         error = max(error, abs(step.shape[FRICTION, 0] - rubbed))
+        if step.whole[RUBBING] == CREEPING:
+            error = max(error, missed_between(plant, tables, step, rub, parameters))
     if mode == STICK:
         error = max(error, 0.1 * abs(step.shape[FRICTION, NODES - 1]))
     return float(error * h / allowed)
+
+
+@inner_kernel
+def _lifts(step: Step, normal: float) -> bool:
+    """Whether a force that only pushes ends or begins within the step, from its value at the start."""
+    ends, begins = False, False
+    for i in range(NODES):
+        ends = ends or (normal > 0.0 and step.force[NORMAL, i] == 0.0)
+        begins = begins or (normal == 0.0 and step.force[NORMAL, i] > 0.0)
+    return ends or (begins and step.force[NORMAL, 0] == 0.0)
 
 
 @part_kernel

@@ -2,6 +2,7 @@
 
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.events import NOTHING, TOUCH
+from contactlab.engine.nodes import free_response
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     DIVERGED,
@@ -16,7 +17,7 @@ from contactlab.engine.run import (
     TIME,
     Run,
 )
-from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to, free_response
+from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to
 from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
 from contactlab.engine.touchdown import (
     LOST,

@@ -7,6 +7,10 @@
 
 The paper takes backward Euler for the whole step; here the linear part is exact and only the contact
 force is held over the step, which keeps the order (one) and any stiff or overdamped mode stable.
+
+A law that does not project is stepped as by Moreau and Jean: no displacement is corrected, the impulse is
+the law's at the place that the step would reach without contact, and a contact has steps without
+impulse until the gap is open.
 """
 
 import numpy as np
@@ -14,6 +18,7 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.events import NOTHING, RELEASE
+from contactlab.engine.nodes import add_held, add_held_rates, free_response
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
@@ -24,6 +29,7 @@ from contactlab.engine.run import (
     LEVEL,
     NORMAL_BEFORE,
     PEAK,
+    PROJECTS,
     TIME,
     Run,
 )
@@ -38,9 +44,6 @@ from contactlab.engine.step import (
     PUSH_U,
     TAKEN,
     Step,
-    add_held,
-    add_held_rates,
-    free_response,
     hold_forces,
     tip_motion,
 )
@@ -62,27 +65,36 @@ def hold_contact(
 ) -> int:
     """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING."""
     level = run.whole[LEVEL]
+    projects = run.whole[PROJECTS] != 0
     step.whole[KIND] = HELD
     gap, gap_rate, slip = _turn_frame(plant, step, step.q, step.v)
     run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
     impact = run.contact[DURATION] == 0.0
-    p_n, p_t, mode = _attempt(plant, tables, step, level, gap_rate, slip, solve, parameters)
+    rates = (gap_rate, slip)
+    p_n, p_t, mode = _attempt(plant, tables, step, level, projects, rates, solve, parameters)
     # Over a long step a graze seems to open by itself; the approach it began with must still be met.
     while impact and gap_rate < 0.0 and p_n <= 0.0 and level < FINEST - 1:
         level += 1
-        p_n, p_t, mode = _attempt(plant, tables, step, level, gap_rate, slip, solve, parameters)
+        p_n, p_t, mode = _attempt(plant, tables, step, level, projects, rates, solve, parameters)
     h = step.real[LENGTH]
-    if p_n <= 0.0:
+    if p_n <= 0.0 and (projects or gap > 0.0):
         _shorten_to_release(step, run, p_n / h)
         return RELEASE
+    if p_n <= 0.0:
+        # The gap is closed still and opens by itself.
+        p_n, p_t, mode = 0.0, 0.0, SLIP
     _hold(step, p_n / h, p_t / h)
+    if not projects:
+        add_held(plant, tables, step, level, NODES - 1)
     add_held_rates(plant, tables, step, level)
     step.real[TAKEN] = min(h, run.real[END] - run.real[TIME])
     step.whole[MODE] = mode
     run.contact[PEAK] = max(run.contact[PEAK], p_n / h)
-    # An impact's force says nothing about the one at which the contact will open.
-    run.real[NORMAL_BEFORE] = 0.0 if impact else p_n / h
-    run.real[FRICTION_BEFORE] = 0.0 if impact else p_t / h
+    # An impact's force says nothing about the one at which the contact will open. A release that finds
+    # the gap open is not looked for at all: no force before means at once.
+    lasts = projects and not impact
+    run.real[NORMAL_BEFORE] = p_n / h if lasts else 0.0
+    run.real[FRICTION_BEFORE] = p_t / h if lasts else 0.0
     run.whole[CONTACT_STEPS] += 1
     return NOTHING
 
@@ -93,8 +105,8 @@ def _attempt(
     tables: Tables,
     step: Step,
     level: int,
-    gap_rate: float,
-    slip: float,
+    projects: bool,
+    start: tuple[float, float],
     solve: MultiplierKernel,
     parameters: Array,
 ) -> tuple[float, float, int]:
@@ -102,7 +114,8 @@ def _attempt(
 
     Args:
         plant, tables, step, level: the step; its displacements end corrected, its rates without contact.
-        gap_rate, slip: of its start [m/s].
+        projects: whether to correct; else the displacements end without contact, too.
+        start: gap rate and slip of its start [m/s].
         solve, parameters: the law.
     """
     build_level(plant, tables, level)
@@ -112,7 +125,10 @@ def _attempt(
     _turn_frame(plant, step, step.q, step.v)
     free_response(plant, tables, step, level, last)
     _, _, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[last], step.node_v[last])
-    rates = (u_rate, th_rate, rotor, gap_rate, slip)
+    rates = (u_rate, th_rate, rotor, start[0], start[1])
+    if not projects:
+        _turn_frame(plant, step, step.node_q[last], step.v)
+        return _impulse(plant, tables, step, level, rates, solve, parameters)
     p_n, p_t, _ = _impulse(plant, tables, step, level, rates, solve, parameters)
     _hold(step, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
     add_held(plant, tables, step, level, last)

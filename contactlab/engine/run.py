@@ -53,11 +53,12 @@ Array = NDArray[np.float64]
 contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1], what a
 spring of the friction holds at the last record [J]."""
 
-PHASE, SIGN, LEVEL, LEVEL_BEFORE, RECORDED, STORED, ENDING, EVENTS, IDLE = range(9)
+PHASE, SIGN, LEVEL, LEVEL_BEFORE, RECORDED, STORED, ENDING, EVENTS, IDLE, PROJECTS = range(10)
 """Places in `Run.whole`: phase, slip direction, level of the next step and of the one before, records
-and contacts written, ending, events in the window, steps without progress; the counts follow."""
+and contacts written, ending, events in the window, steps without progress, whether a rigid law puts
+displacements back onto the closed gap; the counts follow."""
 
-FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES = range(9, 15)
+FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES = range(10, 16)
 COUNTS = (
     "flight_steps",
     "contact_steps",
@@ -69,7 +70,7 @@ COUNTS = (
 
 RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
-start in contact."""
+start in contact, or on the point of it."""
 
 RUNNING, DIVERGED, UNSOLVED, CHATTERED = range(4)
 """Endings as the kernels know them."""
@@ -117,7 +118,7 @@ def run_for(records: int, contact_rows: int = 4096) -> Run:
     """Zeroed memory for a number of records."""
     return Run(
         real=np.zeros(10),
-        whole=np.zeros(9 + len(COUNTS), dtype=np.int64),
+        whole=np.zeros(10 + len(COUNTS), dtype=np.int64),
         total=np.zeros(len(TERMS)),
         step_terms=np.zeros(len(TERMS)),
         part_terms=np.zeros(len(TERMS)),

@@ -21,6 +21,7 @@ from contactlab.engine.run import (
     OPEN,
     PHASE,
     PRESSED,
+    PROJECTS,
     RECORDED,
     RELEASED,
     RUNNING,
@@ -100,6 +101,8 @@ def simulate(
     run.whole[LEVEL] = tables.fresh_level
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
+    if isinstance(law, MultiplierLaw):
+        run.whole[PROJECTS] = law.projects
     _start(motor, plant, step, run, compliant)
     parameters = law.parameters()
     (force, rub, solve), law_errors = kernels_of(law)
@@ -208,13 +211,14 @@ def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) ->
         step.q[:-1] = motor.start.displacement
         step.v[:-1] = motor.start.velocity
     u, th = float(plant.row_u @ step.q), float(plant.row_th @ step.q)
-    gap = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)[0]
+    gap, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
+    rate = n_u * float(plant.row_u @ step.v) + n_th * float(plant.row_th @ step.v)
     if gap < 0.0 and not compliant:
         raise ValueError(
             f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
             "rotor would overlap."
         )
-    if gap < 0.0:
+    if gap < 0.0 or (gap == 0.0 and rate < 0.0):
         run.whole[PHASE] = PRESSED
     else:
         run.whole[PHASE] = OPEN if gap > 0.0 else RELEASED

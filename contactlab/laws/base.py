@@ -10,15 +10,15 @@ are two families, and the engine knows only these two:
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from contactlab.laws.parameter import check_parameters
+from contactlab.laws.parameter import Parameter, check_parameters, parameters_of
 
 Array = NDArray[np.float64]
 
@@ -93,6 +93,19 @@ class ContactLaw(ABC):
         """The law's effective parameters by name, SI."""
         return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
 
+    def declared(self) -> dict[str, Parameter]:
+        """What the law says of its parameters, by the same names."""
+        return parameters_of(type(self))
+
+    def changed(self, name: str, value: float) -> Self:
+        """The law with another value of one parameter.
+
+        Raises:
+            ValueError: the value is out of its range.
+        """
+        law: Any = self
+        return replace(law, **{name: value})  # type: ignore[no-any-return]
+
 
 class PenaltyLaw(ContactLaw):
     """A compliant law: force from penetration.
@@ -137,6 +150,11 @@ class PenaltyLaw(ContactLaw):
 
 class MultiplierLaw(ContactLaw):
     """A rigid law: the impulse of one step from the velocities that the step would end with."""
+
+    projects: ClassVar[bool] = True
+    """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
+    corrector does, and the last step is shortened to the release; else the constraint is one of
+    velocities only, the contact may penetrate by O(step), and it lasts until the gap is open."""
 
     @property
     @abstractmethod

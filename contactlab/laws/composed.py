@@ -1,6 +1,8 @@
 """A compliant law composed of a normal force, a damping and a friction."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -11,12 +13,13 @@ from contactlab.laws.base import FrictionKernel, PenaltyKernel, PenaltyLaw
 from contactlab.laws.damping import Undamped
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
+from contactlab.laws.parameter import Parameter, parameters_of
 from contactlab.laws.part import Damping, Friction, NormalForce, Part
 
 Array = NDArray[np.float64]
 
-DAMPING, FRICTION, SIZE = 4, 8, 16
-"""Where the parts' parameters begin in the law's; those of the normal force at 0."""
+NORMAL, DAMPING, FRICTION, SIZE = 0, 4, 8, 16
+"""Where the parts' parameters begin in the law's, and how many there are."""
 
 
 @final
@@ -55,11 +58,26 @@ class Composed(PenaltyLaw):
             for name, value in part.describe().items()
         }
 
+    def declared(self) -> dict[str, Parameter]:
+        """What the parts say of their parameters, by the same names."""
+        return {
+            f"{part.family}.{name}": parameter
+            for part in self.parts
+            for name, parameter in parameters_of(type(part)).items()
+        }
+
+    def changed(self, name: str, value: float) -> "Composed":
+        """See `ContactLaw.changed`."""
+        family, _, parameter = name.partition(".")
+        part: Any = getattr(self, family)
+        changed: Any = {family: replace(part, **{parameter: value})}
+        return replace(self, **changed)
+
     def parameters(self) -> Array:
         """What the kernels read, each part's from its own place on."""
         values = np.zeros(SIZE)
         coefficients = (
-            (0, self.normal.coefficients()),
+            (NORMAL, self.normal.coefficients()),
             (DAMPING, self.damping.coefficients(self.normal)),
             (FRICTION, self.friction.coefficients()),
         )
@@ -73,40 +91,63 @@ class Composed(PenaltyLaw):
         return self.friction.friction_kind
 
     @property
+    def memory(self) -> tuple[str, ...]:  # type: ignore[override]
+        """That of the friction."""
+        return self.friction.memory
+
+    @property
+    def exact_stick(self) -> bool:  # type: ignore[override]
+        """That of the friction."""
+        return self.friction.exact_stick
+
+    @property
+    def convergence_order(self) -> float:  # type: ignore[override]
+        """That of the friction."""
+        return self.friction.convergence_order
+
+    @property
+    def violations(self) -> Mapping[str, str]:  # type: ignore[override]
+        """Those of the friction."""
+        return self.friction.violations
+
+    @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
-        elastic_of: Any = self.normal.elastic
-        damped_of: Any = self.damping.damped
-        bound_of: Any = self.friction.bound
-
-        def composed_force(
-            gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
-        ) -> tuple[float, float, float, float]:
-            elastic, stored, _, _ = elastic_of(max(-gap, 0.0), parameters, 0)
-            normal = damped_of(elastic, -gap_rate, approach, parameters, DAMPING)
-            bound = bound_of(normal, slip, parameters, FRICTION)
-            return normal, bound, stored, (elastic - normal) * gap_rate
-
-        return fleeting_kernel(composed_force)
+        return _force_of(self.normal.elastic, self.damping.damped, self.friction.bound)
 
     @property
     def rub(self) -> FrictionKernel | None:
         """The kernel; see `PenaltyLaw.rub`."""
-        elastic_of: Any = self.normal.elastic
-        state_of: Any = self.friction.state
-        if state_of is None:
-            return None
+        state = self.friction.state
+        return None if state is None else _friction_of(self.normal.elastic, state)
 
-        def composed_friction(
-            gap: float,
-            gap_rate: float,
-            slip: float,
-            normal: float,
-            memory: float,
-            parameters: Array,
-        ) -> tuple[float, float, float, float]:
-            _, _, stiffness, slope = elastic_of(max(-gap, 0.0), parameters, 0)
-            rate = -slope * gap_rate
-            return state_of(normal, stiffness, rate, slip, memory, parameters, FRICTION)  # type: ignore[no-any-return]
 
-        return fleeting_kernel(composed_friction)
+# The kernels of a composition do not depend on its parameters: one compilation serves a whole sweep.
+@cache
+def _force_of(elastic: Any, damped: Any, bound: Any) -> PenaltyKernel:
+    def composed_force(
+        gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
+    ) -> tuple[float, float, float, float]:
+        spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, NORMAL)
+        normal = damped(spring, -gap_rate, approach, parameters, DAMPING)
+        return (
+            normal,
+            bound(normal, slip, parameters, FRICTION),
+            stored,
+            (spring - normal) * gap_rate,
+        )
+
+    return fleeting_kernel(composed_force)
+
+
+@cache
+def _friction_of(elastic: Any, state: Any) -> FrictionKernel:
+    def composed_friction(
+        gap: float, gap_rate: float, slip: float, normal: float, memory: float, parameters: Array
+    ) -> tuple[float, float, float, float]:
+        _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, NORMAL)
+        return state(  # type: ignore[no-any-return]
+            normal, stiffness, -slope * gap_rate, slip, memory, parameters, FRICTION
+        )
+
+    return fleeting_kernel(composed_friction)

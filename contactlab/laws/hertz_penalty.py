@@ -9,6 +9,10 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.laws.composed import FRICTION, NORMAL, Composed
+from contactlab.laws.damping import Undamped
+from contactlab.laws.friction.coulomb import Coulomb, coulomb_bound
+from contactlab.laws.normal.hertz_point import HertzPoint, hertz_elastic
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
 
 Array = NDArray[np.float64]
@@ -17,7 +21,7 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class HertzPenalty(PenaltyLaw):
-    """Hertz point contact with Coulomb friction and exact stick.
+    """Hertz point contact with Coulomb friction and exact stick: a composition that has a name.
 
         N = K max(-g, 0)^(3/2),  V = 2/5 K max(-g, 0)^(5/2),  |F| <= mu N
 
@@ -40,19 +44,28 @@ class HertzPenalty(PenaltyLaw):
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
     @property
+    def composition(self) -> Composed:
+        """The same law out of its parts."""
+        return Composed(HertzPoint(self.stiffness), Undamped(), Coulomb(self.friction_coefficient))
+
+    def parameters(self) -> Array:
+        """What the kernels of the parts read."""
+        return self.composition.parameters()
+
+    @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
         return hertz_force
 
 
+# The composition's own kernel, under a name: its code is kept, so that the default law starts at once.
 @kernel
 def hertz_force(
     gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
-    depth = max(-gap, 0.0)
-    normal = parameters[0] * depth * sqrt(depth)
-    return normal, parameters[1] * normal, 0.4 * normal * depth, 0.0
+    normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, NORMAL)
+    return normal, coulomb_bound(normal, slip, parameters, FRICTION), stored, 0.0
 
 
 def hertz_stiffness(

@@ -46,6 +46,9 @@ class Parameter:
 FRICTION_COEFFICIENT = Parameter("mu", "1", "friction coefficient", at_least=0.0)
 """Shared by the laws with Coulomb friction of one coefficient."""
 
+RESTITUTION = Parameter("e", "1", "coefficient of restitution", at_least=0.0, at_most=1.0)
+"""Shared by the laws with a restitution, whichever of velocity, impulse or energy it is of."""
+
 
 def parameters_of(law: type) -> dict[str, Parameter]:
     """The declared parameters of a law by name; a field without declaration is not among them."""

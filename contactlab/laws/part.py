@@ -95,6 +95,7 @@ class Friction(Part):
     family: ClassVar[str] = "friction"
     friction_kind: ClassVar[int] = SET_VALUED
     exact_stick: ClassVar[bool] = True
+    convergence_order: ClassVar[float] = 1.0
     memory: ClassVar[tuple[str, ...]] = ()
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
 

@@ -31,6 +31,10 @@ LAWS: "Table[type[ContactLaw]]" = Table(
         "hertz_penalty": "contactlab.laws.hertz_penalty:HertzPenalty",
         "lagrange_slip": "contactlab.laws.lagrange_slip:LagrangeSlip",
         "lagrange_stick": "contactlab.laws.lagrange_stick:LagrangeStick",
+        "moreau_jean": "contactlab.laws.moreau_jean:MoreauJean",
+        "newton": "contactlab.laws.newton:Newton",
+        "poisson": "contactlab.laws.poisson:Poisson",
+        "stronge": "contactlab.laws.stronge:Stronge",
     }
 )
 """The package's own laws."""

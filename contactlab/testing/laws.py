@@ -1,20 +1,17 @@
-"""Laws with closed-form answers, to prove the engine on: a dashpot, an internal loss, a restitution.
+"""Laws with closed-form answers, to prove the engine on: a dashpot and an internal loss.
 
 They are no part of the registry: nobody should run a motor with them by accident.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Annotated, ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import MultiplierKernel, MultiplierLaw, PenaltyKernel, PenaltyLaw
-from contactlab.laws.lagrange_stick import stick_or_slip_impulse
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.laws.parameter import Parameter
 
 Array = NDArray[np.float64]
 
@@ -95,84 +92,3 @@ def tensile_dashpot_force(
     elastic = -parameters[0] * gap
     viscous = -parameters[1] * gap_rate
     return elastic + viscous, 0.0, -0.5 * elastic * gap, -viscous * gap_rate
-
-
-@final
-@dataclass(frozen=True)
-class HuntCrossley(PenaltyLaw):
-    """Hertz with a loss that grows with the penetration, and Coulomb friction.
-
-    N = K d^1.5 max(1 + a ddot, 0),  |F| <= mu N
-    """
-
-    name: ClassVar[str] = "hunt_crossley"
-    equation: ClassVar[str] = "N = K d^1.5 max(1 + a ddot, 0), |F| <= mu N"
-    source: ClassVar[str] = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
-    default_contact_step: ClassVar[float] = 4e-6
-
-    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)]
-    loss: Annotated[float, Parameter("a", "s m-1", "loss per closing speed", at_least=0.0)]
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.0
-
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return hunt_crossley_force
-
-
-@kernel
-def hunt_crossley_force(
-    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
-    depth = max(-gap, 0.0)
-    elastic = parameters[0] * depth**1.5
-    normal = elastic * max(1.0 - parameters[1] * gap_rate, 0.0)
-    return normal, parameters[2] * normal, 0.4 * elastic * depth, (elastic - normal) * gap_rate
-
-
-@final
-@dataclass(frozen=True)
-class NewtonRestitution(MultiplierLaw):
-    """A rigid impact that gives back a share of the approach, with set-valued friction.
-
-        gdot+ = -e gdot- in an impact, g = 0 after it;  |F| <= mu N
-
-    Time stepping in the sense of Moreau: a rebound that ends within the step is none. Where slip
-    reverses in the impact this restitution can create energy (Kane and Levinson 1985).
-    """
-
-    name: ClassVar[str] = "newton_restitution"
-    equation: ClassVar[str] = "gdot+ = -e gdot-, N >= 0, |F| <= mu N"
-    source: ClassVar[str] = "Newton (1687); Moreau (1988)"
-    default_contact_step: ClassVar[float] = 5e-8
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"dissipates": "a restitution of velocities can make energy where friction ends the slip."}
-    )
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT]
-    restitution: Annotated[float, Parameter("e", "1", "restitution", at_least=0.0, at_most=1.0)]
-
-    @property
-    def solve(self) -> MultiplierKernel:
-        """The kernel; see `MultiplierLaw.solve`."""
-        return newton_impulse
-
-
-@kernel
-def newton_impulse(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    parameters: Array,
-) -> tuple[float, float, int]:
-    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
-    # The plastic law to the rate that is asked for in place of zero.
-    missing = normal_rate + parameters[1] * min(gap_rate, 0.0)
-    return stick_or_slip_impulse(
-        missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-    )

@@ -8,6 +8,7 @@ EVENTS = "contactlab/engine/compliant_events.py"
 COLLOCATION = "contactlab/engine/collocation.py"
 FORMS = ("tests/test_closed_forms.py",)
 CASE_A = ("tests/test_case_a.py",)
+IMPACTS = ("tests/test_impact_laws.py", "tests/test_impact_runs.py")
 
 CONTACT = (
     Mutation(
@@ -44,6 +45,34 @@ CONTACT = (
         "p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant",
         "p_n = -normal_rate / d_nn",
         ("tests/test_laws.py",),
+    ),
+    Mutation(
+        "slip reverses against the normal impulse that drives it",
+        "contactlab/laws/impact_process.py",
+        "else -mu if d_nt > 0.0 else mu",
+        "else mu if d_nt > 0.0 else -mu",
+        IMPACTS,
+    ),
+    Mutation(
+        "restitution of a contact that lasts",
+        "contactlab/laws/impact_process.py",
+        "return min(max(gap_rate, normal_rate), 0.0)",
+        "return min(normal_rate, 0.0)",
+        IMPACTS,
+    ),
+    Mutation(
+        "the share of the work is e in place of its square",
+        "contactlab/laws/stronge.py",
+        "e * sqrt(2.0 * work / second)",
+        "sqrt(e) * sqrt(2.0 * work / second)",
+        IMPACTS,
+    ),
+    Mutation(
+        "a contact that is not projected ends while the gap is closed",
+        RIGID,
+        "if p_n <= 0.0 and (projects or gap > 0.0):",
+        "if p_n <= 0.0:",
+        IMPACTS,
     ),
     Mutation(
         "exponent of Hertz 4/3",
@@ -118,7 +147,7 @@ CONTACT = (
     Mutation(
         "slip that reverses goes on",
         EVENTS,
-        "happened = rubs and not sticks and run.whole[SIGN] * step.slip[i] < 0.0",
+        "happened = rubs and not sticks and run.whole[SIGN] * step.sliding[i] < 0.0",
         "happened = False and rubs and not sticks",
         FORMS,
     ),

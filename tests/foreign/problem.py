@@ -79,6 +79,7 @@ class Problem(TypedDict):
     load_torque: float
     initial_velocity: float
     friction_coefficient: float
+    restitution: float
     duration: float
 
 
@@ -103,6 +104,7 @@ def problem_from(changes: dict[str, float], duration: float) -> Problem:
         load_torque=p["load_torque"],
         initial_velocity=p["initial_velocity"],
         friction_coefficient=p["friction_coefficient"],
+        restitution=0.0,
         duration=duration,
     )
 

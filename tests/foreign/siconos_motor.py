@@ -1,4 +1,4 @@
-"""The motor with rigid contact as a Siconos model: Moreau-Jean time stepping of a plastic impact.
+"""The motor with rigid contact as a Siconos model: Moreau-Jean time stepping.
 
     python siconos_motor.py problem.json result.json
 
@@ -8,12 +8,12 @@ modes of the resonator (unit masses) and the rotor's angle alpha (mass J):
     qdd_j + c_j qd_j + k_j q_j = Re sum_k force_jk exp(i omega_k t) + contact
     J alphadd + C_r alphad = -tau + contact
 
-One interaction with Newton's impact law (e = 0) and Coulomb friction couples them; its impulses
+One interaction with Newton's impact law and Coulomb friction couples them; its impulses
 act on the tip along normal and tangent of `Touch` [N s].
 
 Problem (SI): stiffness, damping [mode]; force_re, force_im [mode][tone]; omega [tone];
 tip_displacement, tip_slope [mode]; tip_length, rotor_radius, clearance; rotor_inertia,
-rotor_damping, load_torque, initial_velocity; friction_coefficient; duration, step.
+rotor_damping, load_torque, initial_velocity; friction_coefficient, restitution; duration, step.
 """
 
 import json
@@ -96,7 +96,9 @@ def solve(problem: dict[str, Any]) -> dict[str, Any]:
     drive = drive_forces(problem, np.linspace(0.0, duration, steps + 1))
     body, touch = oscillators(problem), Touch(problem)
     force = body.fExt()
-    law = sk.NewtonImpactFrictionNSL(0.0, 0.0, problem["friction_coefficient"], 2)
+    law = sk.NewtonImpactFrictionNSL(
+        problem["restitution"], 0.0, problem["friction_coefficient"], 2
+    )
     contact = sk.Interaction(law, touch.relation)
     system = sk.NonSmoothDynamicalSystem(0.0, duration)
     system.insertDynamicalSystem(body)

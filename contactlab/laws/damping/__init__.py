@@ -9,7 +9,11 @@ if TYPE_CHECKING:
 
 DAMPINGS: "Table[type[Damping]]" = Table(
     {
-        "none": "contactlab.laws.damping.none:Undamped",
+        "none": "contactlab.laws.damping.undamped:Undamped",
+        "linear": "contactlab.laws.damping.linear:LinearDamping",
+        "hunt_crossley": "contactlab.laws.damping.hunt_crossley:HuntCrossley",
+        "lankarani_nikravesh": "contactlab.laws.damping.lankarani_nikravesh:LankaraniNikravesh",
+        "flores": "contactlab.laws.damping.flores:Flores",
     }
 )
 

@@ -52,6 +52,8 @@ class ElastoPlastic(Friction):
     source: ClassVar[str] = "Dupont et al. (2002), IEEE Trans. Autom. Control 47, 787"
     friction_kind: ClassVar[int] = CREEPING
     exact_stick: ClassVar[bool] = False
+    # The bristles have a kink where the slip reverses, and no step ends there.
+    convergence_order: ClassVar[float] = 0.5
     memory: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
     violations: ClassVar[Mapping[str, str]] = MappingProxyType(
         {

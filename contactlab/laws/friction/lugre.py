@@ -46,6 +46,8 @@ class LuGre(Friction):
     source: ClassVar[str] = "Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419"
     friction_kind: ClassVar[int] = CREEPING
     exact_stick: ClassVar[bool] = False
+    # The bristles have a kink where the slip reverses, and no step ends there.
+    convergence_order: ClassVar[float] = 0.5
     memory: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
     violations: ClassVar[Mapping[str, str]] = MappingProxyType(
         {

@@ -10,7 +10,10 @@ if TYPE_CHECKING:
 NORMAL_FORCES: "Table[type[NormalForce]]" = Table(
     {
         "hertz_point": "contactlab.laws.normal.hertz_point:HertzPoint",
+        "hertz_elliptic": "contactlab.laws.normal.hertz_elliptic:HertzElliptic",
+        "line": "contactlab.laws.normal.line:Line",
         "linear": "contactlab.laws.normal.linear:Linear",
+        "lining": "contactlab.laws.normal.lining:Lining",
     }
 )
 

@@ -1,7 +1,7 @@
 """Properties of a law by itself: what it declares, and what its kernel answers to drawn states."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from math import inf, sqrt
 from typing import final
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, STICK
-from contactlab.laws.parameter import parameters_of
 from contactlab.testing.claim import Claim, at_most
 from contactlab.testing.contract.bench import Bench
 
@@ -26,8 +25,8 @@ ROUND_OFF = 1e-9
 def declares_its_parameters(bench: Bench) -> Iterator[Claim]:
     """Every field has symbol, unit and meaning, what is out of range is refused, words are there."""
     law = bench.law
-    declared = parameters_of(type(law))
-    names: list[str] = [f.name for f in fields(law)] if is_dataclass(law) else []
+    declared = law.declared()
+    names = list(law.describe())
     missing = [
         name
         for name in names
@@ -51,7 +50,7 @@ def kernel_is_consistent(bench: Bench) -> Iterator[Claim]:
 def _refuses(law: ContactLaw, name: str, value: float) -> bool:
     """Whether the law refuses a value of one parameter."""
     try:
-        type(law)(**(law.describe() | {name: value}))
+        law.changed(name, value)
     except ValueError:
         return True
     return False

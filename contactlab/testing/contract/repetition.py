@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import Array, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import Array, FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.testing.claim import Claim, at_least, at_most
 from contactlab.testing.contract.bench import Bench, mirrored
 from contactlab.trajectory import Trajectory
@@ -123,6 +123,31 @@ class _OftenAskedPenalty(PenaltyLaw):
 
         return fleeting_kernel(asked)
 
+    @property
+    def friction_kind(self) -> int:  # type: ignore[override]
+        """That of the law inside."""
+        return self.law.friction_kind
+
+    @property
+    def rub(self) -> FrictionKernel | None:
+        """The kernel around the kernel, where there is one."""
+        inner: Any = self.law.rub
+        if inner is None:
+            return None
+
+        def asked(
+            gap: float,
+            gap_rate: float,
+            slip: float,
+            normal: float,
+            memory: float,
+            parameters: Array,
+        ) -> tuple[float, float, float, float]:
+            inner(1.5 * gap, -gap_rate, -slip, 2.0 * normal, -memory, parameters)
+            return inner(gap, gap_rate, slip, normal, memory, parameters)  # type: ignore[no-any-return]
+
+        return fleeting_kernel(asked)
+
 
 @final
 @dataclass(frozen=True)
@@ -135,6 +160,10 @@ class _OftenAskedMultiplier(MultiplierLaw):
     default_contact_step: ClassVar[float] = 5e-8
 
     law: MultiplierLaw
+
+    def __post_init__(self) -> None:
+        """Stepped as the law inside."""
+        object.__setattr__(self, "projects", self.law.projects)
 
     def parameters(self) -> Array:
         """Those of the law inside."""
