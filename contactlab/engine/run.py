@@ -30,7 +30,7 @@ from contactlab.engine.step import (
     memory_at,
     tip_motion,
 )
-from contactlab.engine.tables import Tables
+from contactlab.engine.tables import Tables, step_length
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import FREE, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 from contactlab.variables import CONTACTS, SERIES
@@ -84,7 +84,10 @@ EVENT_LIMIT = 1000
 """Touch-downs and friction switches within one window that count as chattering."""
 
 IDLE_LIMIT = 1000
-"""Steps in a row that do not move the clock."""
+"""Steps in a row that hardly move the clock."""
+
+CRAWL = 1e-9
+"""Step over the longest one in contact that counts as none: at this pace no run reaches its end."""
 
 
 class Run(NamedTuple):
@@ -225,7 +228,8 @@ def commit(
         run.contact[IMPULSE] += run.step_terms[NORMAL_IMPULSE]
         run.contact[FRICTIONAL_IMPULSE] += run.step_terms[FRICTION_IMPULSE]
         run.contact[LOSS] += run.step_terms[FRICTIONAL] + run.step_terms[NORMAL_LOSS]
-    run.whole[IDLE] = run.whole[IDLE] + 1 if now == start else 0
+    crawls = s < CRAWL * step_length(tables, tables.contact_level)
+    run.whole[IDLE] = run.whole[IDLE] + 1 if crawls else 0
     if run.whole[IDLE] > IDLE_LIMIT:
         run.whole[ENDING] = CHATTERED
     run.real[TIME] = now

@@ -31,10 +31,10 @@ PARTS = (
         FORMS,
     ),
     Mutation(
-        "a slider that slips leaves the spring where it was",
+        "the spring of a slider that slips carries nine tenths of the bound",
         STATE,
         "step.memory[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0",
-        "step.memory[i] = step.real[MEMORY]",
+        "step.memory[i] = 0.9 * sign * bound / stiffness if stiffness > 0.0 else 0.0",
         FORMS,
     ),
     Mutation(
