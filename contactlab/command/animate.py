@@ -77,8 +77,9 @@ def _joined(arguments: list[str]) -> Iterator[str]:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="contactlab animate",
-        description=f"{VERBS['animate'].capitalize()}. Tip and rotor have their true shape, their motion "
-        f"is magnified by a factor that the picture tells. It lasts {FILM_TIME:g} s, whatever it shows.",
+        description=f"{VERBS['animate'].replace('show', 'Show', 1)}. Tip and rotor have their true shape, "
+        "their motion is magnified by a factor that the picture tells. "
+        f"It lasts {FILM_TIME:g} s, whatever it shows.",
     )
     parser.add_argument("run", metavar="RUN.nc", help="a dataset, or a folder with run.nc")
     parser.add_argument(
