@@ -1,6 +1,7 @@
 """The verbs of the command: words that may stand first in place of a run."""
 
 VERBS = {
+    "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
     "laws": "list every installed law and part, with all that it declares",
     "verify": "print what is claimed of the engine and the laws, and what is found",
 }

@@ -56,13 +56,9 @@ def last_periods(
     Args:
         root: time series and natural frequencies of a run.
         contacts: its contacts.
-        configuration: its configuration; a drive without a frequency is driven at the first
-            natural frequency.
+        configuration: its configuration.
     """
-    frequency = configuration["drive"]["frequency"]
-    if frequency is None:
-        frequency = root["natural_frequency"].values[0]
-    period = 1.0 / float(frequency)
+    period = drive_period(root, configuration)
     time = root["time"].values
     end = float(time[-1])
     start = max(float(time[0]), end - PERIODS * period)
@@ -77,6 +73,19 @@ def last_periods(
         # A single record, of a run that failed at once, is a point as well.
         coarse=time.size == 1 or (time.size > 2 and float(time[1] - time[0]) > period / COARSE),
     )
+
+
+def drive_period(root: xarray.Dataset, configuration: dict[str, Any]) -> float:
+    """Period of the first tone [s]; a drive without a frequency has the first natural frequency.
+
+    Args:
+        root: with the natural frequencies.
+        configuration: of the run.
+    """
+    frequency = configuration["drive"]["frequency"]
+    if frequency is None:
+        frequency = root["natural_frequency"].values[0]
+    return 1.0 / float(frequency)
 
 
 def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str, Array]:
