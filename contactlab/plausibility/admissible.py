@@ -1,0 +1,272 @@
+"""What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.laws.base import STICK
+from contactlab.plausibility.hertz import tip_radius
+from contactlab.plausibility.measure import Measure
+from contactlab.plausibility.metric import Metric
+from contactlab.plausibility.record import Record, needed
+
+Array = NDArray[np.float64]
+
+ROUND_OFF: Final = 1e-6
+"""What separates numbers that are equal in theory: single precision, in which a file may be kept."""
+
+ONE_STEP: Final = 1e-3
+"""What the one step in which a force or a slip ends may have of the wrong sign: a step is a thousandth of
+a contact at the rigid laws' default, and a compliant law's error is smaller still."""
+
+
+def _penetration_over_radius(record: Record) -> float:
+    return float(record.contacts("max_penetration").max()) / tip_radius(record)
+
+
+def _penetration_over_amplitude(record: Record) -> float:
+    return float(record.contacts("max_penetration").max()) / record.amplitude()
+
+
+def _tension(record: Record) -> float:
+    pull = -float(record.series("normal_force").min())
+    return max(0.0, pull) / record.contact_force()
+
+
+def _force_at_distance(record: Record) -> float:
+    gap, force = record.series("gap"), record.series("normal_force")
+    scale = record.contact_force() * record.amplitude()
+    # A contact may begin and end within an interval whose two records are open: the gap that it had
+    # throughout is at least the mean of the two less the fastest way the records show.
+    fastest = float(np.abs(np.diff(gap)).max())
+    certain = np.maximum(0.5 * (gap[1:] + gap[:-1]) - fastest, 0.0)
+    return float((np.abs(force[1:]) * certain).max()) / scale
+
+
+def _cone_excess(record: Record) -> float:
+    limit = record.setting("contact", "friction_coefficient") * _static_ratio(record)
+    normal, friction = record.series("normal_force"), record.series("friction_force")
+    excess = float((np.abs(friction) - limit * np.abs(normal)).max())
+    return max(0.0, excess) / record.contact_force()
+
+
+def _static_ratio(record: Record) -> float:
+    """Static over kinetic coefficient; one where the law knows none."""
+    ratios = [
+        value
+        for name, value in record.law_parameters.items()
+        if name.rpartition(".")[2] == "static_ratio" and isinstance(value, int | float)
+    ]
+    return float(max(ratios, default=1.0))
+
+
+def _between_steps(record: Record) -> NDArray[np.intp]:
+    """Records that do not cut the step of an impact, and lie at least a contact step apart.
+
+    Within a step a rigid law's force is constant while the velocity changes its sign: only whole
+    steps have a work that a law answers for.
+    """
+    step, time = record.contact_step, record.time
+    # A record at the end of a step may lie before it by round-off.
+    slack = 1e-9 * step
+    starts = np.sort(record.contacts("start_time"))
+    last = np.searchsorted(starts, time, side="right") - 1
+    since = np.where(last >= 0, time - starts[np.maximum(last, 0)], np.inf)
+    whole = np.flatnonzero((since >= step - slack) | (since <= 0.0))
+    needed(whole.size > 1)
+    blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
+    return whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
+
+
+def _largest_fall(record: Record, name: str) -> float:
+    """Largest fall of a loss that should only grow, over all changes of both of a contact's losses."""
+    kept = _between_steps(record)
+    changes = {
+        loss: np.diff(record.series(loss)[kept]) for loss in ("friction_loss", "contact_loss")
+    }
+    scale = float(sum(np.abs(change).sum() for change in changes.values()))
+    needed(scale > 0.0)
+    return max(0.0, -float(changes[name].min())) / scale
+
+
+def _contact_gain(record: Record) -> float:
+    losses = record.contacts("energy_loss")
+    scale = float(np.abs(losses).sum())
+    needed(scale > 0.0)
+    return max(0.0, -float(losses.min())) / scale
+
+
+def _stick_slip(record: Record) -> float:
+    mode, slip = record.series("contact_mode"), np.abs(record.series("slip_velocity"))
+    stuck = mode == STICK
+    # A record next to another mode may lie on the switch itself.
+    inside = stuck[1:-1] & stuck[:-2] & stuck[2:]
+    needed(bool(inside.any()))
+    return float(slip[1:-1][inside].max()) / record.tangential_amplitude()
+
+
+def _slip_reversal(record: Record) -> float:
+    time, slip = record.time, record.series("slip_velocity")
+    push = np.concatenate(
+        [[0.0], np.cumsum(record.series("friction_force")[1:] * record.intervals)]
+    )
+    starts = record.contacts("start_time")
+    before = np.searchsorted(time, starts, side="right") - 1
+    # The impact of a rigid law lasts a step: a record within it would see a part of its friction.
+    after = np.searchsorted(time, starts + record.contact_step * (1.0 - 1e-9))
+    after = np.maximum(after, before + 1)
+    # Two records before the touch-down tell how fast the slip changes by itself.
+    known = (before >= 1) & (after < time.size)
+    before, after = before[known], after[known]
+    # Touch-downs that share an interval are seen once.
+    before, first = np.unique(before, return_index=True)
+    after = after[first]
+    rate = (slip[before] - slip[before - 1]) / (time[before] - time[before - 1])
+    floor = np.abs(rate * (time[after] - time[before])) + ROUND_OFF * float(np.abs(slip).max())
+    work = (push[after] - push[before]) * slip[before]
+    needed(bool(work.any()))
+    turned = (slip[before] * slip[after] < 0.0) & (np.abs(slip[after]) > floor)
+    return float(((work < 0.0) & turned).sum()) / float((work != 0.0).sum())
+
+
+MEASURES: Final[tuple[Measure[Record], ...]] = (
+    Measure(
+        Metric(
+            "penetration_over_radius",
+            "max d_max / r",
+            "1",
+            "largest penetration over the tip's radius",
+            "<=",
+            1e-2,
+            "Hertz's half-space holds while the contact is small against the bodies, a/r <= 0.1; "
+            "with d = a^2/r that is d/r <= 0.01",
+            "Johnson (1985), Contact Mechanics, sec. 4.2",
+        ),
+        _penetration_over_radius,
+    ),
+    Measure(
+        Metric(
+            "penetration_over_amplitude",
+            "max d_max / A_u",
+            "1",
+            "largest penetration over the amplitude of the tip's normal vibration",
+        ),
+        _penetration_over_amplitude,
+    ),
+    Measure(
+        Metric(
+            "tension",
+            "max(-N, 0) / (sum p_n / sum t_c)",
+            "1",
+            "largest pull over the mean normal force in contact",
+            "<=",
+            ONE_STEP,
+            "dry bodies do not pull; only the one step in which a contact ends may, and it is a "
+            "thousandth of a contact",
+            "Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
+        ),
+        _tension,
+    ),
+    Measure(
+        Metric(
+            "force_at_distance",
+            "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
+            "1",
+            "normal force while the gap is open, over mean force in contact times amplitude",
+            "<=",
+            ROUND_OFF,
+            "0 <= N, 0 <= g, N g = 0: where the gap is open throughout a record interval, there is no "
+            "force but round-off",
+            "complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
+        ),
+        _force_at_distance,
+    ),
+    Measure(
+        Metric(
+            "cone_excess",
+            "max(|F| - mu_s |N|, 0) / (sum p_n / sum t_c)",
+            "1",
+            "friction beyond its bound, over the mean normal force in contact",
+            "<=",
+            ROUND_OFF,
+            "|F| <= mu_s N at every instant, and so for the means over any interval, but for round-off",
+            "Coulomb's law, paper, eqs. 43-47",
+        ),
+        _cone_excess,
+    ),
+    Measure(
+        Metric(
+            "friction_gain",
+            "max fall of W_f / sum(|dW_f| + |dW_n|)",
+            "1",
+            "largest positive work of friction within a contact step, over all losses in contact",
+            "<=",
+            ONE_STEP,
+            "friction opposes slip, so that its work is never positive but in the one step in which "
+            "the slip ends, a thousandth of a contact",
+            "second law of thermodynamics",
+        ),
+        lambda record: _largest_fall(record, "friction_loss"),
+    ),
+    Measure(
+        Metric(
+            "normal_gain",
+            "max fall of W_n / sum(|dW_f| + |dW_n|)",
+            "1",
+            "largest negative loss in normal damping and impacts within a contact step, over all "
+            "losses in contact",
+            "<=",
+            ONE_STEP,
+            "a material may store and lose energy but not make it; only the one step in which a "
+            "contact ends may show the other sign",
+            "second law of thermodynamics",
+        ),
+        lambda record: _largest_fall(record, "contact_loss"),
+    ),
+    Measure(
+        Metric(
+            "contact_gain",
+            "max(-W, 0) / sum|W|",
+            "1",
+            "largest energy that a contact as a whole gives, over the losses of all",
+            "<=",
+            ROUND_OFF,
+            "what a contact stores is released when it ends, so that a whole one only loses; no step "
+            "cuts it, and round-off is all that remains",
+            "second law of thermodynamics; Stronge (2000), Impact Mechanics, ch. 3",
+        ),
+        _contact_gain,
+    ),
+    Measure(
+        Metric(
+            "stick_slip",
+            "max|v| in stick / A_v",
+            "1",
+            "largest slip velocity while the contact sticks, over the amplitude of the tip's "
+            "tangential velocity; what an elastic tangential contact gives way counts",
+            "<=",
+            ONE_STEP,
+            "stick is no slip at all; over a contact, a sixth of a vibration, a drift of a thousandth "
+            "stays below a thousandth of the vibration's amplitude",
+            "paper, eqs. 60-66",
+        ),
+        _stick_slip,
+    ),
+    Measure(
+        Metric(
+            "slip_reversal",
+            "touch-downs with p_t v_0 < 0 and v_1 v_0 < 0, over all with friction",
+            "1",
+            "share of touch-downs whose friction reverses the slip, beyond what the slip changes by "
+            "itself within a record interval",
+            "<=",
+            5e-2,
+            "friction can stop a slip, never reverse it: none may. One in twenty is left for slips "
+            "that pass zero by themselves between two records",
+            "Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635",
+        ),
+        _slip_reversal,
+    ),
+)
+"""Metrics of what no contact may do."""
