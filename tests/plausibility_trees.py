@@ -91,7 +91,7 @@ def contacts() -> dict[str, Array]:
 def tree(
     changes: Mapping[str, Array] | None = None,
     table: Mapping[str, Array] | None = None,
-    configuration: Mapping[str, Any] | None = None,
+    configuration: dict[str, Any] | str | None = None,
     without: tuple[str, ...] = (),
     **attributes: object,
 ) -> xarray.DataTree:
@@ -99,6 +99,7 @@ def tree(
     units = {v.name: v.units for v in (*variables.SERIES, *variables.CONTACTS)}
     given = series() | dict(changes or {})
     time = ("time", TIME, {"units": "s"})
+    words = yaml.safe_dump(CONFIGURATION if configuration is None else configuration)
     root = xarray.Dataset(
         {
             name: ("time", values, {"units": units.get(name, "1")})
@@ -107,7 +108,7 @@ def tree(
         },
         coords={"time": time},
         attrs={
-            "configuration": yaml.safe_dump(dict(configuration or CONFIGURATION)),
+            "configuration": configuration if isinstance(configuration, str) else words,
             "law": "hertz_penalty",
             "law_parameters": json.dumps({"stiffness": 1e10, "friction_coefficient": 0.25}),
             "contact_step": 1.0 / 256.0,

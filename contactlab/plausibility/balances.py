@@ -38,10 +38,10 @@ def _rotor_momentum(record: Record) -> float:
     push = record.contacts("friction_impulse")
     given = radius * float(np.abs(push).sum())
     needed(given > 0.0)
-    load = torque * (record.time[-1] - record.time[0]) + damping * (angle[-1] - angle[0])
-    missing = inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load
+    load = float(torque * (record.time[-1] - record.time[0]) + damping * (angle[-1] - angle[0]))
+    missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load)
     # Where friction is the least of the terms, the others round off more than it weighs.
-    return float(abs(missing)) / max(given, inertia * float(np.abs(velocity).max()), abs(load))
+    return abs(missing) / max(given, inertia * float(np.abs(velocity).max()), abs(load))
 
 
 def _impulse_balance(record: Record) -> float:
