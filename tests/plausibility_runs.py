@@ -5,12 +5,10 @@ from typing import Any
 
 import xarray
 from conf_files import composed
-from motors import case_a
 
 from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
-from contactlab.motor import Motor
 from contactlab.output.dataset import to_datatree
 
 DURATION = 5e-3
@@ -42,17 +40,13 @@ def datatree(configuration: dict[str, Any]) -> xarray.DataTree:
 
 
 def of_law(
-    law: ContactLaw, record_interval: float = 1e-7, motor: Motor | None = None
+    law: ContactLaw, record_interval: float = 1e-7, **changes: dict[str, Any]
 ) -> xarray.DataTree:
-    """A law that no configuration can name, on case A with its friction coefficient of 0.3."""
-    trajectory = simulate(
-        case_a() if motor is None else motor,
-        law,
-        duration=DURATION,
-        record_interval=record_interval,
-    )
+    """A law that no configuration can name, on case A with some sections changed."""
+    setup = build(configured(**changes))
+    trajectory = simulate(setup.motor, law, duration=DURATION, record_interval=record_interval)
     assert trajectory.complete, trajectory.message
-    return to_datatree(trajectory, configured())
+    return to_datatree(trajectory, setup.configuration)
 
 
 @cache
