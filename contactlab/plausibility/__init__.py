@@ -1,5 +1,27 @@
 """What a dataset says of its contact law: metrics with thresholds, from the recorded numbers alone."""
 
+from contactlab.plausibility.assessment import (
+    METRICS,
+    SENSITIVITIES,
+    STEP_METRICS,
+    assess,
+    assess_steps,
+    assess_variants,
+)
 from contactlab.plausibility.metric import FAIL, NOT_APPLICABLE, PASS, REPORTED, Metric
+from contactlab.plausibility.reading import read_run
 
-__all__ = ["FAIL", "NOT_APPLICABLE", "PASS", "REPORTED", "Metric"]
+__all__ = [
+    "FAIL",
+    "METRICS",
+    "NOT_APPLICABLE",
+    "PASS",
+    "REPORTED",
+    "SENSITIVITIES",
+    "STEP_METRICS",
+    "Metric",
+    "assess",
+    "assess_steps",
+    "assess_variants",
+    "read_run",
+]

@@ -1,0 +1,84 @@
+"""The tables of all metrics and what fills them from datasets."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import xarray
+
+from contactlab.plausibility import admissible, balances, ladder, response, variants
+from contactlab.plausibility.ladder import Ladder
+from contactlab.plausibility.measure import measured, table
+from contactlab.plausibility.metric import Metric
+from contactlab.plausibility.record import Record
+from contactlab.plausibility.variants import Variants
+
+_OF_A_RUN: Final = (*balances.MEASURES, *admissible.MEASURES, *response.MEASURES)
+
+METRICS: Final[dict[str, Metric]] = table(_OF_A_RUN)
+"""Metrics of one run."""
+
+STEP_METRICS: Final[dict[str, Metric]] = table(ladder.MEASURES)
+"""Metrics of a ladder of steps."""
+
+SENSITIVITIES: Final[dict[str, Metric]] = table(variants.MEASURES)
+"""Metrics of a run and its variants."""
+
+
+def assess(tree: xarray.DataTree) -> dict[str, float]:
+    """Every metric of one run.
+
+    Args:
+        tree: in the layout of a run.nc, see `contactlab.plausibility.read_run`.
+
+    Returns:
+        A number for every key of `METRICS`, in SI; NaN where the dataset lacks what it needs.
+    """
+    return measured(_OF_A_RUN, Record(tree))
+
+
+def assess_steps(runs: Sequence[tuple[float, xarray.DataTree]]) -> dict[str, float]:
+    """Every metric of a ladder of steps.
+
+    Args:
+        runs: contact step [s] or tolerance [1] and run, of one law on one motor, coarsest first.
+
+    Returns:
+        A number for every key of `STEP_METRICS`; NaN where there are too few steps.
+
+    Raises:
+        ValueError: the steps are not positive and falling.
+    """
+    steps = [float(step) for step, _ in runs]
+    if any(step <= 0.0 for step in steps) or sorted(set(steps), reverse=True) != steps:
+        raise ValueError(
+            f"The steps are {steps}; they must be positive and fall from run to run. Sort the runs, "
+            "coarsest first, and give each step once."
+        )
+    return measured(ladder.MEASURES, Ladder(steps, [Record(tree) for _, tree in runs]))
+
+
+def assess_variants(
+    base: xarray.DataTree,
+    basis: xarray.DataTree | None = None,
+    friction: tuple[float, xarray.DataTree] | None = None,
+) -> dict[str, float]:
+    """Every sensitivity of a law's answers.
+
+    Args:
+        base: the run.
+        basis: a run with another basis of the resonator.
+        friction: relative change of the friction coefficient [1], and a run with it.
+
+    Returns:
+        A number for every key of `SENSITIVITIES`; NaN where the variant is not given.
+    """
+    change, other = (0.0, None) if friction is None else friction
+    return measured(
+        variants.MEASURES,
+        Variants(
+            base=Record(base),
+            basis=None if basis is None else Record(basis),
+            friction=None if other is None else Record(other),
+            friction_change=float(change),
+        ),
+    )

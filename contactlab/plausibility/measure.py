@@ -1,0 +1,47 @@
+"""A metric and how its value is found."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import Generic, TypeVar, final
+
+import numpy as np
+
+from contactlab.plausibility.metric import Metric
+from contactlab.plausibility.record import NotApplicableError
+
+Subject = TypeVar("Subject")
+
+
+@final
+@dataclass(frozen=True)
+class Measure(Generic[Subject]):
+    """A metric with the function that measures it.
+
+    Args:
+        metric: what is measured.
+        value: gives the number, or stops with `NotApplicableError`.
+    """
+
+    metric: Metric
+    value: Callable[[Subject], float]
+
+
+def table(measures: Iterable[Measure[Subject]]) -> dict[str, Metric]:
+    """The metrics by key, in their order."""
+    return {measure.metric.key: measure.metric for measure in measures}
+
+
+def measured(measures: Iterable[Measure[Subject]], subject: Subject) -> dict[str, float]:
+    """Every metric's value; NaN where it is not applicable or not a number."""
+    return {measure.metric.key: _value(measure, subject) for measure in measures}
+
+
+def _value(measure: Measure[Subject], subject: Subject) -> float:
+    try:
+        # Numbers of a user's own may overflow on the way; the result says so.
+        with np.errstate(all="ignore"):
+            value = float(measure.value(subject))
+    except NotApplicableError:
+        return nan
+    return value if isfinite(value) else nan
