@@ -22,6 +22,7 @@ from contactlab.plausibility import (
     assess,
     assess_steps,
     assess_variants,
+    read_run,
 )
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
@@ -81,6 +82,14 @@ def test_the_default_run_has_the_same_verdicts(law: str, interval: float) -> Non
 def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
     tree = datatree(configured(law, **VARIED[motor]))
     assert failed(assess(tree)) == EXPECTED[law] - {"peak_force_step_dependence"}
+
+
+@pytest.mark.parametrize("interval", [1e-6, 1e-7])
+@pytest.mark.parametrize("law", STEPS)
+def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> None:
+    # All but the time, whose differences would not survive.
+    single = case_a_tree(law, None, interval).map_over_datasets(lambda node: node.astype(np.float32))
+    assert failed(assess(read_run(single))) == EXPECTED[law] - {"peak_force_step_dependence"}
 
 
 def test_the_peak_of_rigid_laws_goes_as_one_over_the_step_and_their_impulse_stays() -> None:

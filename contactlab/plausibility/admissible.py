@@ -48,7 +48,8 @@ def _force_at_distance(record: Record) -> float:
 def _cone_excess(record: Record) -> float:
     limit = record.setting("contact", "friction_coefficient") * _static_ratio(record)
     normal, friction = record.series("normal_force"), record.series("friction_force")
-    excess = float((np.abs(friction) - limit * np.abs(normal)).max())
+    # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
+    excess = float((np.abs(friction) - limit * (1.0 + ROUND_OFF) * np.abs(normal)).max())
     return max(0.0, excess) / record.contact_force()
 
 
