@@ -88,7 +88,9 @@ def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
 @pytest.mark.parametrize("law", STEPS)
 def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> None:
     # All but the time, whose differences would not survive.
-    single = case_a_tree(law, None, interval).map_over_datasets(lambda node: node.astype(np.float32))
+    single = case_a_tree(law, None, interval).map_over_datasets(
+        lambda node: node.astype(np.float32)
+    )
     assert failed(assess(read_run(single))) == EXPECTED[law] - {"peak_force_step_dependence"}
 
 
