@@ -1,6 +1,7 @@
 """The verbs of the command: words that may stand first in place of a run."""
 
 VERBS = {
+    "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
     "laws": "list every installed law and part, with all that it declares",
     "verify": "print what is claimed of the engine and the laws, and what is found",
 }
