@@ -5,6 +5,7 @@ from typing import Final, final
 
 import numpy as np
 import xarray
+from scipy.ndimage import median_filter
 
 from contactlab.comparison.arrays import Array, column, contacts_hold, holds, series
 from contactlab.comparison.reruns import Refined
@@ -56,13 +57,20 @@ def one_contact(tree: xarray.DataTree, near: float) -> Contact | None:
     earlier = np.append(time[:1], time[:-1])
     # In the interval of the touch-down the force acts after it only.
     middle = 0.5 * (np.where(time > start, np.maximum(earlier, start), earlier) + time)
+    # It jumps at touch-down: a line from the record before would give it to the open gap.
+    place = int(np.searchsorted(middle, start))
+    middle = np.insert(middle, place, start)
+    forces = {
+        name: np.insert(series(tree, name), place, 0.0)
+        for name in ("normal_force", "friction_force")
+    }
     shown = (middle >= start - MARGIN * duration) & (middle <= start + (1.0 + MARGIN) * duration)
     if np.count_nonzero(shown) < SCARCE:
         return None
     return Contact(
         time=middle[shown] - start,
-        normal=series(tree, "normal_force")[shown],
-        friction=series(tree, "friction_force")[shown],
+        normal=forces["normal_force"][shown],
+        friction=forces["friction_force"][shown],
         start=start,
         duration=duration,
         peak=float(column(tree, "peak_normal_force")[row]),
@@ -117,3 +125,10 @@ def velocity(tree: xarray.DataTree) -> Array:
     if not holds(tree, "rotor_velocity"):
         return np.full(series(tree, "time").size, np.nan)
     return series(tree, "rotor_velocity")
+
+
+def smoothed(law: Refined, values: Array) -> Array:
+    """Running median over a drive period: without the records that a moving impact passes."""
+    time = series(law.best, "time")
+    size = int(np.searchsorted(time, time[0] + law.run.period))
+    return np.asarray(median_filter(values, size=max(size, 1), mode="nearest"), dtype=float)

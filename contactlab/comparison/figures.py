@@ -166,7 +166,8 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
                 linewidth=0.0,
             )  # fmt: skip
             # What is zero has no place on a logarithmic axis.
-            error = np.where(errors[i] > 0.0, errors[i], np.nan)
+            error = curves.smoothed(law, errors[i])
+            error = np.where(error > 0.0, error, np.nan)
             panels[1, 0].plot(*envelope(time, error), **_style(i))
     if known:
         _draw_range(panels[1, 0], [law for _, law in drawn], scale)
@@ -181,7 +182,7 @@ def _draw_range(axes: Axes, laws: list[Refined], scale: float) -> None:
     """How far the laws are apart, on the axis of their errors."""
     time = series(laws[0].best, "time")
     values = [np.interp(time, series(law.best, "time"), curves.velocity(law.best)) for law in laws]
-    apart = np.ptp(values, axis=0)
+    apart = curves.smoothed(laws[0], np.ptp(values, axis=0))
     if len(laws) > 1 and np.any(apart > 0.0):
         line = envelope(time / scale, np.where(apart > 0.0, apart, np.nan))
         axes.plot(*line, color="black", linewidth=1.4)

@@ -91,9 +91,10 @@ def richardson(values: list[Array], factor: float, order: float) -> Array:
     """
     coarse, middle, fine = values
     last, before = np.abs(fine - middle), np.abs(middle - coarse)
-    # One ratio for a whole series: where the difference passes through zero there is none to see.
-    largest = float(np.max(before, initial=0.0))
-    seen = float(np.max(last, initial=0.0)) / largest if largest > 0.0 else 0.0
+    # One ratio for a whole series: where the difference passes through zero there is none to see. The sums
+    # take little notice of a record that an impact passes as it moves with the step.
+    whole = float(np.sum(before))
+    seen = float(np.sum(last)) / whole if whole > 0.0 else 0.0
     ratio = float(np.clip(seen, factor**-order, SLOWEST))
     return np.asarray(last * ratio / (1.0 - ratio))
 
@@ -193,10 +194,8 @@ def _larger_basis(run: Run, notes: list[str]) -> xarray.DataTree | None:
     changed = copy.deepcopy(dict(run.configuration))
     key = "shapes" if changed["resonator"]["basis"] == "ritz" else "kept_modes"
     changed["resonator"][key] += MORE_SHAPES
-    modes = (
-        run.tree["natural_frequency"].values if "natural_frequency" in run.tree.data_vars else ()
-    )
-    if changed["drive"]["frequency"] in modes[:1]:
+    known = holds(run.tree, "natural_frequency")
+    if known and changed["drive"]["frequency"] == series(run.tree, "natural_frequency")[0]:
         changed["drive"]["frequency"] = None
     return _changed(changed, run, f"with resonator.{key} {changed['resonator'][key]}", notes)
 
