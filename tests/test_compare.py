@@ -52,7 +52,9 @@ def test_a_sweep_is_found_in_its_order_and_each_run_once(sweep: Path) -> None:
 
 def test_every_law_has_every_metric(data: xarray.Dataset) -> None:
     assert data["law"].values.tolist() == list(LAWS)
-    assert data["metric"].values.tolist() == [*METRICS, *STEP_METRICS, *SENSITIVITIES]
+    assert set(data["metric"].values) == {*METRICS, *STEP_METRICS, *SENSITIVITIES}
+    judged = [bool(threshold) for threshold in data["threshold"].values]
+    assert judged == sorted(judged, reverse=True)
     value = data["value"].to_pandas()
     for key in ("peak_force_exponent", "rotor_velocity_by_friction", "rotor_velocity_by_basis"):
         assert np.isfinite(value[key]).all(), key

@@ -20,8 +20,8 @@ from contactlab.output.files import whole_file
 from contactlab.output.prefixes import prefixed_unit
 from contactlab.output.style import STYLE
 
-WIDTH: Final = 6.3
-"""Inches."""
+WIDTH: Final = 5.2
+"""Inches; the words are still read where a phone makes it its own width."""
 
 DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Lines of the laws in turn, so that a print without colours tells them apart."""
@@ -86,7 +86,7 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     if not contacts:
         return None
     top = curves.ceiling([contact for _, _, contact in contacts])
-    figure, panels = _figure(2, 1, 4.4, sharex=True)
+    figure, panels = _figure(2, 1, 4.0, sharex=True)
     above, below = panels[:, 0]
     unit, scale = prefixed_unit(max(c.duration for _, _, c in contacts), "s")
     spikes = 0
@@ -129,7 +129,7 @@ def draw_paths(laws: Sequence[Refined]) -> Figure | None:
     drawn = [(i, law) for i, law in enumerate(laws) if holds(law.best, *names)]
     if not drawn:
         return None
-    figure, panels = _figure(1, 1, 3.4)
+    figure, panels = _figure(1, 1, 3.1)
     axes = panels[0, 0]
     for i, law in drawn:
         x, y = (drawable(curves.last_periods(law)[name].values) * 1e6 for name in names)
@@ -154,7 +154,7 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
         return None
     errors = {i: law.error(curves.velocity) for i, law in drawn}
     known = any(np.isfinite(error).all() for error in errors.values())
-    figure, panels = _figure(1 + known, 1, 2.8 + 1.6 * known, sharex=True)
+    figure, panels = _figure(1 + known, 1, 2.5 + 1.6 * known, sharex=True)
     axes = panels[0, 0]
     unit, scale = prefixed_unit(float(series(laws[0].best, "time")[-1]), "s")
     for i, law in drawn:
@@ -203,7 +203,7 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
     energy, work = energy[shown], data["drive_work"].values[shown]
     labels = data["law"].values[shown]
     unit, scale = prefixed_unit(float(np.max(np.abs(work))), "J")
-    figure, panels = _figure(1, 1, 1.3 + 0.5 * len(labels))
+    figure, panels = _figure(1, 1, 1.2 + 0.42 * len(labels))
     axes = panels[0, 0]
     place = np.arange(len(labels))
     up, down = np.zeros(len(labels)), np.zeros(len(labels))
@@ -219,7 +219,7 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
         up += np.maximum(part, 0.0)
         down += np.minimum(part, 0.0)
     axes.plot(
-        work / scale, place, linestyle="", marker="|", markersize=19.0, markeredgewidth=1.4,
+        work / scale, place, linestyle="", marker="|", markersize=16.0, markeredgewidth=1.4,
         color="black", label="work of the drive",
     )  # fmt: skip
     axes.set_yticks(place, labels)
@@ -235,7 +235,7 @@ def draw_phases(laws: Sequence[Refined]) -> Figure | None:
     drawn = [(i, law) for i, law in enumerate(laws) if holds(law.best, *names)]
     if not drawn:
         return None
-    figure, panels = _figure(1, 2, 3.0)
+    figure, panels = _figure(1, 2, 2.7)
     normal, tangential = panels[0]
     for i, law in drawn:
         window = curves.last_periods(law)

@@ -23,6 +23,8 @@ td, th { padding: 0.2rem 0.6rem; text-align: right; white-space: nowrap; border-
 td:first-child, th:first-child { text-align: left; white-space: normal; min-width: 9rem }
 td small { color: #555 } .pass { color: #00623f }
 .fail { color: #a33c00; font-weight: bold } .none { color: #767676 }
+@media (max-width: 40rem) { td small { display: block } td, th { padding: 0.2rem 0.35rem }
+  td:first-child { min-width: 7.5rem } ul { padding-left: 1.2rem } }
 """
 
 CAPTIONS: Final = {

@@ -33,8 +33,9 @@ FLAGS: Final = ("not_applicable", "pass", "fail", "reported")
 
 
 def every_metric() -> dict[str, Metric]:
-    """All rows of a scorecard, in order."""
-    return {**METRICS, **STEP_METRICS, **SENSITIVITIES}
+    """All rows of a scorecard, those that are judged first."""
+    every = {**METRICS, **STEP_METRICS, **SENSITIVITIES}
+    return dict(sorted(every.items(), key=lambda entry: not entry[1].relation))
 
 
 def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Dataset:
