@@ -36,11 +36,12 @@ def _rotor_momentum(record: Record) -> float:
     damping, torque = record.setting("rotor", "damping"), record.setting("rotor", "load_torque")
     velocity, angle = record.series("rotor_velocity"), record.series("rotor_angle")
     push = record.contacts("friction_impulse")
-    scale = radius * float(np.abs(push).sum())
-    needed(scale > 0.0)
-    gained = inertia * (velocity[-1] - velocity[0])
-    given = -radius * push.sum() - torque * (record.time[-1] - record.time[0])
-    return float(abs(gained - given + damping * (angle[-1] - angle[0]))) / scale
+    given = radius * float(np.abs(push).sum())
+    needed(given > 0.0)
+    load = float(torque * (record.time[-1] - record.time[0]) + damping * (angle[-1] - angle[0]))
+    missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load)
+    # Where friction is the least of the terms, the others round off more than it weighs.
+    return abs(missing) / max(given, inertia * float(np.abs(velocity).max()), abs(load))
 
 
 def _impulse_balance(record: Record) -> float:
@@ -75,7 +76,7 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "rotor_momentum",
-            "|J dOmega + R sum p_t + tau T + C_r dalpha| / (R sum|p_t|)",
+            "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, load)",
             "1",
             "angular momentum of the rotor that friction impulses, load and damping do not explain",
             "<=",

@@ -1,5 +1,6 @@
 """Hertz's closed forms: stiffness, tip radius and the duration of an impact."""
 
+from collections.abc import Mapping
 from math import sqrt
 from typing import Final
 
@@ -41,9 +42,14 @@ def effective_mass(record: Record) -> float:
     Raises:
         NotApplicableError: the configuration does not make a motor.
     """
+    solver = record.configuration.get("solver")
+    if not isinstance(solver, Mapping):
+        raise NotApplicableError
+    # The mass is the motor's: a law that is not installed here shall not stand in its way, nor a
+    # tolerance that belongs to it.
+    changes = {"law": {"name": "lagrange_stick"}, "solver": {**solver, "tolerance": None}}
     try:
-        # The mass is the motor's: a law that is not installed here shall not stand in its way.
-        motor = build({**record.configuration, "law": {"name": "lagrange_stick"}}).motor
+        motor = build({**record.configuration, **changes}).motor
     except ConfigurationError as fault:
         raise NotApplicableError from fault
     modes = motor.modes

@@ -75,6 +75,13 @@ class Record:
         needed(name == "separation_velocity" or bool(np.isfinite(column).all()))
         return column
 
+    def touch_downs(self) -> Array:
+        """Start times of the contacts [s]; empty where there is none, or none is known."""
+        try:
+            return self.contacts("start_time")
+        except NotApplicableError:
+            return np.empty(0)
+
     @cached_property
     def configuration(self) -> Mapping[str, Any]:
         """The configuration that ran; empty where it is not known."""
