@@ -123,8 +123,8 @@ def test_words_name_what_fails_with_value_and_bound(data: xarray.Dataset) -> Non
     assert said["hertz_penalty"][0].startswith("Meets ")
     (peak,) = [s for s in said["lagrange_stick"] if "peak_force_step_dependence" in s]
     assert "must be <= 0.05" in peak
-    assert "hertz_penalty meets all thresholds that apply; lagrange_slip fails most" in conclusion(
-        data
+    assert conclusion(data) == (
+        "hertz_penalty meets all thresholds that apply; lagrange_slip fails 2 and lagrange_stick fails 1."
     )
 
 
@@ -170,8 +170,7 @@ def test_composed_laws_are_told_apart_by_their_parts(tmp_path: Path) -> None:
     one = leave(tmp_path / "one", "composed")
     stiff = leave(tmp_path / "two", "composed", law__normal__stiffness=3e10)
     labels = [run.label for run in collect([one, stiff])[0]]
-    assert labels[1] == "composed (normal.stiffness 3e+10)"
-    assert labels[0] != labels[1]
+    assert labels == [f"composed (normal.stiffness {k})" for k in ("1e+10", "3e+10")]
 
 
 def test_an_incomplete_run_is_refused(tmp_path: Path) -> None:

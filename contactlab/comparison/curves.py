@@ -1,5 +1,6 @@
 """Recorded data of a law made ready to be drawn beside that of others; nothing here knows matplotlib."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -24,6 +25,10 @@ IMPACT: Final = 0.1
 """Share of a contact in which a rigid law's impact is over."""
 
 
+APART: Final = 0.05
+"""Flight between two contacts that makes them two, in drive periods."""
+
+
 @final
 @dataclass(frozen=True)
 class Contact:
@@ -44,15 +49,30 @@ class Contact:
     peak: float
 
 
-def one_contact(tree: xarray.DataTree, near: float) -> Contact | None:
-    """The contact whose touch-down is nearest to a time; None where it was not recorded."""
+def one_contact(law: Refined, near: float, length: float = 0.0) -> Contact | None:
+    """The contact whose touch-down is nearest to a time; None where it was not recorded.
+
+    A rigid law with restitution touches in a row of impacts, which are one contact here.
+
+    Args:
+        law: with its reruns.
+        near: [s].
+        length: time that is drawn at least [s].
+    """
+    tree = law.best
     if not contacts_hold(tree, "start_time", "duration", "peak_normal_force"):
         return None
     if not holds(tree, "normal_force", "friction_force"):
         return None
     starts = column(tree, "start_time")
-    row = int(np.argmin(np.abs(starts - near)))
-    start, duration = float(starts[row]), float(column(tree, "duration")[row])
+    ends = starts + column(tree, "duration")
+    first = last = int(np.argmin(np.abs(starts - near)))
+    apart = APART * law.run.period
+    while first > 0 and starts[first] - ends[first - 1] < apart:
+        first -= 1
+    while last + 1 < starts.size and starts[last + 1] - ends[last] < apart:
+        last += 1
+    start, duration = float(starts[first]), float(ends[last] - starts[first])
     time = series(tree, "time")
     earlier = np.append(time[:1], time[:-1])
     # In the interval of the touch-down the force acts after it only.
@@ -64,7 +84,8 @@ def one_contact(tree: xarray.DataTree, near: float) -> Contact | None:
         name: np.insert(series(tree, name), place, 0.0)
         for name in ("normal_force", "friction_force")
     }
-    shown = (middle >= start - MARGIN * duration) & (middle <= start + (1.0 + MARGIN) * duration)
+    extent = max(duration, length)
+    shown = (middle >= start - MARGIN * extent) & (middle <= start + (1.0 + MARGIN) * extent)
     if np.count_nonzero(shown) < SCARCE:
         return None
     return Contact(
@@ -73,8 +94,19 @@ def one_contact(tree: xarray.DataTree, near: float) -> Contact | None:
         friction=forces["friction_force"][shown],
         start=start,
         duration=duration,
-        peak=float(column(tree, "peak_normal_force")[row]),
+        peak=float(column(tree, "peak_normal_force")[first : last + 1].max()),
     )
+
+
+def one_contact_each(laws: Sequence[Refined]) -> list[tuple[int, Contact]]:
+    """The same contact of every law that recorded it, with its place among the laws."""
+    near = next((t for t in map(last_whole_contact, laws) if t is not None), None)
+    if near is None:
+        return []
+    found = [one_contact(law, near) for law in laws]
+    length = max((contact.duration for contact in found if contact is not None), default=0.0)
+    again = [(i, one_contact(law, near, length)) for i, law in enumerate(laws)]
+    return [(i, contact) for i, contact in again if contact is not None]
 
 
 def last_whole_contact(law: Refined) -> float | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any, Final
 
 import matplotlib
@@ -25,6 +26,17 @@ WIDTH: Final = 5.2
 
 DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Lines of the laws in turn, so that a print without colours tells them apart."""
+
+
+MOST_SPIKES: Final = 3
+"""Peaks off the scale that are named one by one."""
+
+LONGEST_LABEL: Final = 30
+"""Letters in a line of a label."""
+
+
+LINE: Final = 0.13
+"""Height of a line of a legend [in]."""
 
 
 def draw_all(laws: Sequence[Refined], data: xarray.Dataset) -> dict[str, Figure]:
@@ -66,7 +78,11 @@ def _legend(figure: Figure, axes: Axes, **arguments: Any) -> None:
     """Above the panels, where it covers nothing."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
-        columns = 3 if max(map(len, labels)) < 30 else 1
+        columns = 3 if max(map(len, labels)) < LONGEST_LABEL else 2
+        labels = [fill(label, LONGEST_LABEL) for label in labels]
+        # The panels keep their size, however many laws there are.
+        lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)
+        figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
         figure.legend(
             handles,
             labels,
@@ -78,31 +94,24 @@ def _legend(figure: Figure, axes: Axes, **arguments: Any) -> None:
 
 def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     """Normal force over one contact, friction below."""
-    near = next((t for t in map(curves.last_whole_contact, laws) if t is not None), None)
-    if near is None:
+    found = curves.one_contact_each(laws)
+    if not found:
         return None
-    found = [(i, law, curves.one_contact(law.best, near)) for i, law in enumerate(laws)]
-    contacts = [(i, law, contact) for i, law, contact in found if contact is not None]
-    if not contacts:
-        return None
+    contacts = [(i, laws[i], contact) for i, contact in found]
     top = curves.ceiling([contact for _, _, contact in contacts])
     figure, panels = _figure(2, 1, 4.0, sharex=True)
     above, below = panels[:, 0]
     unit, scale = prefixed_unit(max(c.duration for _, _, c in contacts), "s")
-    spikes = 0
+    spikes: list[tuple[int, str, float]] = []
     for i, law, contact in contacts:
         time = contact.time / scale
         above.plot(time, contact.normal, label=law.run.label, **_style(i))
         below.plot(time, contact.friction, **_style(i))
         if contact.peak > top > 0.0:
-            above.annotate(
-                f"{law.run.label}: peak {contact.peak:.4g} N, off scale",
-                (0.99, 0.97 - 0.085 * spikes), xycoords="axes fraction", ha="right", va="top",
-                fontsize=7, color=_style(i)["color"],
-            )  # fmt: skip
-            spikes += 1
+            spikes.append((i, law.run.label, contact.peak))
+    lines = _off_scale(above, spikes)
     if top > 0.0:
-        above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * spikes))
+        above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * lines))
     _limit_friction(below, [contact for _, _, contact in contacts])
     above.set_ylabel("normal force (N)")
     below.set_ylabel("friction force (N)")
@@ -111,6 +120,22 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     figure.align_ylabels()
     _legend(figure, above)
     return figure
+
+
+def _off_scale(axes: Axes, spikes: list[tuple[int, str, float]]) -> int:
+    """Name the peaks that are not drawn out; gives the number of lines it takes."""
+    said = [(f"{label}: peak {peak:.4g} N, off scale", i) for i, label, peak in spikes]
+    if len(spikes) > MOST_SPIKES:
+        peaks = [peak for _, _, peak in spikes]
+        said = [
+            (f"peaks of {len(peaks)} laws, {min(peaks):.4g} to {max(peaks):.4g} N, off scale", -1)
+        ]
+    for line, (words, number) in enumerate(said):
+        axes.annotate(
+            words, (0.99, 0.97 - 0.085 * line), xycoords="axes fraction", ha="right", va="top",
+            fontsize=7, color=_style(number)["color"] if number >= 0 else "black",
+        )  # fmt: skip
+    return len(said)
 
 
 def _limit_friction(axes: Axes, contacts: list[curves.Contact]) -> None:
@@ -222,7 +247,7 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
         work / scale, place, linestyle="", marker="|", markersize=16.0, markeredgewidth=1.4,
         color="black", label="work of the drive",
     )  # fmt: skip
-    axes.set_yticks(place, labels)
+    axes.set_yticks(place, [fill(str(label), LONGEST_LABEL) for label in labels])
     axes.invert_yaxis()
     axes.set_xlabel(f"energy from the start to the end ({unit})")
     _legend(figure, axes, markerscale=0.45)

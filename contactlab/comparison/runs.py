@@ -169,13 +169,7 @@ def _labels(
             continue
         names = [name for name in trees if laws[name] == law]
         keys = {name: law_keys(trees[name], configurations[name]) for name in names}
-        every = dict.fromkeys(key for mine in keys.values() for key in mine)
-        apart = [key for key in every if len({shown(keys[n].get(key)) for n in names}) > 1]
-        for name in names:
-            said = ", ".join(
-                f"{key} {shown(keys[name][key])}" for key in apart if key in keys[name]
-            )
-            labels[name] = f"{law} ({said})" if said else law
+        labels |= {name: f"{law} ({said})" if said else law for name, said in _apart(keys).items()}
     for label, count in Counter(labels.values()).items():
         if count > 1:
             names = [name for name, mine in labels.items() if mine == label]
@@ -185,3 +179,26 @@ def _labels(
                 "compared once. Leave all but one out."
             )
     return labels
+
+
+def _apart(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """What sets runs of one law apart: its own keys, those of its parts only as far as is needed."""
+    every = dict.fromkeys(key for mine in keys.values() for key in mine)
+    differing = [key for key in every if len({shown(k.get(key)) for k in keys.values()}) > 1]
+    chosen = [key for key in differing if "." not in key]
+    said = _said(keys, chosen)
+    for key in (key for key in differing if "." in key):
+        if len(set(said.values())) == len(keys):
+            break
+        longer = _said(keys, [*chosen, key])
+        if len(set(longer.values())) > len(set(said.values())):
+            chosen.append(key)
+            said = longer
+    return said
+
+
+def _said(keys: Mapping[str, Mapping[str, Any]], chosen: Sequence[str]) -> dict[str, str]:
+    return {
+        name: ", ".join(f"{key} {shown(mine[key])}" for key in chosen if key in mine)
+        for name, mine in keys.items()
+    }

@@ -44,7 +44,7 @@ def _difference(row: Row) -> str:
     lost = [label for label, cell in cells.items() if cell.error > abs(cell.value) > 0.0]
     if ratio < 1.0 and lost:
         return (
-            f"{said}; no value with {' and '.join(lost)} is known: it does not converge, its "
+            f"{said}; no value with {_listed(lost)} is known: it does not converge, its "
             "numerical error is larger than itself."
         )
     if ratio < 1.0:
@@ -97,9 +97,14 @@ def conclusion(data: xarray.Dataset) -> str:
     clean = [label for label, failures in counts.items() if not failures]
     if len(clean) == len(counts):
         return "Every law meets all thresholds that apply to it."
-    worst = max(counts, key=lambda label: counts[label])
-    most = f"{worst} fails most, {counts[worst]} of them"
+    rest = [f"{label} fails {count}" for label, count in counts.items() if count]
     if not clean:
-        return f"No law meets all thresholds that apply to it; {most}."
+        return f"No law meets all thresholds that apply to it: {_listed(rest)}."
     verb = "meets" if len(clean) == 1 else "meet"
-    return f"{', '.join(clean)} {verb} all thresholds that apply; {most}."
+    return f"{_listed(clean)} {verb} all thresholds that apply; {_listed(rest)}."
+
+
+def _listed(words: list[str]) -> str:
+    """Words in a sentence."""
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
