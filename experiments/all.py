@@ -34,6 +34,7 @@ BEYOND = (
     "impact_step_study",
     "drive_phase_map",
     "friction_sweep",
+    "law_comparison",
 )
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; color: #222 }

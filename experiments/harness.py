@@ -35,9 +35,9 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import one_line
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.output.provenance import versions
+from contactlab.output.style import STYLE
 from contactlab.resonator import NormalModes
 
-STYLE = Path(__file__).with_name("paper.mplstyle")
 STIFFNESS = 1e10
 """Of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""
 

@@ -71,6 +71,12 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
         1.0,
         0.0,
     ),
+    # A force made as impulse over step fails at every point, whatever the motor does.
+    "law_comparison": (
+        lambda d: float(d.fails.sel(metric="peak_force_step_dependence").mean("point")[1]),
+        1.0,
+        0.0,
+    ),
 }
 
 
@@ -134,3 +140,19 @@ def test_a_fault_is_a_sentence_and_leaves_nothing(
     assert module("harness").main(module(name).__name__, [f"output={folder}", override]) == 2
     assert words in capsys.readouterr().err
     assert not folder.exists()
+
+
+def test_laws_that_are_named_are_compared_and_unknown_ones_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    comparison = module("law_comparison")
+    assert comparison.run(["nonsense"]) == 2
+    assert "There is no law 'nonsense'" in capsys.readouterr().err
+    setup = module("harness").setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
+    comparison.NAMED[:] = ["composed", "newton"]
+    try:
+        laws = comparison.laws_with(setup)
+    finally:
+        comparison.NAMED[:] = []
+    assert list(laws) == [*comparison.PAPER, "composed", "newton"]
+    assert {law.friction_limit for law in laws.values()} == {0.2}

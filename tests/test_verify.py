@@ -54,7 +54,7 @@ def test_an_unknown_option_is_refused_in_a_sentence(command: Command) -> None:
 def test_a_word_that_is_no_verb_is_refused_with_the_verbs(command: Command) -> None:
     status, _, err = command("verfy")
     assert status == 2
-    assert "A verb stands first: animate, laws, verify" in err
+    assert "A verb stands first: animate, compare, laws, verify" in err
 
 
 def test_help_names_the_verbs(command: Command) -> None:
