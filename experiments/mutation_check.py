@@ -64,6 +64,9 @@ def run_tests(project: Path, tests: Sequence[str]) -> tuple[bool, str]:
     done = subprocess.run(
         command, cwd=project, env=os.environ | places, capture_output=True, text=True, check=False
     )
+    # Only a test that fails has caught anything; a copy whose tests cannot run at all says nothing.
+    if done.returncode not in (0, 1):
+        raise RuntimeError(f"The tests of a copy cannot run:\n{done.stdout}{done.stderr}")
     found = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
     return done.returncode == 0, found[1] if found else done.stdout[-200:].strip()
 
