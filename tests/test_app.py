@@ -76,7 +76,7 @@ def test_version_is_shown(command: Command) -> None:
     [
         ("contactlab law=lagrange_", "law=lagrange_slip law=lagrange_stick"),
         ("contactlab solver.d", "solver.duration="),
-        ("contactlab law/normal=h", "law/normal=hertz_point"),
+        ("contactlab law/normal=hertz_p", "law/normal=hertz_point"),
         ("contactlab law=composed law.normal.s", "law.normal.stiffness="),
         ("contactlab -m experiment=c", "experiment=case_a"),
     ],

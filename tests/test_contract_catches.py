@@ -45,39 +45,49 @@ class Cheat(PenaltyLaw):
         return self.kernel
 
 
-def honest(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def honest(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def pulls(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def pulls(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
     normal = p[0] * max(-gap, 0.0) ** 1.5 - 0.3
     return normal, p[1] * max(normal, 0.0), -0.4 * (normal + 0.3) * gap + 0.3 * gap, 0.0
 
 
-def leaves_the_cone(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def leaves_the_cone(
+    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
+) -> Forces:
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, 1.1 * p[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def forgets_energy(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def forgets_energy(
+    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
+) -> Forces:
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[1] * normal, -0.39 * normal * gap, 0.0
 
 
-def makes_energy(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def makes_energy(
+    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
+) -> Forces:
     elastic = p[0] * max(-gap, 0.0) ** 1.5
     normal = elastic * max(1.0 + 0.3 * gap_rate, 0.0)
     return normal, p[1] * normal, -0.4 * elastic * gap, (elastic - normal) * gap_rate
 
 
-def remembers_every_call(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def remembers_every_call(
+    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
+) -> Forces:
     p[1] = p[1] * (1.0 - 1e-6)
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def knows_left_from_right(gap: float, gap_rate: float, slip: float, p: np.ndarray) -> Forces:
+def knows_left_from_right(
+    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
+) -> Forces:
     normal = p[0] * max(-gap, 0.0) ** 1.5
     mu = p[1] if slip >= 0.0 else 0.9 * p[1]
     return normal, mu * normal, -0.4 * normal * gap, 0.0

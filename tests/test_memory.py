@@ -1,15 +1,23 @@
 """Friction that remembers: what is kept within a contact, what ends with it, and where its energy is."""
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from contactlab.compiled import kernel
 from contactlab.engine import simulate
+from contactlab.laws.base import SPRING_AND_SLIDER
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
+from contactlab.laws.friction.coulomb import coulomb_bound
+from contactlab.laws.friction.mindlin import mindlin_state
 from contactlab.laws.normal import Linear
-from contactlab.laws.part import Friction
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.laws.part import BoundKernel, Friction, StateKernel
+from contactlab.testing.contract.bench import Bench, paper_motor
+from contactlab.testing.contract.properties import PROPERTIES, check
 from contactlab.testing.plants import block
 from contactlab.testing.runs import run
 
@@ -75,3 +83,53 @@ def test_records_do_not_change_the_motion(friction: Friction) -> None:
     fine = simulate(paper_motor(), law, duration=2e-3, record_interval=1e-7)
     for name, values in coarse.contacts.items():
         np.testing.assert_array_equal(values, fine.contacts[name])
+
+
+@kernel
+def hiding_state(
+    normal: float,
+    stiffness: float,
+    stiffness_rate: float,
+    slip: float,
+    memory: float,
+    parameters: np.ndarray,
+    at: int,
+) -> tuple[float, float, float, float]:
+    """Mindlin's spring without its energy."""
+    force, rate, _, tangential = mindlin_state(
+        normal, stiffness, stiffness_rate, slip, memory, parameters, at
+    )
+    return force, rate, 0.0, tangential
+
+
+@dataclass(frozen=True)
+class Hiding(Friction):
+    """A spring that holds energy and does not say so: what it gives back looks like a gain."""
+
+    name: ClassVar[str] = "hiding"
+    equation: ClassVar[str] = "Mindlin's"
+    source: ClassVar[str] = "this test"
+    friction_kind: ClassVar[int] = SPRING_AND_SLIDER
+    exact_stick: ClassVar[bool] = False
+    memory: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
+
+    @property
+    def friction_limit(self) -> float:
+        return MU
+
+    def coefficients(self) -> tuple[float, ...]:
+        return MU, 1.0, 0.82
+
+    @property
+    def bound(self) -> BoundKernel:
+        return coulomb_bound
+
+    @property
+    def state(self) -> StateKernel:
+        return hiding_state
+
+
+def test_a_spring_that_hides_its_energy_fails_where_it_cheats() -> None:
+    bench = Bench(Composed(friction=Hiding()))
+    failed = {name for name in PROPERTIES if not all(c.holds for c in check(bench, name))}
+    assert failed == {"kernel_is_consistent", "friction_opposes_slip"}

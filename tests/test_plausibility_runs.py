@@ -6,10 +6,12 @@ from math import isnan
 import numpy as np
 import pytest
 import xarray
+from conf_files import composed
 from motors import oracle_motor
 from oracle import OracleRun, solve_hertz, solve_rigid_stick
 from plausibility_runs import DURATION, case_a_tree, configured, datatree
 
+from contactlab.laws.declaration import PARTS
 from contactlab.plausibility import (
     FAIL,
     METRICS,
@@ -20,6 +22,7 @@ from contactlab.plausibility import (
     assess,
     assess_steps,
     assess_variants,
+    read_run,
 )
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
@@ -79,6 +82,16 @@ def test_the_default_run_has_the_same_verdicts(law: str, interval: float) -> Non
 def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
     tree = datatree(configured(law, **VARIED[motor]))
     assert failed(assess(tree)) == EXPECTED[law] - {"peak_force_step_dependence"}
+
+
+@pytest.mark.parametrize("interval", [1e-6, 1e-7])
+@pytest.mark.parametrize("law", STEPS)
+def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> None:
+    # All but the time, whose differences would not survive.
+    single = case_a_tree(law, None, interval).map_over_datasets(
+        lambda node: node.astype(np.float32)
+    )
+    assert failed(assess(read_run(single))) == EXPECTED[law] - {"peak_force_step_dependence"}
 
 
 def test_the_peak_of_rigid_laws_goes_as_one_over_the_step_and_their_impulse_stays() -> None:
@@ -165,10 +178,39 @@ def test_a_contact_lasts_longer_than_hertzs_free_impact_by_little() -> None:
 
 
 def test_the_stiffness_of_a_composed_law_is_found_among_its_parts() -> None:
-    composed = assess(datatree(configured("composed")))
+    parts = assess(datatree(configured("composed")))
     alone = assess(case_a_tree("hertz_penalty", None, 1e-6))
     for key in ("hertz_duration_ratio", "penetration_over_radius"):
-        assert composed[key] == pytest.approx(alone[key], rel=1e-6)
+        assert parts[key] == pytest.approx(alone[key], rel=1e-6)
+
+
+LOADED = VARIED["near the steady state, loaded"]
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "stronge", "moreau_jean"])
+def test_laws_of_restitution_neither_reverse_the_slip_nor_make_energy(law: str) -> None:
+    assert failed(assess(datatree(configured(law, **LOADED)))) == set()
+
+
+@pytest.mark.parametrize(
+    ("friction", "lines"),
+    [
+        ("coulomb", set()),
+        ("regularised", set()),
+        ("mindlin", set()),
+        ("lugre", {"friction_gain"}),
+        ("elasto_plastic", {"friction_gain"}),
+    ],
+)
+def test_frictions_fail_where_they_declare_a_violation(friction: str, lines: set[str]) -> None:
+    sections = composed(**{"law": "composed", "law/friction": friction})
+    tree = datatree(configured("composed", law=sections["law"], **LOADED))
+    found = assess(tree)
+    assert failed(found) == lines
+    # A spring that gives way while it holds is no drift.
+    assert isnan(found["stick_slip"]) == (friction != "coulomb")
+    declared = PARTS["friction"][friction].violations
+    assert bool(lines) == ("friction_opposes_slip" in declared)
 
 
 def test_a_tip_radius_of_five_millimetres_is_found_again_from_the_stiffness_it_gives() -> None:
@@ -255,3 +297,22 @@ def test_every_threshold_of_a_ladder_and_of_variants_has_a_reason() -> None:
         assert metric.meaning
         assert bool(metric.reason) == bool(metric.relation)
     assert STEP_METRICS["peak_force_step_dependence"].verdict(0.0) == PASS
+
+
+def test_a_run_recorded_at_its_ends_only_still_tells_of_its_contacts() -> None:
+    tree = datatree(configured("lagrange_stick", record={"interval": DURATION}))
+    found = assess(tree)
+    assert tree["time"].size == 2
+    assert failed(found) == set()
+    assert found["peak_force"] > 1000.0
+    assert found["impulse_balance"] < 1e-12
+    assert isnan(found["slip_reversal"])
+    assert isnan(found["rotor_velocity"])
+
+
+def test_a_motor_that_never_touches_has_no_contact_to_judge() -> None:
+    far = configured("lagrange_stick", contact={"clearance": 1e-3}, record={"interval": 1e-6})
+    found = assess(datatree(far))
+    assert failed(found) == set()
+    assert isnan(found["peak_force"])
+    assert found["energy_residual"] < 1e-9

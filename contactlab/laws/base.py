@@ -85,6 +85,11 @@ class ContactLaw(ABC):
         """Largest |F|/N that the law allows [1]; its friction coefficient unless it says otherwise."""
         return float(getattr(self, "friction_coefficient", 0.0))
 
+    @property
+    def title(self) -> str:
+        """What tells the law from others that are made alike; its name unless it says otherwise."""
+        return self.name
+
     def parameters(self) -> Array:
         """What the kernel receives, shape (parameter,), SI: the fields in their order."""
         return np.array(list(self.describe().values()), dtype=np.float64)

@@ -41,6 +41,11 @@ class Composed(PenaltyLaw):
     friction: Friction = field(default_factory=Coulomb)
 
     @property
+    def title(self) -> str:
+        """The names of the parts."""
+        return f"{self.name} of {', '.join(f'{part.family} {part.name}' for part in self.parts)}"
+
+    @property
     def parts(self) -> tuple[Part, ...]:
         """The three parts."""
         return self.normal, self.damping, self.friction

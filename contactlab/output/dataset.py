@@ -121,7 +121,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
     revision, dirty = checkout_state()
     return {
         "Conventions": "CF-1.11",
-        "title": f"Standing-wave piezoelectric motor with the contact law {law.name}",
+        "title": f"Standing-wave piezoelectric motor with the contact law {law.title}",
         "source": f"contactlab {code['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {law.source}.",
         "law": law.name,

@@ -40,7 +40,7 @@ def _law(trajectory: Trajectory) -> str:
     """The law's name and its effective parameters."""
     parameters = (f"{name} {value:.6g}" for name, value in trajectory.law.describe().items())
     step = prefixed(trajectory.contact_step, "s")
-    return f"{trajectory.law.name} ({', '.join([*parameters, f'contact step {step}'])})"
+    return f"{trajectory.law.title} ({', '.join([*parameters, f'contact step {step}'])})"
 
 
 def _contacts(trajectory: Trajectory) -> str:

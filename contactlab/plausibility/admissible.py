@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws.base import STICK
+from contactlab.plausibility.declared import has_tangential_spring
 from contactlab.plausibility.hertz import tip_radius
 from contactlab.plausibility.measure import Measure
 from contactlab.plausibility.metric import Metric
@@ -47,7 +48,8 @@ def _force_at_distance(record: Record) -> float:
 def _cone_excess(record: Record) -> float:
     limit = record.setting("contact", "friction_coefficient") * _static_ratio(record)
     normal, friction = record.series("normal_force"), record.series("friction_force")
-    excess = float((np.abs(friction) - limit * np.abs(normal)).max())
+    # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
+    excess = float((np.abs(friction) - limit * (1.0 + ROUND_OFF) * np.abs(normal)).max())
     return max(0.0, excess) / record.contact_force()
 
 
@@ -105,6 +107,8 @@ def _contact_gain(record: Record) -> float:
 
 
 def _stick_slip(record: Record) -> float:
+    # A spring gives way while it holds; that comes back and is no drift.
+    needed(not has_tangential_spring(record))
     mode, slip = record.series("contact_mode"), np.abs(record.series("slip_velocity"))
     stuck = mode == STICK
     # A record next to another mode may lie on the switch itself.
@@ -251,11 +255,12 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
             "max|v| in stick / A_v",
             "1",
             "largest slip velocity while the contact sticks, over the amplitude of the tip's "
-            "tangential velocity; what an elastic tangential contact gives way counts",
+            "tangential velocity; not applicable to friction with a spring, which gives way",
             "<=",
             ONE_STEP,
-            "stick is no slip at all; over a contact, a sixth of a vibration, a drift of a thousandth "
-            "stays below a thousandth of the vibration's amplitude",
+            "stick is no slip at all; a drift of a thousandth of the vibration's velocity moves the "
+            "tip by about a thousandth of its amplitude over a contact, and the projection of a "
+            "first-order law at its default step leaves less than that",
             "paper, eqs. 60-66",
         ),
         _stick_slip,

@@ -8,10 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, build
-from contactlab.laws.declaration import PARTS
 from contactlab.laws.hertz_penalty import hertz_stiffness
-from contactlab.laws.parameter import parameters_of
-from contactlab.laws.registry import law_class
+from contactlab.plausibility.declared import parameter_units
 from contactlab.plausibility.record import NotApplicableError, Record, needed
 
 Array = NDArray[np.float64]
@@ -29,7 +27,7 @@ def stiffness(record: Record) -> float:
     Raises:
         NotApplicableError: it has none, or is not installed here.
     """
-    for name, units in _units(record).items():
+    for name, units in parameter_units(record).items():
         value = record.law_parameters.get(name)
         if units == HERTZ_UNITS and isinstance(value, int | float) and value > 0.0:
             return float(value)
@@ -92,19 +90,3 @@ def tip_radius(record: Record) -> float:
     curvature = 0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius)
     needed(curvature > 0.0)
     return 1.0 / curvature
-
-
-def _units(record: Record) -> dict[str, str]:
-    """Units of the law's parameters by name, as far as the law and its parts are installed."""
-    try:
-        declared = parameters_of(law_class(record.law))
-    except ValueError:
-        return {}
-    units = {name: parameter.units for name, parameter in declared.items()}
-    section = record.configuration.get("law")
-    for family, parts in PARTS.items():
-        chosen = section.get(family) if isinstance(section, dict) else None
-        name = str(chosen.get("name")) if isinstance(chosen, dict) else ""
-        if name in parts:
-            units |= {f"{family}.{key}": p.units for key, p in parameters_of(parts[name]).items()}
-    return units

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.base import SET_VALUED, SLIP, SPRING_AND_SLIDER, STICK
 from contactlab.testing.claim import Claim, at_most
 from contactlab.testing.contract.bench import Bench
 
@@ -43,6 +43,7 @@ def kernel_is_consistent(bench: Bench) -> Iterator[Claim]:
     """What the kernel says of drawn states agrees with itself and with its family."""
     if isinstance(bench.law, PenaltyLaw):
         yield from _force_is_consistent(bench.law)
+        yield from _friction_is_consistent(bench.law)
     elif isinstance(bench.law, MultiplierLaw):
         yield from _impulse_is_consistent(bench.law)
 
@@ -88,6 +89,49 @@ def _force_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
     # Central differences of V: (h/gap)^2 and less.
     yield at_most("loss less -(N + dV/dg) gdot, over the power", potential, 1e-6)
     yield at_most("answers that change when asked again", changed, 0)
+
+
+def _friction_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
+    """A spring's F = -k z and E = 1/2 k z^2; no creep that pushes; nothing stored without memory."""
+    yield at_most("kinds of friction without a kernel of theirs", _misfits(law), 0)
+    rub = law.rub
+    if rub is None:
+        return
+    rng = np.random.default_rng(0)
+    parameters = law.parameters()
+    given = parameters.copy()
+    spring, stored, gained, changed = 0.0, 0.0, 0.0, 0
+    for _ in range(STATES):
+        gap = -(10.0 ** rng.uniform(-9.0, -5.0))
+        rate, slip = rng.normal(size=2) * 0.3
+        memory = rng.normal() * 1e-6
+        normal = law.force(gap, rate, slip, 0.3, parameters)[0]
+        asked = (gap, rate, slip, normal)
+        force, _, energy, stiffness = rub(*asked, memory, parameters)
+        size = abs(force) + stiffness * abs(memory) + abs(normal) + 1e-300
+        stored = max(stored, -energy / (size * 1e-6), abs(rub(*asked, 0.0, parameters)[2]) / size)
+        if law.friction_kind == SPRING_AND_SLIDER:
+            spring = max(spring, abs(force + stiffness * memory) / size)
+            miss = energy - 0.5 * stiffness * memory**2
+            spring = max(spring, abs(miss) / (size * abs(memory)))
+        else:
+            gained = max(gained, rub(*asked, 0.0, parameters)[0] * slip / (size * abs(slip)))
+        changed += rub(*asked, memory, parameters) != rub(*asked, memory, parameters)
+    changed += not np.array_equal(given, parameters)
+    yield at_most("spring force less -k z, over the force", spring, ROUND_OFF)
+    yield at_most("energy stored without memory, or negative, over the force", stored, ROUND_OFF)
+    yield at_most("power of creep without memory on the slip, over the power", gained, ROUND_OFF)
+    yield at_most("friction that changes when asked again", changed, 0)
+
+
+def _misfits(law: PenaltyLaw) -> int:
+    """Declarations of friction that contradict each other."""
+    set_valued = law.friction_kind == SET_VALUED
+    return (
+        int(set_valued != (law.rub is None))
+        + int(set_valued and bool(law.memory))
+        + int(len(law.memory) > 1)
+    )
 
 
 def _impulse_is_consistent(law: MultiplierLaw) -> Iterator[Claim]:
