@@ -12,7 +12,9 @@ from command_line import Command
 from compared import LAWS, leave, leave_all
 
 from contactlab.comparison import ComparisonError, compare
+from contactlab.comparison.curves import one_contact_each
 from contactlab.comparison.energy import energy_flow
+from contactlab.comparison.figures import draw_energy
 from contactlab.comparison.reruns import Refined, richardson
 from contactlab.comparison.runs import collect
 from contactlab.comparison.tables import as_latex, as_text, latex, slashed
@@ -103,6 +105,44 @@ def test_the_energy_flow_adds_up_to_the_work_of_the_drive(data: xarray.Dataset) 
     total = data["energy"].sum("term").values
     np.testing.assert_allclose(total, data["drive_work"].values, rtol=1e-12)
     assert (data["energy"].sel(term="damping_loss") > 0.0).all()
+
+
+def test_the_bars_that_are_drawn_add_up_too(tmp_path: Path) -> None:
+    # A motor that is driven backwards by its load gives energy back: bars on both sides of zero.
+    start = {"rotor__initial_velocity": -2.0, "rotor__load_torque": 1e-3}
+    data = compare([leave(tmp_path / law, law, **start) for law in LAWS], refine=False)
+    assert (data["energy"].min("term") < 0.0).all()
+    figure = draw_energy(data)
+    assert figure is not None
+    (axes,) = figure.axes
+    scale = {"mJ": 1e-3, "\N{MICRO SIGN}J": 1e-6}[axes.get_xlabel().split("(")[1][:-1]]
+    for row in range(len(LAWS)):
+        bars = [bar for bar in axes.patches if bar.get_y() < row < bar.get_y() + bar.get_height()]
+        signs = [1.0 if bar.get_x() >= 0.0 else -1.0 for bar in bars]
+        total = sum(sign * bar.get_width() for sign, bar in zip(signs, bars, strict=True))
+        work = float(data["drive_work"][row])
+        assert scale * total == pytest.approx(work, rel=3e-3)
+
+
+def test_a_row_of_impacts_is_one_contact(tmp_path: Path) -> None:
+    hertz = leave(tmp_path / "hertz", "hertz_penalty")
+    runs, _ = collect([leave(tmp_path / "newton", "newton", law__restitution=0.1), hertz])
+    contacts = dict(one_contact_each([Refined(run) for run in runs]))
+    assert contacts.keys() == {0, 1}
+    starts = runs[0].tree["contacts/start_time"].values
+    row = (starts >= contacts[0].start) & (starts <= contacts[0].start + contacts[0].duration)
+    assert np.count_nonzero(row) > 1
+    assert contacts[0].time[-1] == pytest.approx(contacts[1].time[-1], abs=2e-6)
+
+
+def test_runs_that_never_touch_or_hardly_record_are_compared(tmp_path: Path) -> None:
+    free = leave(tmp_path / "free", "hertz_penalty", contact__clearance=1e-3)
+    compare([free], tmp_path / "one")
+    assert not (tmp_path / "one" / "contact_force.png").exists()
+    assert (tmp_path / "one" / "rotor_velocity.png").exists()
+    coarse = leave(tmp_path / "coarse", "lagrange_slip", record__interval=5e-4)
+    compare([coarse], tmp_path / "two", refine=False)
+    assert "Contact law lagrange_slip" in (tmp_path / "two" / "report.html").read_text()
 
 
 def test_the_latex_table_is_whole(data: xarray.Dataset) -> None:

@@ -25,7 +25,7 @@ IMPACT: Final = 0.1
 """Share of a contact in which a rigid law's impact is over."""
 
 
-APART: Final = 0.05
+APART: Final = 0.1
 """Flight between two contacts that makes them two, in drive periods."""
 
 
