@@ -1,4 +1,4 @@
-"""docs/laws.md is what the laws declare, and every law on it has its picture."""
+"""The pages that are made: docs/laws.md with a picture a law, docs/plausibility.md."""
 
 import re
 from pathlib import Path
@@ -33,3 +33,10 @@ def test_the_page_can_be_made_elsewhere(tmp_path: Path) -> None:
     assert law_page.main(["--output", str(tmp_path)]) == 0
     assert (tmp_path / "laws.md").is_file()
     assert (tmp_path / "laws" / "friction_mindlin.png").stat().st_size > 5000
+
+
+def test_the_page_of_the_metrics_is_what_they_say() -> None:
+    import metric_page
+
+    committed = (ROOT / "docs" / "plausibility.md").read_text(encoding="utf-8")
+    assert committed == metric_page.page(), "Run python experiments/metric_page.py."
