@@ -82,8 +82,8 @@ def section(name: str, owner: type[ContactLaw] | type[Part], numbers: str) -> st
             "",
             words,
             "",
-            f"    {owner.equation}",
-            "",
+            # Most say it themselves, and at more length.
+            *([] if "\n    " in words else [f"    {owner.equation}", ""]),
             *(table if rows else []),
             *declared,
             f"* source: {owner.source}",

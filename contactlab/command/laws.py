@@ -137,7 +137,9 @@ def declared_rows(owner: Any) -> dict[str, str]:
         rows["convergence order"] = _of_parts(owner.convergence_order)
         rows["default contact step"] = f"{owner.default_contact_step:g} s"
     if issubclass(owner, ContactLaw | Friction):
-        rows["stick"] = _of_parts(owner.exact_stick, {True: "exact", False: "creeps or chatters"})
+        rows["stick"] = _of_parts(
+            owner.exact_stick, {True: "exact", False: "not exact: it gives, creeps or chatters"}
+        )
         rows["memory"] = _of_parts(getattr(owner, "memory", ()))
         violations = owner.violations
         if isinstance(violations, property):
