@@ -16,6 +16,10 @@ EXPONENT: Final = 0.05
 ONE_RATIO: Final = 1e-6
 """Relative difference at which two ratios of steps are the same: steps are given in decimals."""
 
+LEAST_ORDER: Final = 0.5
+"""Below it an extrapolation is no more than a guess: it goes further than two of the differences that it is
+made from (Oberkampf and Roy 2010, Verification and Validation in Scientific Computing, sec. 8.7)."""
+
 
 @final
 @dataclass(frozen=True)
@@ -75,16 +79,18 @@ class Ladder:
         """Rotor velocity at no step at all, v3 - d2 / (ratio^p - 1) [rad/s].
 
         Raises:
-            NotApplicableError: as `order`.
+            NotApplicableError: as `order`, or the order is too low to be trusted.
         """
         _, second, third = self.velocities()
-        growth = float((self.steps[-2] / self.steps[-1]) ** self.order())
+        order = self.order()
+        needed(order >= LEAST_ORDER)
+        growth = float((self.steps[-2] / self.steps[-1]) ** order)
         return third - (second - third) / (growth - 1.0)
 
     def error(self) -> float:
         """Error of the finest rotor velocity, relative: against the extrapolated one.
 
-        Where no order shows, the largest difference among the three finest.
+        Where no order can be trusted, the largest difference among the three finest.
         """
         velocities = self.velocities()
         try:
@@ -171,8 +177,8 @@ MEASURES: Final[tuple[Measure[Ladder], ...]] = (
             "velocity_error",
             "|Omega_3 - Omega_extrapolated| / |Omega_3|",
             "1",
-            "numerical error of the rotor velocity at the finest step; where no order shows, the "
-            "range of the three finest over the finest",
+            "numerical error of the rotor velocity at the finest step; where no order can be "
+            "trusted, the range of the three finest over the finest",
             source=_ROACHE,
         ),
         Ladder.error,
