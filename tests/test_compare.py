@@ -186,6 +186,8 @@ def test_other_motors_are_refused_with_key_values_and_runs(sweep: Path, tmp_path
     assert "contact.clearance is 1e-06 in" in fault
     assert "and 2e-06 in" in fault
     assert "other" in fault
+    with pytest.raises(ComparisonError, match="' and 1 more and 2e-06 in '"):
+        compare([sweep, other])
     longer = leave(tmp_path / "longer", "hertz_penalty", solver__duration=3e-3)
     with pytest.raises(ComparisonError, match=r"solver.duration \[s\] is 0.002 in"):
         compare([sweep / "0_law=lagrange_slip", longer])

@@ -116,7 +116,9 @@ def last_whole_contact(law: Refined) -> float | None:
         return None
     starts, end = column(tree, "start_time"), float(series(tree, "time")[-1])
     ends = starts + column(tree, "duration")
-    whole = np.flatnonzero((ends < end) & (starts > end - (PERIODS + 1.0) * law.run.period))
+    # Other laws touch at other times: their contact shall be whole as well.
+    settled = end - 0.5 * law.run.period
+    whole = np.flatnonzero((ends < settled) & (starts > end - (PERIODS + 1.0) * law.run.period))
     if not whole.size:
         whole = np.flatnonzero(ends < end)
     if not whole.size:

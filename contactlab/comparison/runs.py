@@ -72,6 +72,8 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
         raise ComparisonError(faults)
     configurations = {name: _configuration(tree) for name, tree in read}
     faults, notes = differences(dict(read), configurations)
+    if faults:
+        raise ComparisonError(faults)
     labels = _labels(dict(read), configurations, faults)
     if faults:
         raise ComparisonError(faults)

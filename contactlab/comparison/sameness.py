@@ -13,6 +13,9 @@ from contactlab.comparison.arrays import holds, series
 FREE = ("law", "solver", "record", "hydra")
 """Sections in which compared runs may differ."""
 
+MOST_NAMES = 2
+"""Runs that a sentence names for one value."""
+
 SAME = 1e-9
 """Relative difference at which two numbers count as one: another machine rounds otherwise."""
 
@@ -116,10 +119,15 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def _sentence(key: str, groups: Sequence[tuple[Any, list[str]]]) -> str:
-    said = " and ".join(
-        f"{shown(value)} in {', '.join(repr(name) for name in names)}" for value, names in groups
-    )
+    said = " and ".join(f"{shown(value)} in {_some(names)}" for value, names in groups)
     return (
         f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
         "the same in all runs. Leave runs out, or run one of them again."
     )
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first of some runs, and how many there are."""
+    first = ", ".join(f"'{name}'" for name in names[:MOST_NAMES])
+    rest = len(names) - MOST_NAMES
+    return f"{first} and {rest} more" if rest > 0 else first
