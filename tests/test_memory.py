@@ -1,7 +1,7 @@
 """Friction that remembers: what is kept within a contact, what ends with it, and where its energy is."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
@@ -12,10 +12,10 @@ from contactlab.engine import simulate
 from contactlab.laws.base import SPRING_AND_SLIDER
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
-from contactlab.laws.friction.coulomb import coulomb_bound
 from contactlab.laws.friction.mindlin import mindlin_state
 from contactlab.laws.normal import Linear
-from contactlab.laws.part import BoundKernel, Friction, StateKernel
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.laws.part import Friction, StateKernel
 from contactlab.testing.contract.bench import Bench, paper_motor
 from contactlab.testing.contract.properties import PROPERTIES, check
 from contactlab.testing.plants import block
@@ -113,16 +113,10 @@ class Hiding(Friction):
     exact_stick: ClassVar[bool] = False
     memory: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
 
-    @property
-    def friction_limit(self) -> float:
-        return MU
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
 
     def coefficients(self) -> tuple[float, ...]:
-        return MU, 1.0, 0.82
-
-    @property
-    def bound(self) -> BoundKernel:
-        return coulomb_bound
+        return self.friction_coefficient, 1.0, 0.82
 
     @property
     def state(self) -> StateKernel:

@@ -12,6 +12,7 @@ from contactlab.compiled import fleeting_kernel
 from contactlab.laws.base import FrictionKernel, PenaltyKernel, PenaltyLaw
 from contactlab.laws.damping import Undamped
 from contactlab.laws.friction import Coulomb
+from contactlab.laws.friction.cone import cone_bound
 from contactlab.laws.normal import HertzPoint
 from contactlab.laws.parameter import Parameter, parameters_of
 from contactlab.laws.part import Damping, Friction, NormalForce, Part
@@ -118,7 +119,7 @@ class Composed(PenaltyLaw):
     @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
-        return _force_of(self.normal.elastic, self.damping.damped, self.friction.bound)
+        return _force_of(self.normal.elastic, self.damping.damped)
 
     @property
     def rub(self) -> FrictionKernel | None:
@@ -129,7 +130,7 @@ class Composed(PenaltyLaw):
 
 # The kernels of a composition do not depend on its parameters: one compilation serves a whole sweep.
 @cache
-def _force_of(elastic: Any, damped: Any, bound: Any) -> PenaltyKernel:
+def _force_of(elastic: Any, damped: Any) -> PenaltyKernel:
     def composed_force(
         gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
     ) -> tuple[float, float, float, float]:
@@ -137,7 +138,7 @@ def _force_of(elastic: Any, damped: Any, bound: Any) -> PenaltyKernel:
         normal = damped(spring, -gap_rate, approach, parameters, DAMPING)
         return (
             normal,
-            bound(normal, slip, parameters, FRICTION),
+            cone_bound(normal, slip, parameters, FRICTION),
             stored,
             (spring - normal) * gap_rate,
         )

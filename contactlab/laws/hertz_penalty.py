@@ -11,7 +11,8 @@ from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
 from contactlab.laws.composed import FRICTION, NORMAL, Composed
 from contactlab.laws.damping import Undamped
-from contactlab.laws.friction.coulomb import Coulomb, coulomb_bound
+from contactlab.laws.friction.cone import cone_bound
+from contactlab.laws.friction.coulomb import Coulomb
 from contactlab.laws.normal.hertz_point import HertzPoint, hertz_elastic
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
 
@@ -65,7 +66,7 @@ def hertz_force(
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
     normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, NORMAL)
-    return normal, coulomb_bound(normal, slip, parameters, FRICTION), stored, 0.0
+    return normal, cone_bound(normal, slip, parameters, FRICTION), stored, 0.0
 
 
 def hertz_stiffness(

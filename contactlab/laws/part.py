@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 
 ElasticKernel = Callable[[float, Array, int], tuple[float, float, float, float]]
 DampedKernel = Callable[[float, float, float, Array, int], float]
-BoundKernel = Callable[[float, float, Array, int], float]
 StateKernel = Callable[
     [float, float, float, float, float, Array, int], tuple[float, float, float, float]
 ]
@@ -90,7 +89,10 @@ class Damping(Part):
 
 
 class Friction(Part):
-    """A tangential law. Set-valued friction needs a bound alone; any other a kernel with memory too."""
+    """A tangential law. Set-valued friction needs nothing but its cone; any other a kernel with memory too.
+
+    Subclasses have a field `friction_coefficient`, and `static_ratio` where they tell static friction.
+    """
 
     family: ClassVar[str] = "friction"
     friction_kind: ClassVar[int] = SET_VALUED
@@ -98,23 +100,18 @@ class Friction(Part):
     convergence_order: ClassVar[float] = 1.0
     memory: ClassVar[tuple[str, ...]] = ()
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
-
-    def coefficients(self) -> tuple[float, ...]:
-        """What the kernels read: the fields in their order."""
-        return tuple(self.describe().values())
+    friction_coefficient: float
 
     @property
-    @abstractmethod
     def friction_limit(self) -> float:
         """Largest |F|/N [1]."""
+        return self.friction_coefficient * float(getattr(self, "static_ratio", 1.0))
 
-    @property
-    @abstractmethod
-    def bound(self) -> BoundKernel:
-        """The compiled kernel of the largest friction.
-
-        bound(normal, slip, parameters, at) -> bound [N]; the slip is exactly zero in stick
-        """
+    def coefficients(self) -> tuple[float, ...]:
+        """What the kernels read: mu, mu_s / mu, and the other fields in their order."""
+        given = self.describe()
+        first = given.pop("friction_coefficient"), given.pop("static_ratio", 1.0)
+        return *first, *given.values()
 
     @property
     def state(self) -> StateKernel | None:

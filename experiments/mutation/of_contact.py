@@ -90,7 +90,7 @@ CONTACT = (
     ),
     Mutation(
         "the friction bound is the coefficient squared",
-        "contactlab/laws/friction/coulomb.py",
+        "contactlab/laws/friction/cone.py",
         "parameters[at] * ratio * max(normal, 0.0)",
         "parameters[at] ** 2 * ratio * max(normal, 0.0)",
         ("tests/test_laws.py",),

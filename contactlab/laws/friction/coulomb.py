@@ -3,14 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from contactlab.compiled import kernel
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
-from contactlab.laws.part import BoundKernel, Friction
-
-Array = NDArray[np.float64]
+from contactlab.laws.part import Friction
 
 STATIC_RATIO = Parameter("mu_s/mu", "1", "static over kinetic coefficient", at_least=1.0)
 """Shared by the friction laws that hold more than they drag."""
@@ -34,20 +28,3 @@ class Coulomb(Friction):
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return self.friction_coefficient * self.static_ratio
-
-    @property
-    def bound(self) -> BoundKernel:
-        """The kernel; see `Friction.bound`."""
-        return coulomb_bound
-
-
-@kernel
-def coulomb_bound(normal: float, slip: float, parameters: Array, at: int) -> float:
-    """Largest friction [N]."""
-    ratio = parameters[at + 1] if slip == 0.0 else 1.0
-    return float(parameters[at] * ratio * max(normal, 0.0))

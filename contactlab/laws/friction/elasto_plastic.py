@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sin
-from types import MappingProxyType
 from typing import Annotated, ClassVar, final
 
 import numpy as np
@@ -11,15 +10,16 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import CREEPING
-from contactlab.laws.friction.coulomb import STATIC_RATIO, coulomb_bound
+from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.laws.friction.lugre import (
     BRISTLE_DAMPING,
     BRISTLE_STIFFNESS,
+    BRISTLE_VIOLATIONS,
     STRIBECK_VELOCITY,
     stribeck,
 )
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
-from contactlab.laws.part import BoundKernel, Friction, StateKernel
+from contactlab.laws.part import Friction, StateKernel
 
 Array = NDArray[np.float64]
 
@@ -55,12 +55,7 @@ class ElastoPlastic(Friction):
     # The bristles have a kink where the slip reverses, and no step ends there.
     convergence_order: ClassVar[float] = 0.5
     memory: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {
-            "friction_opposes_slip": "bent bristles grow stiffer with the normal force, which gives them "
-            "energy that nothing brought."
-        }
-    )
+    violations: ClassVar[Mapping[str, str]] = BRISTLE_VIOLATIONS
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
@@ -70,16 +65,6 @@ class ElastoPlastic(Friction):
     breakaway_ratio: Annotated[
         float, Parameter("z_ba/z_ss", "1", "deflection at which it drags", above=0.0, below=1.0)
     ] = 0.7
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return self.friction_coefficient * self.static_ratio
-
-    @property
-    def bound(self) -> BoundKernel:
-        """The kernel; see `Friction.bound`."""
-        return coulomb_bound
 
     @property
     def state(self) -> StateKernel:

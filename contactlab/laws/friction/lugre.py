@@ -11,15 +11,22 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import CREEPING
-from contactlab.laws.friction.coulomb import STATIC_RATIO, coulomb_bound
+from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
-from contactlab.laws.part import BoundKernel, Friction, StateKernel
+from contactlab.laws.part import Friction, StateKernel
 
 Array = NDArray[np.float64]
 
 BRISTLE_STIFFNESS = Parameter("sigma_0", "m-1", "bristle stiffness over N", above=0.0)
 BRISTLE_DAMPING = Parameter("sigma_1", "s m-1", "bristle damping over N", at_least=0.0)
 STRIBECK_VELOCITY = Parameter("v_s", "m s-1", "Stribeck velocity", above=0.0)
+
+BRISTLE_VIOLATIONS = MappingProxyType(
+    {
+        "friction_opposes_slip": "bent bristles grow stiffer with the normal force, which gives them energy "
+        "that nothing brought."
+    }
+)
 
 
 @final
@@ -49,28 +56,13 @@ class LuGre(Friction):
     # The bristles have a kink where the slip reverses, and no step ends there.
     convergence_order: ClassVar[float] = 0.5
     memory: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {
-            "friction_opposes_slip": "bent bristles grow stiffer with the normal force, which gives them "
-            "energy that nothing brought."
-        }
-    )
+    violations: ClassVar[Mapping[str, str]] = BRISTLE_VIOLATIONS
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
     bristle_stiffness: Annotated[float, BRISTLE_STIFFNESS] = 1e6
     bristle_damping: Annotated[float, BRISTLE_DAMPING] = 0.1
     stribeck_velocity: Annotated[float, STRIBECK_VELOCITY] = 1e-2
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return self.friction_coefficient * self.static_ratio
-
-    @property
-    def bound(self) -> BoundKernel:
-        """The kernel; see `Friction.bound`."""
-        return coulomb_bound
 
     @property
     def state(self) -> StateKernel:

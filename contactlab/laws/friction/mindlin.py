@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import SPRING_AND_SLIDER
-from contactlab.laws.friction.coulomb import coulomb_bound
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
-from contactlab.laws.part import BoundKernel, Friction, StateKernel
+from contactlab.laws.part import Friction, StateKernel
 
 Array = NDArray[np.float64]
 
@@ -47,20 +46,6 @@ class Mindlin(Friction):
     stiffness_ratio: Annotated[
         float, Parameter("kappa", "1", "tangential over normal stiffness", above=0.0)
     ] = 0.82
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return self.friction_coefficient
-
-    def coefficients(self) -> tuple[float, ...]:
-        """Coefficient, static ratio of the bound, stiffness ratio."""
-        return self.friction_coefficient, 1.0, self.stiffness_ratio
-
-    @property
-    def bound(self) -> BoundKernel:
-        """The kernel; see `Friction.bound`."""
-        return coulomb_bound
 
     @property
     def state(self) -> StateKernel:

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import CREEPING
-from contactlab.laws.friction.coulomb import coulomb_bound
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
-from contactlab.laws.part import BoundKernel, Friction, StateKernel
+from contactlab.laws.part import Friction, StateKernel
 
 Array = NDArray[np.float64]
 
@@ -36,20 +35,6 @@ class Regularised(Friction):
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     creep_velocity: Annotated[float, Parameter("v_0", "m s-1", "creep velocity", above=0.0)] = 1e-3
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return self.friction_coefficient
-
-    def coefficients(self) -> tuple[float, ...]:
-        """Coefficient, static ratio of the bound, creep velocity."""
-        return self.friction_coefficient, 1.0, self.creep_velocity
-
-    @property
-    def bound(self) -> BoundKernel:
-        """The kernel; see `Friction.bound`."""
-        return coulomb_bound
 
     @property
     def state(self) -> StateKernel:
