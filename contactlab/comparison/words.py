@@ -44,8 +44,8 @@ def _difference(row: Row) -> str:
     lost = [label for label, cell in cells.items() if cell.error > abs(cell.value) > 0.0]
     if ratio < 1.0 and lost:
         return (
-            f"{said}; no value with {_listed(lost)} is known: it does not converge, its "
-            "numerical error is larger than itself."
+            f"{said}; with {_listed(lost)} it does not converge: its numerical error is larger "
+            "than itself, and no value is known."
         )
     if ratio < 1.0:
         return f"{said}; the difference, {share}, is not resolved."
