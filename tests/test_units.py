@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from contactlab.config.units import UnitError, to_si
+from contactlab.config.units import UnitError, from_cf, to_cf, to_si
 
 
 @pytest.mark.parametrize(
@@ -75,3 +75,8 @@ def test_an_unknown_unit_is_refused(text: str) -> None:
 def test_a_text_that_is_no_number_is_refused(text: str) -> None:
     with pytest.raises(UnitError):
         to_si(text, "m")
+
+
+@pytest.mark.parametrize("unit", ["N m-1.5", "kg m2", "s-1", "1", "N m s rad-1", "m"])
+def test_a_unit_comes_back_from_the_spelling_of_a_configuration(unit: str) -> None:
+    assert to_cf(from_cf(unit)) == unit

@@ -40,6 +40,16 @@ def from_cf(unit: str) -> str:
     return "/".join([" ".join(above) or "1", *below])
 
 
+def to_cf(unit: str) -> str:
+    """A unit of a configuration, 'N/m^1.5', in the words of the CF conventions: the way back."""
+    above, *below = unit.split("/")
+    factors = [factor.replace("^", "") for factor in above.split() if factor != "1"]
+    for factor in below:
+        word, _, power = factor.partition("^")
+        factors.append(f"{word}-{power or 1}")
+    return " ".join(factors) or "1"
+
+
 def to_si(text: str, unit: str) -> float:
     """The number that a text gives, in an SI unit.
 
