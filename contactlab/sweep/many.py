@@ -4,8 +4,9 @@ One run follows the other and is handed what like motors have in common; its num
 last bit wherever and after whatever it runs.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from time import monotonic
 from typing import Final, final
 
@@ -16,9 +17,10 @@ from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import simulate
 from contactlab.engine.workspace import Workspace
 from contactlab.laws import LawError
-from contactlab.plausibility import Record, assess
+from contactlab.plausibility import METRICS, Record, assess
 from contactlab.sweep.status import Status, status_of
 from contactlab.trajectory import Trajectory
+from contactlab.variables import SERIES
 
 Array = NDArray[np.float64]
 
@@ -65,10 +67,35 @@ class Wanted:
     metrics: tuple[str, ...] = USUAL
     series: tuple[str, ...] = ()
 
+    @property
+    def sampled(self) -> bool:
+        """Whether more records than the last are needed."""
+        return bool(self.series) or not set(self.metrics) <= set(AT_ANY_INTERVAL)
+
     def interval(self, setup: Setup) -> float:
         """Time between records [s]: as configured where any but the last are needed."""
-        sampled = self.series or not set(self.metrics) <= set(AT_ANY_INTERVAL)
-        return setup.record_interval if sampled else setup.duration
+        return setup.record_interval if self.sampled else setup.duration
+
+
+def wanted_of(metrics: Iterable[str], series: Iterable[str]) -> Wanted:
+    """What is kept, each once.
+
+    Raises:
+        ValueError: a name that is no metric or no series, or nothing at all.
+    """
+    asked = {"metric": dict.fromkeys(metrics), "series": dict.fromkeys(series)}
+    known = {"metric": list(METRICS), "series": [variable.name for variable in SERIES]}
+    for kind, names in asked.items():
+        for name in names:
+            if name not in known[kind]:
+                near = get_close_matches(name, known[kind], 1)
+                hint = f"Did you mean {near[0]}?" if near else f"One is {known[kind][0]}."
+                raise ValueError(
+                    f"There is no {kind} '{name}'; it must be one of {', '.join(known[kind])}. {hint}"
+                )
+    if not any(asked.values()):
+        raise ValueError("Nothing is asked for; there must be one metric or series at least.")
+    return Wanted(tuple(asked["metric"]), tuple(asked["series"]))
 
 
 @final
@@ -80,13 +107,15 @@ class Answers:
         metrics: shape (run, metric); NaN where there is no number.
         status: codes of `Status`, shape (run,).
         reason: why a run is not complete, empty where it is.
-        series: by name, shape (run, record); NaN beyond the records that a run has.
+        series: by name, shape (run, record); NaN where a run has none.
+        time: of the records of the series [s].
     """
 
     metrics: Array
     status: NDArray[np.int8]
     reason: list[str]
     series: dict[str, Array]
+    time: Array
 
 
 SetupAt = Callable[[int], Setup]
@@ -118,16 +147,19 @@ def answers(
     status = np.zeros(len(cells), dtype=np.int8)
     reason = [""] * len(cells)
     kept: list[dict[str, Array]] = []
+    time = np.empty(0)
     reported, last = 0, monotonic()
     for place, cell in enumerate(cells):
         run, code, sentence = _run(setup_at, cell, wanted, workspace, metrics[place])
         status[place], reason[place] = code, sentence
         if wanted.series:
-            kept.append({} if run is None else {name: run.series[name] for name in wanted.series})
+            kept.append({} if run is None else {n: run.series[n] for n in wanted.series})
+            time = time if run is None else max(time, run.time, key=len)
         if report and (monotonic() - last > BETWEEN_REPORTS or place == len(cells) - 1):
             report(place + 1 - reported)
             reported, last = place + 1, monotonic()
-    return Answers(metrics, status, reason, {name: _stacked(kept, name) for name in wanted.series})
+    series = {name: _stacked(kept, name, time.size) for name in wanted.series}
+    return Answers(metrics, status, reason, series, time)
 
 
 def _run(
@@ -163,11 +195,10 @@ def _run(
     return run, Status.COMPLETE, ""
 
 
-def _stacked(kept: list[dict[str, Array]], name: str) -> Array:
-    """Series of one name, a row each, NaN where a run has none or is shorter."""
-    length = max((part[name].size for part in kept if part), default=0)
+def _stacked(kept: Sequence[dict[str, Array]], name: str, length: int) -> Array:
+    """Series of one name, a row each; NaN where a run has none."""
     rows = np.full((len(kept), length), np.nan)
-    for row, part in zip(rows, kept, strict=True):
-        if part:
-            row[: part[name].size] = part[name]
+    for row, series in zip(rows, kept, strict=True):
+        if series:
+            row[: series[name].size] = series[name]
     return rows

@@ -17,7 +17,6 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.config import ConfigurationError
 from contactlab.engine import prepare
 from contactlab.sweep.many import Answers, Report, SetupAt, Wanted, answers
 
@@ -69,9 +68,10 @@ def _load(setup_at: SetupAt, cells: Sequence[int]) -> None:
     for cell in cells:
         try:
             setup = setup_at(cell)
-        except ConfigurationError:
+            prepare(setup.motor, setup.law)
+        # The cell's own run tells of it.
+        except Exception:
             continue
-        prepare(setup.motor, setup.law)
         return
 
 
@@ -163,6 +163,7 @@ def _interleaved(parts: Sequence[Answers], count: int) -> Answers:
         series={
             name: _woven([part.series[name] for part in parts], count) for name in parts[0].series
         },
+        time=max((part.time for part in parts), key=len),
     )
 
 
