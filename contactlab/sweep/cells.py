@@ -26,6 +26,10 @@ REASONS: Final = {
 """Reasons that need no run to tell them."""
 
 
+Value = float | int | bool | str
+"""Of a parameter."""
+
+
 @final
 @dataclass(frozen=True)
 class Axis:
@@ -38,14 +42,15 @@ class Axis:
     """
 
     name: str
-    values: tuple[float, ...] | tuple[str, ...]
+    values: tuple[Value, ...]
     units: str = ""
 
     @property
     def coordinate(self) -> NDArray[Any]:
         """The values as an array of numbers or texts."""
-        named = any(isinstance(value, str) for value in self.values)
-        return np.asarray(self.values, dtype=np.dtype("U") if named else np.float64)
+        if any(isinstance(value, str | bool) for value in self.values):
+            return np.array([_text(value) for value in self.values])
+        return np.asarray(self.values, dtype=np.float64)
 
 
 def dataset_of(
@@ -105,6 +110,10 @@ def write(dataset: xarray.Dataset, path: Path) -> None:
     }
     with whole_file(path) as partial:
         dataset.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encoding)
+
+
+def _text(value: Value) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _said(key: str) -> dict[str, str]:

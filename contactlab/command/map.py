@@ -1,0 +1,133 @@
+"""`contactlab map`: a law over many values of many parameters, in chunks that are kept as they are finished."""
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from contactlab.command import interrupts
+from contactlab.command.verbs import VERBS
+
+if TYPE_CHECKING:
+    import xarray
+    from hydra._internal.hydra import Hydra
+
+    from contactlab.sweep.chunks import MapFolder
+    from contactlab.sweep.many import Wanted
+    from contactlab.sweep.plan import Plan
+
+DONE, INCOMPLETE, REFUSED = 0, 1, 2
+"""Exit statuses; a run that fails is a result, no failure of the command."""
+
+CHUNK = 1000
+"""Runs in a chunk where nothing is said: seconds of work."""
+
+MOST_CHUNKS = 1000
+"""Clusters take arrays of about so many tasks."""
+
+
+class RefusalError(ValueError):
+    """What was asked for cannot be done; the message is a sentence."""
+
+
+def main(arguments: list[str]) -> int:
+    """Make the map, or go on with it.
+
+    Returns:
+        The exit status: 2 for a faulty command line, 1 where chunks are missing at the end.
+    """
+    wanted = _parser().parse_intermixed_args(arguments)
+    # Imported here: they bring Hydra and the compiler, which --help does not need.
+    from contactlab.config import ConfigurationError
+    from contactlab.sweep.chunks import MapError
+    from contactlab.sweep.workers import WorkerError
+
+    try:
+        return _map(wanted)
+    except ConfigurationError as error:
+        print(*error.faults, sep="\n", file=sys.stderr)
+    except (RefusalError, MapError) as error:
+        print(error, file=sys.stderr)
+    except WorkerError as error:
+        print(error, file=sys.stderr)
+        return INCOMPLETE
+    except OSError as error:
+        print(f"The map could not be written: {error}", file=sys.stderr)
+        return INCOMPLETE
+    except KeyboardInterrupt:
+        print(
+            "Interrupted. The chunks that are finished are kept: the same command goes on there.",
+            file=sys.stderr,
+        )
+        return interrupts.STATUS
+    return REFUSED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="contactlab map",
+        description=f"{VERBS['map'].capitalize()}. Results are metrics, a number a run; `contactlab compare` "
+        "and docs/plausibility.md say what they are. Finished chunks are kept: the same command goes on where "
+        "it was stopped, and ends with the same bits.",
+        epilog="example: contactlab map law=lagrange_stick 'sweep.contact.clearance=linspace(0,2e-6,100)' "
+        "'sweep.drive.phase=linspace(-180 deg,180 deg,73)' solver.duration=2e-3",
+    )
+    parser.add_argument(
+        "arguments",
+        nargs="+",
+        metavar="KEY=VALUE",
+        help="as for a run; sweep.KEY=VALUES sweeps a key or group: 1e-6,2e-6 or range(START,STOP,STEP) or "
+        "linspace(FIRST,LAST,COUNT) or geomspace(FIRST,LAST,COUNT)",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="where map.nc goes; the default is a folder in maps/ named by what is swept",
+    )
+    parser.add_argument(
+        "--metrics", metavar="NAME,...", help="metrics that are kept, or all; a cheap few by default"
+    )
+    parser.add_argument(
+        "--series", metavar="NAME,...", default="", help="time series that are kept as well"
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes at work; the default is one a processor"
+    )
+    parser.add_argument(
+        "--chunk",
+        type=int,
+        metavar="N",
+        help=f"runs in a chunk, which is kept when it is finished; the default is {CHUNK}, or what makes "
+        f"{MOST_CHUNKS} chunks",
+    )
+    return parser
+
+
+def _map(given: argparse.Namespace) -> int:
+    from contactlab.command.application import CONFIG_NAME, application
+    from contactlab.command.map_plan import plan_of
+    from contactlab.sweep.chunks import MAP, MapFolder
+    from contactlab.sweep.workers import processors
+
+    for option in ("workers", "chunk"):
+        if getattr(given, option) is not None and getattr(given, option) < 1:
+            raise RefusalError(
+                f"--{option} is {getattr(given, option)}; it must be at least 1. Leave it out for the default."
+            )
+    with application() as hydra:
+        plan = plan_of(
+            hydra.config_loader, CONFIG_NAME, given.arguments, _wanted(given), given.chunk
+        )
+        folder = MapFolder.begun(given.output, plan)
+        _begin(folder)
+        if folder.complete:
+            print(f"The map is complete: {folder.path / MAP}")
+            return DONE
+        _announce(plan, folder)
+        _run(hydra, given, folder, given.workers or processors())
+    dataset = folder.merge()
+    print(_summary(dataset, folder))
+    return DONE if dataset.attrs["complete"] else INCOMPLETE

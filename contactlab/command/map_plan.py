@@ -1,0 +1,240 @@
+"""What a command line of `contactlab map` asks for: composed, checked, and every fault of it told."""
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import Any, Final, final
+
+from hydra.core.config_loader import ConfigLoader
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import OmegaConf
+
+from contactlab.command.composer import Composer
+from contactlab.command.sweep_values import FORMS, PREFIX, SweepError, Typed, typed
+from contactlab.config import ConfigurationError, build, validate
+from contactlab.config.keys import units_of
+from contactlab.config.quantity import describe
+from contactlab.config.units import UnitError, from_cf, to_si
+from contactlab.sweep.cells import Axis, Value
+from contactlab.sweep.many import Wanted
+from contactlab.sweep.plan import Configuration, Plan, with_key
+
+TIMES: Final = ("solver.duration", "record.interval")
+"""Keys that the times of the records depend on."""
+
+
+def plan_of(
+    loader: ConfigLoader, config_name: str, lines: Sequence[str], wanted: Wanted, chunk: int
+) -> Plan:
+    """The map that overrides and swept parameters describe.
+
+    Args:
+        loader: Hydra's.
+        config_name: of the primary configuration.
+        lines: the arguments: KEY=VALUE, GROUP=OPTION and sweep.KEY=VALUES.
+        wanted: what is kept of every run.
+        chunk: runs in a chunk.
+
+    Raises:
+        ConfigurationError: with every fault that was found. Nothing has been written.
+    """
+    planner = _Planner(loader, config_name)
+    fixed = [line for line in lines if not line.startswith(PREFIX)]
+    swept = planner.read([line.removeprefix(PREFIX) for line in lines if line.startswith(PREFIX)])
+    planner.refuse_clashes(fixed, swept, wanted)
+    planner.stop()
+    groups = [one for one in swept if planner.options(one.key)]
+    bases = planner.bases(fixed, groups)
+    planner.stop()
+    keys = [one for one in swept if one not in groups]
+    found = {axis.name: axis for axis in planner.axes(bases, keys)}
+    planner.stop()
+    for group in groups:
+        # A slash is no part of a name in a file.
+        found[group.key] = Axis(group.key.replace("/", "."), group.listed)
+    return Plan(
+        axes=tuple(found[one.key] for one in swept),
+        groups=tuple(found[one.key].name for one in groups),
+        bases=tuple(bases),
+        wanted=wanted,
+        chunk=chunk,
+    )
+
+
+@final
+class _Planner:
+    """Collects the parts of a plan, and the faults."""
+
+    def __init__(self, loader: ConfigLoader, config_name: str) -> None:
+        self._composer = Composer(loader, config_name)
+        self._parser = OverridesParser.create(config_loader=loader)
+        self._faults = self._composer.faults
+
+    def stop(self) -> None:
+        """Raise what is wrong so far.
+
+        Raises:
+            ConfigurationError: something is.
+        """
+        if self._faults:
+            raise ConfigurationError(list(dict.fromkeys(self._faults)))
+
+    def options(self, key: str) -> list[str]:
+        """The options of a group, none for what is no group."""
+        return self._composer.options(key)
+
+    def read(self, lines: Sequence[str]) -> list[Typed]:
+        """The swept parameters as typed."""
+        found = []
+        for line in lines:
+            try:
+                found.append(typed(line, self._parser))
+            except SweepError as error:
+                self._faults.append(str(error))
+        return found
+
+    def refuse_clashes(self, fixed: Sequence[str], swept: Sequence[Typed], wanted: Wanted) -> None:
+        """Note what does not go together."""
+        if not swept and not self._faults:
+            self._faults.append(
+                f"Nothing is swept; there must be one parameter at least: {PREFIX}KEY={FORMS}. One run "
+                "alone needs no map."
+            )
+        keys = [one.key for one in swept]
+        given = {line.partition("=")[0].lstrip("+") for line in fixed}
+        for key in dict.fromkeys(keys):
+            if keys.count(key) > 1 or key in given:
+                self._faults.append(
+                    f"{key} is given more than once; it must be either swept or set, and once. Leave "
+                    "the others out."
+                )
+        for one in swept:
+            if len(set(one.listed)) < len(one.listed) and not one.spacing:
+                self._faults.append(f"{PREFIX}{one.key} has a value twice; give every value once.")
+        for key in set(keys).intersection(TIMES) if wanted.series else ():
+            self._faults.append(
+                f"{key} is swept and series are kept; they must be at the same times in every run. "
+                "Leave out --series or set it."
+            )
+
+    def bases(self, fixed: Sequence[str], groups: Sequence[Typed]) -> list[Configuration]:
+        """A configuration for every combination of options."""
+        for group in groups:
+            options = self.options(group.key)
+            for value in group.listed:
+                if group.spacing or value not in options:
+                    self._faults.append(
+                        f"{PREFIX}{group.key} has {describe(value)}; it must be of {', '.join(options)}."
+                    )
+        self._no_lists(fixed)
+        self.stop()
+        return [
+            base
+            for chosen in product(*(group.listed for group in groups))
+            for base in self._base(
+                [*fixed, *(f"{g.key}={value}" for g, value in zip(groups, chosen, strict=True))]
+            )
+        ]
+
+    def _no_lists(self, fixed: Sequence[str]) -> None:
+        for override in self._composer.parse(fixed):
+            if override.is_sweep_override():
+                self._faults.append(
+                    f"{override.input_line} gives several values; a map takes them as "
+                    f"{PREFIX}{override.input_line}."
+                )
+
+    def _base(self, lines: Sequence[str]) -> Iterator[Configuration]:
+        """The configuration of a combination; none where it is faulty."""
+        composed = self._composer.compose_job(self._composer.parse(lines))
+        if composed is None:
+            return
+        base: Any = OmegaConf.to_container(composed[0], resolve=False)
+        if "${" in str(base):
+            self._faults.append(
+                "The configuration has references in ${...}; a map must have their values, which may "
+                "depend on what is swept. Write the values."
+            )
+        yield base
+
+    def axes(self, bases: Sequence[Configuration], keys: Sequence[Typed]) -> list[Axis]:
+        """The axes of swept keys, every value of which at least some combination admits."""
+        ends = [(one.listed[0], one.listed[-1]) for one in keys]
+        units = self._units(bases, keys, ends)
+        self.stop()
+        found = []
+        for one in keys:
+            unit = units.get(one.key, "")
+            try:
+                values = one.values(lambda value, unit=unit: _number(value, unit))  # type: ignore[misc]
+            except (SweepError, UnitError) as error:
+                said = (
+                    str(error) if isinstance(error, SweepError) else f"{PREFIX}{one.key}: {error}."
+                )
+                self._faults.append(said)
+                continue
+            place = keys.index(one)
+            resolved = [self._resolved(bases, keys, ends, place, value) for value in values]
+            if len(set(resolved)) < len(resolved) and None not in resolved:
+                self._faults.append(f"{PREFIX}{one.key} has a value twice; give every value once.")
+            found.append(Axis(one.key, tuple(v for v in resolved if v is not None), unit))
+        return found
+
+    def _units(
+        self,
+        bases: Sequence[Configuration],
+        keys: Sequence[Typed],
+        ends: Sequence[tuple[Value, Value]],
+    ) -> dict[str, str]:
+        """Units of all keys of some sound combination of values."""
+        first: ConfigurationError | None = None
+        for base, side in product(bases, (0, 1)):
+            trial = base
+            for one, end in zip(keys, ends, strict=True):
+                trial = with_key(trial, one.key.split("."), end[side])
+            try:
+                return units_of(validate(trial))
+            except ConfigurationError as error:
+                first = first or error
+        assert first is not None
+        self._faults += first.faults
+        return {}
+
+    def _resolved(
+        self,
+        bases: Sequence[Configuration],
+        keys: Sequence[Typed],
+        ends: Sequence[tuple[Value, Value]],
+        place: int,
+        value: Value,
+    ) -> Value | None:
+        """A value as it runs; a fault where none of the combinations tried admits it."""
+        first: ConfigurationError | None = None
+        path = keys[place].key.split(".")
+        for base, side in product(bases, (0, 1)):
+            trial = base
+            for one, end in zip(keys, ends, strict=True):
+                trial = with_key(trial, one.key.split("."), end[side])
+            try:
+                found: Any = build(with_key(trial, path, value)).configuration
+            except ConfigurationError as error:
+                first = first or error
+                continue
+            for step in path:
+                found = found[step]
+            # A radius that a stiffness was computed from is gone from what runs.
+            return value if found is None else found  # type: ignore[no-any-return]
+        assert first is not None
+        self._faults += first.faults
+        return None
+
+
+def _number(value: Value, unit: str) -> float:
+    """The SI number of an end of what is spaced.
+
+    Raises:
+        UnitError: it is none.
+    """
+    try:
+        return to_si(str(value), from_cf(unit) if unit else "1")
+    except UnitError as error:
+        raise UnitError(f"{describe(value)}, {error}") from None

@@ -1,0 +1,201 @@
+"""The folder of a map: its plan, the chunks that are finished, and at the end one dataset of them all.
+
+    DIR/plan.json       what runs, and by which code
+    DIR/chunks/*.npz    a file for every finished chunk
+    DIR/map.nc          all of it; the chunks are removed when it is whole
+
+Every file appears whole or not at all, and a chunk's numbers do not depend on when or where it runs. So a
+map that is killed at any moment goes on where it was and ends with the same bits.
+"""
+
+import json
+import shutil
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final, final
+
+import numpy as np
+import xarray
+import yaml
+
+from contactlab.output.files import whole_file
+from contactlab.output.provenance import code_digest, versions
+from contactlab.sweep.cells import REASONS, dataset_of, write
+from contactlab.sweep.many import Answers, Report
+from contactlab.sweep.plan import Plan
+from contactlab.sweep.status import Status
+from contactlab.sweep.workers import shared_answers
+
+PLAN: Final = "plan.json"
+CHUNKS: Final = "chunks"
+MAP: Final = "map.nc"
+
+
+class MapError(ValueError):
+    """A folder that cannot hold a map; the message is a sentence."""
+
+
+@final
+class MapFolder:
+    """A map on the disk.
+
+    Args:
+        path: its folder.
+        plan: what it runs.
+    """
+
+    def __init__(self, path: Path, plan: Plan) -> None:
+        self.path = path
+        self.plan = plan
+
+    @classmethod
+    def opened(cls, path: Path) -> "MapFolder":
+        """A folder that a map was begun in.
+
+        Raises:
+            MapError: there is no plan in it that can be read.
+        """
+        try:
+            read = json.loads((path / PLAN).read_text(encoding="utf-8"))
+            return cls(path, Plan.of_text(json.dumps(read["plan"])))
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise MapError(
+                f"'{path}' holds no {PLAN} that can be read; it must be the folder of a map. "
+                "`contactlab map` begins one."
+            ) from error
+
+    def begin(self, code: str) -> None:
+        """Write the plan, or find that it is there already.
+
+        Args:
+            code: digest of what computes the numbers.
+
+        Raises:
+            MapError: the folder holds another map, or one by other code.
+            OSError: the folder cannot be written to.
+        """
+        text = json.dumps({"code": code, "plan": json.loads(self.plan.text())}, indent=1)
+        file = self.path / PLAN
+        if file.exists():
+            if file.read_text(encoding="utf-8") != text:
+                raise MapError(
+                    f"'{self.path}' holds another map, or one made by other code; a map goes on only with "
+                    "what it began with. Choose another folder by --output DIR, or remove this one."
+                )
+            return
+        (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
+        with whole_file(file) as partial:
+            partial.write_text(text, encoding="utf-8")
+
+    @property
+    def complete(self) -> bool:
+        """Whether the dataset of the whole map is there."""
+        if not (self.path / MAP).exists():
+            return False
+        with xarray.open_dataset(self.path / MAP, engine="netcdf4") as dataset:
+            return bool(dataset.attrs.get("complete") == 1)
+
+    def missing(self) -> list[int]:
+        """The chunks that are not finished."""
+        return [chunk for chunk in range(self.plan.chunks) if not self._file(chunk).exists()]
+
+    def run(self, chunk: int, workers: int, report: Report | None = None) -> None:
+        """Run a chunk and keep its answers.
+
+        Raises:
+            WorkerError: a worker process died.
+            OSError: the answers cannot be written.
+        """
+        found = shared_answers(
+            self.plan.setup, self.plan.cells_of(chunk), self.plan.wanted, workers, report
+        )
+        self._file(chunk).parent.mkdir(exist_ok=True)
+        with whole_file(self._file(chunk)) as partial, partial.open("wb") as stream:
+            arrays: dict[str, Any] = {
+                "metrics": found.metrics,
+                "status": found.status,
+                "reason": np.array(found.reason, dtype=np.str_),
+                "time": found.time,
+            }
+            arrays |= {f"series_{name}": rows for name, rows in found.series.items()}
+            np.savez(stream, **arrays)
+
+    def merge(self) -> xarray.Dataset:
+        """Write the dataset of all chunks that are finished; the chunks go when none is missing.
+
+        Returns:
+            The metrics over the axes; series are in the file only.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        plan = self.plan
+        metrics = np.full((plan.cells, len(plan.wanted.metrics)), np.nan)
+        status = np.full(plan.cells, Status.ABSENT, dtype=np.int8)
+        reason = np.full(plan.cells, REASONS[Status.ABSENT], dtype=object)
+        for chunk, answers in self._finished():
+            cells = plan.cells_of(chunk)
+            place = slice(cells.start, cells.stop)
+            metrics[place], status[place], reason[place] = (
+                answers.metrics,
+                answers.status,
+                answers.reason,
+            )
+        whole = not (status == Status.ABSENT).any()
+        columns = zip(plan.wanted.metrics, metrics.T, strict=True)
+        dataset = dataset_of(
+            plan.axes,
+            {key: column.reshape(plan.shape) for key, column in columns},
+            status.reshape(plan.shape),
+            reason.reshape(plan.shape),
+            self._attributes(whole),
+        )
+        write(dataset, self.path / MAP)
+        if whole:
+            shutil.rmtree(self.path / CHUNKS, ignore_errors=True)
+        return dataset
+
+    def _file(self, chunk: int) -> Path:
+        return self.path / CHUNKS / f"{chunk:06d}.npz"
+
+    def _finished(self) -> Iterator[tuple[int, Answers]]:
+        """The finished chunks, one in memory at a time.
+
+        Raises:
+            MapError: a file is damaged.
+        """
+        missing = set(self.missing())
+        for chunk in range(self.plan.chunks):
+            if chunk not in missing:
+                yield chunk, self._read(chunk)
+
+    def _read(self, chunk: int) -> Answers:
+        file = self._file(chunk)
+        try:
+            with np.load(file, allow_pickle=False) as read:
+                return Answers(
+                    metrics=read["metrics"],
+                    status=read["status"],
+                    reason=read["reason"].tolist(),
+                    series={name: read[f"series_{name}"] for name in self.plan.wanted.series},
+                    time=read["time"],
+                )
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+            raise MapError(
+                f"'{file}' is damaged ({error}); it must be as it was written. Remove it and give the "
+                "same command again: its runs are made anew."
+            ) from error
+
+    def _attributes(self, whole: bool) -> dict[str, Any]:
+        bases = self.plan.bases
+        shown = bases[0] if len(bases) == 1 else list(bases)
+        return {
+            "Conventions": "CF-1.11",
+            "title": f"Standing-wave piezoelectric motor over {', '.join(a.name for a in self.plan.axes)}",
+            "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
+            "configuration": yaml.safe_dump(shown, sort_keys=False, allow_unicode=True),
+            **versions(),
+            "code_digest": code_digest(),
+            "complete": int(whole),
+        }
