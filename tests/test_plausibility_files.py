@@ -46,6 +46,7 @@ def test_a_file_with_half_of_the_variables_has_half_of_the_metrics(tmp_path: Pat
         "impulse_balance",
         "tension",
         "contact_gain",
+        "contact_count",
         "peak_force",
         "mean_impulse",
         "total_impulse",

@@ -1,7 +1,7 @@
 """A number of the configuration: its unit, its range and the way out of a fault."""
 
-import math
 from dataclasses import dataclass
+from math import isfinite
 from numbers import Real
 from typing import Any, final
 
@@ -76,6 +76,9 @@ class Quantity:
         Raises:
             PydanticCustomError: with a sentence that lacks its subject, the key.
         """
+        # Nearly every value is a sound float; sentences are for the others.
+        if type(value) is float and not self.whole and self._within(value) and isfinite(value):
+            return value
         if value is None and self.none:
             return None
         if value == MISSING:
@@ -84,7 +87,7 @@ class Quantity:
             number, shown = self._number(value)
         except UnitError as error:
             raise self._fault(f"{describe(value)}, {error}", self._expected) from None
-        if not math.isfinite(number):
+        if not isfinite(number):
             raise self._fault(f"{number}, which is not finite", self._expected)
         if self.whole and number != int(number):
             raise self._fault(f"{shown}, which is not a whole number", self._expected)

@@ -9,6 +9,7 @@ at once, and told in a sentence each; see `contactlab.config.schema` for keys, u
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, final
 
 from pydantic import ValidationError
@@ -19,7 +20,10 @@ from contactlab.config.rules import broken_rules
 from contactlab.config.schema import (
     BendingSection,
     Configuration,
+    PlacementSection,
+    ResonatorSection,
     RitzSection,
+    TensorSection,
     configuration_with,
 )
 
@@ -71,7 +75,7 @@ def build(configuration: Mapping[str, object]) -> Setup:
     """
     checked = validate(configuration)
     resolved = checked.model_dump()
-    modes = _modes(checked)
+    modes = _modes(checked.resonator, checked.piezoceramic, checked.placement)
     if checked.drive.frequency is None:
         resolved["drive"]["frequency"] = float(modes.natural_frequency[0])
     law = _law(checked, resolved)
@@ -112,24 +116,29 @@ def validate(configuration: Mapping[str, object]) -> Configuration:
     return checked
 
 
-def _modes(checked: Configuration) -> "NormalModes":
+# A sweep over anything else asks for the same resonator again and again.
+@lru_cache(maxsize=256)
+def _modes(
+    resonator: ResonatorSection,
+    piezoceramic: BendingSection | TensorSection,
+    placement: PlacementSection,
+) -> "NormalModes":
     import numpy as np
 
     from contactlab.materials import Steel
     from contactlab.resonator import FiniteElementResonator, PatchedBeam, RitzResonator
 
-    section = checked.resonator
     basis: Callable[..., PatchedBeam]
-    basis = RitzResonator if isinstance(section, RitzSection) else FiniteElementResonator
+    basis = RitzResonator if isinstance(resonator, RitzSection) else FiniteElementResonator
     try:
         # Numbers far from any motor may overflow on the way; the result says so.
         with np.errstate(all="ignore"):
             modes = basis(
-                **section.model_dump(exclude={"basis", "steel"}),
-                steel=Steel(**section.steel.model_dump()),
-                piezoceramic=_piezoceramic(checked),
-                patch_start=checked.placement.start,
-                patch_end=checked.placement.end,
+                **resonator.model_dump(exclude={"basis", "steel"}),
+                steel=Steel(**resonator.steel.model_dump()),
+                piezoceramic=_piezoceramic(piezoceramic),
+                patch_start=placement.start,
+                patch_end=placement.end,
             ).modes
             sound = bool(np.all(modes.stiffness > 0.0)) and bool(
                 np.isfinite(modes.natural_frequency).all() and np.isfinite(modes.coupling).all()
@@ -147,10 +156,9 @@ def _modes(checked: Configuration) -> "NormalModes":
     return modes
 
 
-def _piezoceramic(checked: Configuration) -> "Piezoceramic":
+def _piezoceramic(section: BendingSection | TensorSection) -> "Piezoceramic":
     from contactlab.materials import Piezoceramic
 
-    section = checked.piezoceramic
     constants = section.model_dump(exclude={"constants"})
     if isinstance(section, BendingSection):
         return Piezoceramic(**constants)

@@ -1,5 +1,5 @@
 """The engine: exact free flight, located touch-down, and in-contact steppers for both families of laws."""
 
-from contactlab.engine.simulation import simulate
+from contactlab.engine.simulation import prepare, simulate
 
-__all__ = ["simulate"]
+__all__ = ["prepare", "simulate"]

@@ -89,7 +89,7 @@ def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
     to itself the compiler would take each law for a type of its own.
     """
     loop: Any = advance
-    if loop.signatures:
+    if loop.overloads:
         return
     if not is_compiled("advance"):
         print(

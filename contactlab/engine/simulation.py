@@ -35,7 +35,7 @@ from contactlab.engine.run import (
     run_for,
 )
 from contactlab.engine.step import RUBBING, Step, step_for
-from contactlab.engine.tables import tables_for
+from contactlab.engine.workspace import Workspace
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.motor import Motor
@@ -61,6 +61,7 @@ def simulate(
     contact_step: float | None = None,
     tolerance: float | None = None,
     progress: Callable[[float], None] | None = None,
+    workspace: Workspace | None = None,
 ) -> Trajectory:
     """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
 
@@ -76,6 +77,7 @@ def simulate(
         contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
             law's default.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
+        workspace: what runs that follow each other can share; it changes no bit of any.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
 
     Returns:
@@ -91,7 +93,7 @@ def simulate(
     _check(law, duration, record_interval, contact_step, tolerance)
     plant = plant_of(motor)
     compliant = isinstance(law, PenaltyLaw)
-    tables = tables_for(plant, contact_step, duration, exact=not compliant)
+    tables = (workspace or Workspace()).tables(plant, contact_step, duration, not compliant)
     step = step_for(plant)
     run = run_for(_count_records(duration, record_interval))
     run.real[END] = duration
@@ -159,6 +161,16 @@ def simulate(
         ending=ending,
         message=message,
     )
+
+
+def prepare(motor: Motor, law: ContactLaw) -> None:
+    """Compile the engine and a law, or load their code, before the first run asks for it."""
+    plant = plant_of(motor)
+    tables = Workspace().tables(
+        plant, law.default_contact_step, 1.0, isinstance(law, MultiplierLaw)
+    )
+    compile_loop(plant, tables, step_for(plant), run_for(2))
+    kernels_of(law)
 
 
 def _check(

@@ -83,9 +83,11 @@ def radau_rule(count: int) -> tuple[Array, Array, Array]:
     return nodes, weights, lagrange
 
 
-def derivative_at(nodes: Array, lagrange: Array) -> Array:
+@cache
+def derivative_rule(count: int) -> Array:
     """The inverse of the collocation matrix a_im = int_0^c_i l_m dx."""
-    powers = np.arange(1, nodes.size + 1)
+    nodes, _, lagrange = radau_rule(count)
+    powers = np.arange(1, count + 1)
     return np.asarray(np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T), np.float64)
 
 
@@ -115,7 +117,7 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
         nodes=nodes,
         weights=weights,
         lagrange=lagrange,
-        derivative=derivative_at(nodes, lagrange),
+        derivative=derivative_rule(NODES),
         longest=longest,
         contact_level=contact_level,
         fresh_level=fresh_level,

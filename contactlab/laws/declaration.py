@@ -5,6 +5,7 @@ Configuration, options and listings all follow from this; nothing is written twi
 
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, dataclass, fields
+from functools import cache
 from typing import TYPE_CHECKING, Any, final, get_type_hints
 
 from contactlab.laws.damping import DAMPINGS
@@ -46,6 +47,7 @@ class Member:
     default: Any
 
 
+@cache
 def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
     """The fields of a law or a part, in their order.
 
@@ -87,7 +89,7 @@ def made(
         ValueError: a sentence of the law's own.
     """
     given: dict[str, Any] = {}
-    for member in members_of(owner):  # type: ignore[arg-type]
+    for member in members_of(owner):
         if member.family:
             below = values[member.name]
             part = PARTS[member.family][below["name"]]

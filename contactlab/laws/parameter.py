@@ -1,6 +1,7 @@
 """What a law says of each of its parameters: symbol, unit, meaning and range."""
 
 from dataclasses import dataclass
+from functools import cache
 from math import inf, isfinite
 from typing import Any, final, get_type_hints
 
@@ -50,6 +51,7 @@ RESTITUTION = Parameter("e", "1", "coefficient of restitution", at_least=0.0, at
 """Shared by the laws with a restitution, whichever of velocity, impulse or energy it is of."""
 
 
+@cache
 def parameters_of(law: type) -> dict[str, Parameter]:
     """The declared parameters of a law by name; a field without declaration is not among them."""
     return {
@@ -66,9 +68,10 @@ def check_parameters(law: Any) -> None:
     Raises:
         ValueError: with a sentence for each such parameter.
     """
+    kind: type = type(law)
     faults = [
         f"{law.name}: {name} is {getattr(law, name)} {declared.units}; it must be {declared.range}."
-        for name, declared in parameters_of(type(law)).items()
+        for name, declared in parameters_of(kind).items()
         if not declared.holds(getattr(law, name))
     ]
     if faults:

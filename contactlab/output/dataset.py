@@ -95,10 +95,10 @@ def _columns(
     table: Iterable[Variable], values: Mapping[str, np.ndarray]
 ) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, object]]]:
     """Dimensions, values and CF attributes of every variable of a table."""
-    return {entry.name: (entry.dims, values[entry.name], _cf(entry)) for entry in table}
+    return {entry.name: (entry.dims, values[entry.name], cf_attributes(entry)) for entry in table}
 
 
-def _cf(variable: Variable) -> dict[str, object]:
+def cf_attributes(variable: Variable) -> dict[str, object]:
     """The CF attributes of a variable, and its symbol."""
     attributes: dict[str, object] = {
         "units": variable.units,

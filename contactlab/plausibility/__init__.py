@@ -10,6 +10,7 @@ from contactlab.plausibility.assessment import (
 )
 from contactlab.plausibility.metric import FAIL, NOT_APPLICABLE, PASS, REPORTED, Metric
 from contactlab.plausibility.reading import read_run
+from contactlab.plausibility.record import Record
 
 __all__ = [
     "FAIL",
@@ -20,6 +21,7 @@ __all__ = [
     "SENSITIVITIES",
     "STEP_METRICS",
     "Metric",
+    "Record",
     "assess",
     "assess_steps",
     "assess_variants",

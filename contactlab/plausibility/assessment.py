@@ -1,6 +1,6 @@
 """The tables of all metrics and what fills them from datasets."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import Final
 
 import xarray
@@ -24,16 +24,18 @@ SENSITIVITIES: Final[dict[str, Metric]] = table(variants.MEASURES)
 """Metrics of a run and its variants."""
 
 
-def assess(tree: xarray.DataTree) -> dict[str, float]:
-    """Every metric of one run.
+def assess(run: xarray.DataTree | Record, keys: Container[str] | None = None) -> dict[str, float]:
+    """Metrics of one run.
 
     Args:
-        tree: in the layout of a run.nc, see `contactlab.plausibility.read_run`.
+        run: in the layout of a run.nc, see `contactlab.plausibility.read_run`, or already a record.
+        keys: of the metrics that are wanted; None is all.
 
     Returns:
-        A number for every key of `METRICS`, in SI; NaN where the dataset lacks what it needs.
+        A number for every such key of `METRICS`, in SI; NaN where the run lacks what it needs.
     """
-    return measured(_OF_A_RUN, Record(tree))
+    record = run if isinstance(run, Record) else Record.of_tree(run)
+    return measured(_OF_A_RUN, record, keys)
 
 
 def assess_steps(runs: Sequence[tuple[float, xarray.DataTree]]) -> dict[str, float]:
@@ -54,7 +56,7 @@ def assess_steps(runs: Sequence[tuple[float, xarray.DataTree]]) -> dict[str, flo
             f"The steps are {steps}; they must be positive and fall from run to run. Sort the runs, "
             "coarsest first, and give each step once."
         )
-    return measured(ladder.MEASURES, Ladder(steps, [Record(tree) for _, tree in runs]))
+    return measured(ladder.MEASURES, Ladder(steps, [Record.of_tree(tree) for _, tree in runs]))
 
 
 def assess_variants(
@@ -76,9 +78,9 @@ def assess_variants(
     return measured(
         variants.MEASURES,
         Variants(
-            base=Record(base),
-            basis=None if basis is None else Record(basis),
-            friction=None if other is None else Record(other),
+            base=Record.of_tree(base),
+            basis=None if basis is None else Record.of_tree(basis),
+            friction=None if other is None else Record.of_tree(other),
             friction_change=float(change),
         ),
     )

@@ -1,6 +1,6 @@
 """A metric and how its value is found."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Generic, TypeVar, final
@@ -32,9 +32,15 @@ def table(measures: Iterable[Measure[Subject]]) -> dict[str, Metric]:
     return {measure.metric.key: measure.metric for measure in measures}
 
 
-def measured(measures: Iterable[Measure[Subject]], subject: Subject) -> dict[str, float]:
-    """Every metric's value; NaN where it is not applicable or not a number."""
-    return {measure.metric.key: _value(measure, subject) for measure in measures}
+def measured(
+    measures: Iterable[Measure[Subject]], subject: Subject, keys: Container[str] | None = None
+) -> dict[str, float]:
+    """Every metric's value, or those of some keys; NaN where it is not applicable or not a number."""
+    return {
+        measure.metric.key: _value(measure, subject)
+        for measure in measures
+        if keys is None or measure.metric.key in keys
+    }
 
 
 def _value(measure: Measure[Subject], subject: Subject) -> float:

@@ -1,7 +1,8 @@
 """A run's numbers as the metrics ask for them; what is not there stops the metric that asked."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, final
 
@@ -9,6 +10,8 @@ import numpy as np
 import xarray
 import yaml
 from numpy.typing import NDArray
+
+from contactlab.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
@@ -32,22 +35,60 @@ def needed(held: bool) -> None:
 
 
 @final
+@dataclass(frozen=True)
 class Record:
-    """A dataset seen by the metrics.
+    """A run as the metrics see it.
 
     Args:
-        tree: in the layout of a run.nc, see `contactlab.plausibility.read_run`.
+        columns: `time` and the series over it.
+        rows: the contacts, a number each.
+        configuration: that ran; empty where it is not known.
+        law: the law's name; empty where it is not known.
+        law_parameters: the law's parameters by name, SI; empty where they are not known.
+        contact_step: largest step in contact [s]; zero where it is not known.
     """
 
-    def __init__(self, tree: xarray.DataTree) -> None:
-        self._root = tree.to_dataset(inherit=False)
+    columns: Mapping[str, NDArray[Any]]
+    rows: Mapping[str, NDArray[Any]]
+    configuration: Mapping[str, Any]
+    law: str
+    law_parameters: Mapping[str, float]
+    contact_step: float
+
+    @classmethod
+    def of_tree(cls, tree: xarray.DataTree) -> "Record":
+        """A dataset in the layout of a run.nc, see `contactlab.plausibility.read_run`."""
         group = tree.children.get("contacts")
-        self._contacts = xarray.Dataset() if group is None else group.to_dataset(inherit=False)
+        step = tree.attrs.get("contact_step", 0.0)
+        return cls(
+            columns=_values(tree),
+            rows={} if group is None else _values(group),
+            configuration=_mapping(yaml.safe_load, tree.attrs.get("configuration", "")),
+            law=str(tree.attrs.get("law", "")),
+            law_parameters=_mapping(json.loads, tree.attrs.get("law_parameters", "")),
+            contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
+        )
+
+    @classmethod
+    def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> "Record":
+        """A run in memory; the same numbers as from its dataset."""
+        return cls(
+            columns={
+                "time": trajectory.time,
+                **trajectory.series,
+                "contact_mode": trajectory.contact_mode,
+            },
+            rows=trajectory.contacts,
+            configuration=configuration,
+            law=trajectory.law.name,
+            law_parameters=trajectory.law.describe(),
+            contact_step=trajectory.contact_step,
+        )
 
     @cached_property
     def time(self) -> Array:
         """Of the records [s]."""
-        return np.asarray(self._root["time"].values, dtype=np.float64)
+        return np.asarray(self.columns["time"], dtype=np.float64)
 
     @cached_property
     def intervals(self) -> Array:
@@ -60,7 +101,7 @@ class Record:
         Raises:
             NotApplicableError: it is not there, or has gaps.
         """
-        return _finite(self._root, name)
+        return _finite(self.columns, name)
 
     def contacts(self, name: str) -> Array:
         """A column of the contacts, of which there is at least one.
@@ -70,10 +111,19 @@ class Record:
         Raises:
             NotApplicableError: the column or any contact is not there.
         """
-        needed(name in self._contacts.variables and self._contacts[name].size > 0)
-        column = np.asarray(self._contacts[name].values, dtype=np.float64)
+        needed(name in self.rows and self.rows[name].size > 0)
+        column = np.asarray(self.rows[name], dtype=np.float64)
         needed(name == "separation_velocity" or bool(np.isfinite(column).all()))
         return column
+
+    def contact_count(self) -> int:
+        """Number of contacts.
+
+        Raises:
+            NotApplicableError: contacts are not recorded.
+        """
+        needed("start_time" in self.rows)
+        return int(self.rows["start_time"].size)
 
     def touch_downs(self) -> Array:
         """Start times of the contacts [s]; empty where there is none, or none is known."""
@@ -81,35 +131,6 @@ class Record:
             return self.contacts("start_time")
         except NotApplicableError:
             return np.empty(0)
-
-    @cached_property
-    def configuration(self) -> Mapping[str, Any]:
-        """The configuration that ran; empty where it is not known."""
-        try:
-            read = yaml.safe_load(str(self._root.attrs.get("configuration", "")))
-        except yaml.YAMLError:
-            return {}
-        return read if isinstance(read, Mapping) else {}
-
-    @cached_property
-    def law_parameters(self) -> dict[str, float]:
-        """The law's parameters by name, SI; empty where they are not known."""
-        try:
-            read = json.loads(str(self._root.attrs.get("law_parameters", "")))
-        except ValueError:
-            return {}
-        return read if isinstance(read, dict) else {}
-
-    @property
-    def law(self) -> str:
-        """The law's name; empty where it is not known."""
-        return str(self._root.attrs.get("law", ""))
-
-    @property
-    def contact_step(self) -> float:
-        """Largest step in contact [s]; zero where it is not known."""
-        given = self._root.attrs.get("contact_step", 0.0)
-        return float(given) if isinstance(given, int | float | np.number) else 0.0
 
     def setting(self, section: str, key: str) -> float:
         """A number of the configuration, SI.
@@ -181,8 +202,22 @@ class Record:
         return impulse / duration
 
 
-def _finite(dataset: xarray.Dataset, name: str) -> Array:
-    needed(name in dataset.variables)
-    values = np.asarray(dataset[name].values, dtype=np.float64)
+def _finite(columns: Mapping[str, NDArray[Any]], name: str) -> Array:
+    needed(name in columns)
+    values = np.asarray(columns[name], dtype=np.float64)
     needed(bool(np.isfinite(values).all()))
     return values
+
+
+def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
+    variables = tree.to_dataset(inherit=False).variables
+    return {str(name): variable.values for name, variable in variables.items()}
+
+
+def _mapping(read: Callable[[str], Any], text: object) -> dict[str, Any]:
+    """What an attribute holds; empty where it cannot be read."""
+    try:
+        found = read(str(text))
+    except (yaml.YAMLError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

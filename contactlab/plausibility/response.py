@@ -99,6 +99,12 @@ def _bandwidth(record: Record) -> float:
 
 MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
+        _reported(
+            "contact_count", "n_c", "1", "number of contacts, one that the end cuts included"
+        ),
+        lambda record: float(record.contact_count()),
+    ),
+    Measure(
         _reported("peak_force", "N_max", "N", "largest normal force", "paper, fig. 9"),
         peak_force,
     ),

@@ -34,7 +34,7 @@ class Axis:
     Args:
         name: key or group of the configuration, 'contact.clearance' or 'law'.
         values: numbers in SI, or names of options.
-        units: in the words of the CF conventions; empty for names.
+        units: in the words of the CF conventions; empty for names and where it is not known.
     """
 
     name: str
@@ -44,7 +44,8 @@ class Axis:
     @property
     def coordinate(self) -> NDArray[Any]:
         """The values as an array of numbers or texts."""
-        return np.asarray(self.values, dtype=np.float64 if self.units else np.dtype("U"))
+        named = any(isinstance(value, str) for value in self.values)
+        return np.asarray(self.values, dtype=np.dtype("U") if named else np.float64)
 
 
 def dataset_of(
