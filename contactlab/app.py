@@ -9,10 +9,10 @@ Exit status: 0; 1 for a run that did not reach its end; 2 for a fault of the use
 import copy
 import gc
 import os
-import re
 import sys
 from argparse import Namespace
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, final
 
@@ -23,19 +23,21 @@ from hydra._internal.utils import create_config_search_path, get_args_parser
 from hydra.core.config_search_path import ConfigSearchPath, SearchPathQuery
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
-from hydra.core.utils import JobReturn
 from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.command import interrupts
-from contactlab.command.composition import check, check_composition
+from contactlab.command.composition import check, check_composition, choices_of
+from contactlab.command.directories import folder_name
+from contactlab.command.jobs import perform
 from contactlab.command.law_source import register
-from contactlab.command.runner import execute
+from contactlab.command.sweeping import sweep
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.laws import LawError
+from contactlab.sweep.job import REFUSED as REFUSED_STATE
+from contactlab.sweep.job import Job, State, is_done, key_of, write_state
 
 COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
 """Exit statuses; that of an interrupted command is in `contactlab.command.interrupts`."""
@@ -62,17 +64,7 @@ class _RememberingLoader(ConfigLoaderImpl):
         return copy.deepcopy(self._last[1])
 
 
-def job_directory(number: object, overrides: str) -> str:
-    """Name of a job's directory in a sweep: its number and what sets it apart.
-
-    Kept to characters that every file system and the netCDF library take, and to a length.
-    """
-    text = re.sub(r"\s+", "_", overrides.replace("\\", ""))
-    text = re.sub(r"[^-+\w.,=_@~%]", "-", text, flags=re.ASCII)
-    return f"{number}_{text}"[:120].rstrip("_")
-
-
-OmegaConf.register_new_resolver("job_directory", job_directory, replace=True)
+OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)
 register()
 
 
@@ -102,22 +94,24 @@ def main() -> int:
 def run(settings: DictConfig) -> int:
     """The task of one job; launchers import it from here.
 
+    A job of a sweep that is complete already is left as it is: whoever starts it may not know.
+
     Returns:
         The job's exit status.
     """
+    hydra = HydraConfig.get()
+    directory = Path(hydra.runtime.output_dir)
+    asked = Job(overrides=tuple(hydra.overrides.task), choices=choices_of(hydra.runtime.choices))
     try:
         setup = build(OmegaConf.to_container(settings, resolve=True))  # type: ignore[arg-type]
-        directory = Path(HydraConfig.get().runtime.output_dir)
-        return COMPLETE if execute(setup, directory) else INCOMPLETE
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
+        write_state(directory, State(REFUSED_STATE, asked, " ".join(error.faults)))
         return _refuse(error.faults)
-    except LawError as error:
-        print(error, file=sys.stderr)
-        return INCOMPLETE
-    except OSError as error:
-        print(f"The run could not be written: {error}", file=sys.stderr)
-        return INCOMPLETE
+    job = replace(asked, key=key_of(setup), configuration=setup.configuration)
+    if hydra.mode == RunMode.MULTIRUN and is_done(directory, job.key):
+        return COMPLETE
+    return COMPLETE if perform(setup, directory, job) else INCOMPLETE
 
 
 def conf_directory() -> Path:
@@ -168,12 +162,11 @@ def _run(arguments: Namespace, name: str) -> int:
     application = Hydra("contactlab", _RememberingLoader(_search_path(arguments)))
     GlobalHydra.instance().initialize(application)
     try:
-        mode = check(application.config_loader, name, arguments.overrides, arguments.multirun)
-        if mode is RunMode.RUN:
-            return _status(application.run(name, run, arguments.overrides))
+        plan = check(application.config_loader, name, arguments.overrides, arguments.multirun)
+        if plan.mode is RunMode.RUN:
+            return int(application.run(name, run, arguments.overrides).return_value)
         gc.enable()
-        overrides = [*arguments.overrides, "hydra.mode=MULTIRUN"]
-        return _status(application.multirun(name, run, overrides))
+        return sweep(application, name, arguments.overrides, run, plan)
     finally:
         GlobalHydra.instance().clear()
 
@@ -188,15 +181,6 @@ def _search_path(arguments: Namespace) -> ConfigSearchPath:
             )
         path.prepend("command-line", f"file://{extra}", anchor=SearchPathQuery(provider="schema"))
     return path
-
-
-def _status(returned: object) -> int:
-    """The largest exit status of the jobs; a sweeper that gives back something else has none."""
-    if isinstance(returned, JobReturn):
-        return int(returned.return_value)
-    if isinstance(returned, list | tuple):
-        return max(map(_status, returned), default=COMPLETE)
-    return COMPLETE
 
 
 def _refuse(faults: Iterable[str]) -> int:

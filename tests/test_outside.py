@@ -133,7 +133,7 @@ def test_a_sweep_runs_over_it_and_the_packages_own(elsewhere: Elsewhere) -> None
     )
     assert status == 0, err
     runs = sorted((elsewhere.folder / "sweep").glob("*/run.nc"))
-    assert [law_of(run)[0] for run in runs] == ["power_law", "hertz_penalty"]
+    assert [law_of(run)[0] for run in runs] == ["hertz_penalty", "power_law"]
 
 
 def test_its_contract_holds_in_three_lines(elsewhere: Elsewhere) -> None:

@@ -1,34 +1,65 @@
-"""What a command line composes to, before anything runs: every job of it, and every fault.
+"""What a command line asks for, checked before anything runs: every job of it, and every fault."""
 
-Hydra stops at the first fault and has no opinion on values. Here composition goes on after a fault
-and a key that does not exist is left to the schema, so that unknown options, unknown keys and bad
-values come out together. Where the command line is sound, the result is Hydra's own.
-"""
-
-import copy
-from collections.abc import Sequence
-from difflib import get_close_matches
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
-from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.config_loader import ConfigLoader
-from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
-from hydra.errors import HydraException
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.command.directories import resolved_directory, shared
+from contactlab.command.composer import BASIC_SWEEPER, Composer, parted, sweeper_of
+from contactlab.command.directories import (
+    depends_on_number,
+    resolved_directory,
+    shared,
+    sweep_directory,
+    to_be_tried,
+)
 from contactlab.command.runner import refusals
-from contactlab.command.verbs import VERBS
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.quantity import describe
+from contactlab.sweep.job import Job, key_of
 
 
-def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun: bool) -> RunMode:
+@final
+@dataclass(frozen=True)
+class PlannedJob:
+    """A job of a command line.
+
+    Args:
+        lines: its overrides, those left out that the command line gives to Hydra itself.
+        folder: where it writes to.
+        job: what it is asked for.
+    """
+
+    lines: tuple[str, ...]
+    folder: Path
+    job: Job
+
+
+@final
+@dataclass(frozen=True)
+class Plan:
+    """What a sound command line asks for.
+
+    Args:
+        mode: a run or a sweep.
+        jobs: all of them; none for a sweeper that chooses its values itself.
+        directory: of a sweep, where its name depends on all overrides, else empty.
+        numbered: whether the folder of a job depends on its number in the sweep.
+    """
+
+    mode: RunMode
+    jobs: tuple[PlannedJob, ...]
+    directory: str
+    numbered: bool
+
+
+def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun: bool) -> Plan:
     """Compose and build every job of a command line and try its output directory.
 
     Args:
@@ -38,29 +69,38 @@ def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun
         multirun: whether a sweep is asked for; the configuration may ask for one as well.
 
     Returns:
-        Whether the command line is a run or a sweep.
+        What the command line asks for.
 
     Raises:
         ConfigurationError: with every fault of every job. Nothing has been written.
     """
-    composer = _Composer(loader, config_name)
+    composer = Composer(loader, config_name)
     overrides = composer.parse(lines)
     whole = None if multirun or composer.faults else composer.compose_whole(lines)
     base = whole or composer.compose([o for o in overrides if not o.is_sweep_override()])
     multirun = multirun or (base is not None and base.hydra.mode == RunMode.MULTIRUN)
+    checker = _Checker(composer.faults, lines)
     if multirun:
-        directories = [
-            composer.check_job(composer.compose_job(job), job, number, multirun=True)
+        checker.name_sweep(base, overrides)
+        planned = [
+            checker.check(composer.compose_job(job), job, number, multirun=True)
             for number, job in enumerate(composer.jobs(overrides, base))
         ]
     else:
         job = composer.refuse_sweeps(overrides)
-        directories = [composer.check_job(whole or composer.compose_job(job), job, 0)]
-    known = [directory for directory in directories if directory is not None]
-    faults = composer.faults or [*shared(known), *(f for path in known for f in refusals(path))]
-    if faults:
+        planned = [checker.check(parted(whole) if whole else composer.compose_job(job), job, 0)]
+    jobs = [job for job in planned if job is not None]
+    folders = [job.folder for job in jobs]
+    faults = composer.faults
+    faults = faults or [*shared(folders), *(f for p in to_be_tried(folders) for f in refusals(p))]
+    if faults or base is None:
         raise ConfigurationError(list(dict.fromkeys(faults)))
-    return RunMode.MULTIRUN if multirun else RunMode.RUN
+    return Plan(
+        RunMode.MULTIRUN if multirun else RunMode.RUN,
+        tuple(jobs) if not multirun or sweeper_of(base) == BASIC_SWEEPER else (),
+        checker.directory,
+        depends_on_number(base),
+    )
 
 
 def check_composition(loader: ConfigLoader, config_name: str, lines: Sequence[str]) -> None:
@@ -69,214 +109,92 @@ def check_composition(loader: ConfigLoader, config_name: str, lines: Sequence[st
     Raises:
         ConfigurationError: with every fault, those of the values included, if it does not.
     """
-    if _Composer(loader, config_name).compose_whole(lines) is None:
+    if Composer(loader, config_name).compose_whole(lines) is None:
         check(loader, config_name, lines, multirun=False)
 
 
-@final
-class _Composer:
-    """Hydra's composition, with faults collected instead of raised."""
+def choices_of(choices: Mapping[str, Any]) -> dict[str, str | None]:
+    """The options that were chosen, by group; Hydra's own groups left out."""
+    return {
+        str(group): None if option is None else str(option)
+        for group, option in sorted(choices.items())
+        if not str(group).startswith("hydra/")
+    }
 
-    def __init__(self, loader: ConfigLoader, config_name: str) -> None:
-        self.faults: list[str] = []
-        self._loader = loader
-        self._config_name = config_name
-        self._parser = OverridesParser.create(config_loader=loader)
-        self._composed: dict[tuple[str, ...], DictConfig | None] = {}
-        self._groups: dict[str, list[str]] = {}
+
+@final
+class _Checker:
+    """Builds jobs and finds their folders.
+
+    Args:
+        faults: where sentences on what is wrong go.
+        lines: the overrides as typed.
+    """
+
+    def __init__(self, faults: list[str], lines: Sequence[str]) -> None:
+        self.directory = ""
+        self._faults = faults
+        self._typed = set(lines)
         self._first: DictConfig | None = None
 
-    def parse(self, lines: Sequence[str]) -> list[Override]:
-        """The overrides that can be read."""
-        overrides = []
-        for line in lines:
-            try:
-                (override,) = self._parser.parse_overrides([line])
-            except HydraException:
-                self.faults.append(
-                    f"{line} cannot be read; an argument must have the form KEY=VALUE or "
-                    "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
-                    "too if it has special characters, \"KEY='1 µm'\". A verb stands first: "
-                    f"{', '.join(VERBS)}."
-                )
-                continue
-            if override.key_or_group:
-                overrides.append(override)
-            else:
-                self.faults.append(f"{line} has no key; it must have the form KEY=VALUE. Name one.")
-        return overrides
-
-    def refuse_sweeps(self, overrides: list[Override]) -> list[Override]:
-        """The overrides that give one value; the others are faults of a single run."""
-        for override in overrides:
-            if override.is_sweep_override():
-                self.faults.append(
-                    f"{override.input_line} gives several values; a single run takes one. "
-                    "Add -m to run every combination."
-                )
-        return [override for override in overrides if not override.is_sweep_override()]
-
-    def jobs(self, overrides: list[Override], base: DictConfig | None) -> list[list[Override]]:
-        """Every job of a sweep; of a sweeper that chooses its values itself, what they share."""
-        shared = [override for override in overrides if not override.is_sweep_override()]
-        sweeper = {} if base is None else base.hydra.sweeper
-        target = f"{BasicSweeper.__module__}.{BasicSweeper.__qualname__}"
-        if sweeper.get("_target_", target) != target:
-            return [shared]
-        parameters = sweeper.get("params") or {}
-        swept = self.parse([f"{key}={value}" for key, value in parameters.items()])
-        hydras = [override for override in shared if override.is_hydra_override()]
-        swept += [override for override in overrides if override not in hydras]
+    def name_sweep(self, base: DictConfig | None, overrides: list[Override]) -> None:
+        """Find the folder of a sweep where its name depends on all overrides."""
         try:
-            (batch,) = BasicSweeper.split_arguments(swept, None)
-        except HydraException as error:
-            self.faults.append(f"{one_line(error)} Give a list of values or a range.")
-            return [shared]
-        return [hydras + self._parser.parse_overrides(list(job)) for job in batch]
+            self.directory = "" if base is None else sweep_directory(base, _tasks(overrides))
+        except OmegaConfBaseException as error:
+            self._faults.append(f"hydra.sweep.dir cannot be resolved: {one_line(error)} Name one.")
 
-    def check_job(
-        self, composed: DictConfig | None, job: list[Override], number: int, multirun: bool = False
-    ) -> Path | None:
-        """Build what a job would run; gives its output directory where it is known."""
+    def check(
+        self,
+        composed: tuple[DictConfig, DictConfig] | None,
+        job: list[Override],
+        number: int,
+        multirun: bool = False,
+    ) -> PlannedJob | None:
+        """Build what a job would run; None where something is faulty."""
         if composed is None:
             return None
-        with open_dict(composed):
-            settings = composed.hydra
-            del composed["hydra"]
+        task, hydra = composed
         try:
-            build(OmegaConf.to_container(composed, resolve=True))  # type: ignore[arg-type]
+            setup = build(OmegaConf.to_container(task, resolve=True))  # type: ignore[arg-type]
         except ConfigurationError as error:
-            self.faults += error.faults
+            self._faults += error.faults
+            setup = None
         except OmegaConfBaseException as error:
-            self.faults.append(f"{one_line(error)} Correct the reference in ${{...}}.")
-        with open_dict(composed):
-            composed.hydra = settings
-        tasks = [override for override in job if not override.is_hydra_override()]
-        return self._directory(composed, tasks, number, multirun)
-
-    def compose_whole(self, lines: Sequence[str]) -> DictConfig | None:
-        """The configuration just as Hydra composes it, None where it refuses."""
-        try:
-            return self._load(tuple(lines))
-        # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
-        except Exception:
+            self._faults.append(f"{one_line(error)} Correct the reference in ${{...}}.")
+            setup = None
+        folder = self._folder(task, hydra, _tasks(job), number, multirun)
+        if setup is None or folder is None:
             return None
+        tasks = tuple(str(override.input_line) for override in _tasks(job))
+        asked = Job(key_of(setup), tasks, choices_of(hydra.runtime.choices), setup.configuration)
+        lines = [
+            str(override.input_line)
+            for override in job
+            if not (override.is_hydra_override() and override.input_line in self._typed)
+        ]
+        return PlannedJob(tuple(lines), folder, asked)
 
-    def compose_job(self, job: list[Override]) -> DictConfig | None:
-        """The configuration of a job as far as it can be composed."""
-        composed = copy.deepcopy(self.compose(job))
-        for override in job:
-            if composed is not None and self._is_value(override):
-                self._set(composed, override)
-        return composed
-
-    def compose(self, overrides: list[Override]) -> DictConfig | None:
-        """The configuration of the groups' options, without the values of single keys.
-
-        Faulty options are left out; None where it fails even so.
-        """
-        lines = tuple(str(o.input_line) for o in overrides if not self._is_value(o))
-        if lines not in self._composed:
-            self._composed[lines] = self._compose_sound(lines)
-        return self._composed[lines]
-
-    def _compose_sound(self, lines: tuple[str, ...]) -> DictConfig | None:
-        if (composed := self.compose_whole(lines)) is not None:
-            return composed
-        sound: list[str] = []
-        faulty: list[str] = []
-        # What stands above first: the options of law/normal depend on the law.
-        for line in sorted(lines, key=_depth):
-            group = _group(line)
-            # With the wrong law nothing can be said of its parts.
-            if any(group.startswith(f"{above}/") for above in faulty):
-                continue
-            try:
-                self._load((*sound, line))
-                sound.append(line)
-            except Exception as error:
-                self.faults.append(self._explain(line, error, sound))
-                faulty.append(group)
-        try:
-            return self._load(tuple(sound))
-        except Exception as error:
-            self.faults.append(one_line(error))
-            return None
-
-    def _load(self, lines: tuple[str, ...]) -> DictConfig:
-        # Spelled as Hydra spells it, so that a loader can tell that it is the same.
-        return self._loader.load_configuration(
-            config_name=self._config_name,
-            overrides=list(lines),
-            run_mode=RunMode.RUN,
-            from_shell=True,
-            validate_sweep_overrides=True,
-        )
-
-    def _is_value(self, override: Override) -> bool:
-        """Whether an override sets a key, rather than choose an option or concern Hydra."""
-        if override.is_hydra_override() or override.is_delete() or override.package is not None:
-            return False
-        if not override.is_sweep_override() and isinstance(override.value(), dict):
-            return True
-        return not self._options(override.key_or_group)
-
-    def _options(self, group: str) -> list[str]:
-        """A group's options, none for what is no group."""
-        if group not in self._groups:
-            self._groups[group] = self._loader.get_group_options(group)
-        return self._groups[group]
-
-    def _set(self, composed: DictConfig, override: Override) -> None:
-        """Set a key, one that does not exist as well: the schema refuses it with all the others."""
-        key = override.key_or_group
-        if override.is_add() and OmegaConf.select(composed, key) is not None:
-            self.faults.append(f"{override.input_line} adds a key that exists; leave out the '+'.")
-        try:
-            OmegaConf.update(composed, key, override.value(), merge=True, force_add=True)
-        except OmegaConfBaseException as error:
-            self.faults.append(f"{override.input_line} cannot be set: {one_line(error)}")
-
-    def _explain(self, line: str, error: Exception, sound: list[str]) -> str:
-        """Why an override that is no value fails, after those that do not."""
-        (override,) = self._parser.parse_overrides([line])
-        group, value = override.key_or_group, override.value()
-        options = self._options(group)
-        if not options or value in options:
-            above = group.rpartition("/")[0]
-            composed = self.compose_whole(sound)
-            chosen = composed.hydra.runtime.choices.get(above) if above and composed else None
-            if options and chosen:
-                return (
-                    f"{line} does not belong to {above}={chosen}; it must be absent with this choice "
-                    f"of {above}. Leave it out or choose another {above}: contactlab {above}s lists "
-                    "what each is made of."
-                )
-            return f"{line} cannot be composed: {one_line(error)}"
-        near = get_close_matches(str(value), options, n=1)
-        hint = f"Did you mean {near[0]}?" if near else "Choose one of them."
-        return f"{group} is {describe(value)}; it must be one of {', '.join(options)}. {hint}"
-
-    def _directory(
-        self, composed: DictConfig, tasks: list[Override], number: int, multirun: bool
+    def _folder(
+        self,
+        task: DictConfig,
+        hydra: DictConfig,
+        tasks: list[Override],
+        number: int,
+        multirun: bool,
     ) -> Path | None:
         """Output directory of a job."""
         # ${now:...} is one moment for all jobs, as it is for Hydra.
-        OmegaConf.copy_cache(self._first or composed, composed)
-        self._first = self._first or composed
+        OmegaConf.copy_cache(self._first or task, task)
+        self._first = self._first or task
         try:
-            return resolved_directory(composed, tasks, number, multirun)
+            return resolved_directory(task, hydra, tasks, number, multirun, self.directory)
         except OmegaConfBaseException as error:
             keys = "hydra.sweep.dir or hydra.sweep.subdir" if multirun else "hydra.run.dir"
-            self.faults.append(f"{keys} cannot be resolved: {one_line(error)} Name a directory.")
+            self._faults.append(f"{keys} cannot be resolved: {one_line(error)} Name a directory.")
             return None
 
 
-def _group(line: str) -> str:
-    """The group that an override chooses from."""
-    return line.partition("=")[0].partition("@")[0].lstrip("+~")
-
-
-def _depth(line: str) -> int:
-    """How deep the group of an override lies."""
-    return _group(line).count("/")
+def _tasks(overrides: list[Override]) -> list[Override]:
+    """The overrides that do not concern Hydra itself."""
+    return [override for override in overrides if not override.is_hydra_override()]

@@ -7,18 +7,22 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from contactlab.command import interrupts
 from contactlab.config import Setup
+from contactlab.sweep.job import DATASET
 
-DATASET = "run.nc"
+if TYPE_CHECKING:
+    from contactlab.trajectory import Ending
+
 PICTURE = "run.png"
 
 PROGRESS_AFTER = 1.5
 """Seconds before a progress bar appears; most runs are over by then."""
 
 
-def execute(setup: Setup, directory: Path) -> bool:
+def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
     """Simulate a motor, write the dataset and the picture, print a summary.
 
     Args:
@@ -27,7 +31,8 @@ def execute(setup: Setup, directory: Path) -> bool:
             removed first, so that a run that is cut short leaves none that seems to be its own.
 
     Returns:
-        Whether the run reached its end; one that did not is written too, marked as incomplete.
+        How the run ended, and a sentence on it, empty for a complete one; a run that did not reach its
+        end is written too, marked as incomplete.
 
     Raises:
         KeyboardInterrupt: with a sentence, after what there was has been written.
@@ -64,14 +69,17 @@ def execute(setup: Setup, directory: Path) -> bool:
     wall_time = perf_counter() - started
     with interrupts.raising():
         tree = dataset.write(trajectory, setup.configuration, directory / DATASET)
-        figures.overview(tree, directory / PICTURE)
+        beside = "."
+        if setup.configuration["record"]["picture"]:
+            figures.overview(tree, directory / PICTURE)
+            beside = f" and {PICTURE} beside it."
     print(summarise(trajectory, wall_time))
-    print(f"Written to {directory / DATASET} and {PICTURE} beside it.", flush=True)
+    print(f"Written to {directory / DATASET}{beside}", flush=True)
     if trajectory.ending is Ending.INTERRUPTED:
         raise KeyboardInterrupt(trajectory.message)
     if not trajectory.complete:
         print(trajectory.message, file=sys.stderr)
-    return trajectory.complete
+    return trajectory.ending, trajectory.message
 
 
 def refusals(directory: Path) -> Iterator[str]:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 
 from contactlab.comparison.arrays import holds, series
+from contactlab.config.nesting import flat
 
 FREE = ("law", "solver", "record", "hydra")
 """Sections in which compared runs may differ."""
@@ -76,17 +77,6 @@ def law_keys(tree: xarray.DataTree, configuration: Mapping[str, Any]) -> dict[st
         section = json.loads(str(tree.attrs.get("law_parameters") or "{}"))
     said = {k: v for k, v in flat(section).items() if v is not None and k != "name"}
     return {key.removesuffix(".name"): value for key, value in said.items()}
-
-
-def flat(section: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested mappings as full keys."""
-    found: dict[str, Any] = {}
-    for key, value in section.items():
-        if isinstance(value, Mapping):
-            found |= flat(value, f"{prefix}{key}.")
-        else:
-            found[f"{prefix}{key}"] = value
-    return found
 
 
 def shown(value: Any) -> str:

@@ -210,6 +210,7 @@ class RecordSection(Section):
     path: ClassVar[str] = "record."
 
     interval: Annotated[float, Quantity("s", above=0.0, hint="1e-06 s is usual.")]
+    picture: bool
 
 
 class Configuration(Section):

@@ -20,7 +20,7 @@ import yaml
 from contactlab import variables
 from contactlab.laws.registry import provenance
 from contactlab.output.files import whole_file
-from contactlab.output.provenance import checkout_state, versions
+from contactlab.output.provenance import checkout_state, code_digest, versions
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import Variable
 
@@ -132,6 +132,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "record_interval": float(trajectory.record_interval),
         "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
         **code,
+        "code_digest": code_digest(),
         "git_revision": revision,
         "git_dirty": dirty,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),

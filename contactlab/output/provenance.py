@@ -3,7 +3,9 @@
 import os
 import platform
 import subprocess
+from collections.abc import Iterator
 from functools import cache
+from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final
@@ -16,6 +18,9 @@ PACKAGES: Final = ("contactlab", "numpy", "scipy", "numba", "xarray", "netCDF4")
 
 _SOURCES: Final = ("contactlab/", "conf/")
 """Folders of a checkout in which a file that git does not know can still change a run."""
+
+_AFTER_A_RUN: Final = ("comparison", "plausibility", "sweep", "testing")
+"""Subpackages that see a run only when its numbers are made, and that no run depends on."""
 
 _GIT_TIMEOUT: Final = 10.0
 
@@ -30,6 +35,37 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             found[f"{package}_version"] = UNKNOWN
     return found
+
+
+@cache
+def code_digest() -> str:
+    """Digest of the sources of this package that a run's numbers depend on, 64 hexadecimal digits.
+
+    A version names a release, and a commit what was committed; this names the code as it lies on the
+    disk, in a checkout with changes too.
+    """
+    return digest_of(Path(__file__).resolve().parents[1])
+
+
+def digest_of(package: Path) -> str:
+    """Digest of the sources of a package, whatever machine they lie on.
+
+    Args:
+        package: its folder.
+    """
+    digest = sha256()
+    for name, file in sorted(
+        (path.relative_to(package).as_posix(), path) for path in _sources(package)
+    ):
+        # Line ends differ between systems, and say nothing.
+        digest.update(f"{name}\0".encode() + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+    return digest.hexdigest()
+
+
+def _sources(package: Path) -> Iterator[Path]:
+    for path in package.rglob("*.py"):
+        if path.relative_to(package).parts[0] not in _AFTER_A_RUN:
+            yield path
 
 
 @cache

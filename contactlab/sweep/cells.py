@@ -1,6 +1,6 @@
 """Many runs as one dataset: parameters as coordinates, metrics as variables, a code where one is missing."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
@@ -96,8 +96,13 @@ def dataset_of(
     return xarray.Dataset(variables, coordinates, dict(attributes))
 
 
-def write(dataset: xarray.Dataset, path: Path) -> None:
+def write(dataset: xarray.Dataset, path: Path, more: Callable[[Path], None] | None = None) -> None:
     """Write a dataset of many runs, whole or not at all; the same dataset gives the same bytes.
+
+    Args:
+        dataset: as `dataset_of` gives it.
+        path: the file, in a folder that exists.
+        more: adds to the file before it takes its name.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -110,6 +115,8 @@ def write(dataset: xarray.Dataset, path: Path) -> None:
     }
     with whole_file(path) as partial:
         dataset.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encoding)
+        if more is not None:
+            more(partial)
 
 
 def _text(value: Value) -> str:

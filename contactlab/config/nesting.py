@@ -1,0 +1,27 @@
+"""A nested configuration by full keys, 'contact.clearance', and back."""
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    """The values of a nested configuration by full key."""
+    values: dict[str, Any] = {}
+    for key, value in configuration.items():
+        if isinstance(value, Mapping):
+            values |= flat(value, f"{path}{key}.")
+        else:
+            values[f"{path}{key}"] = value
+    return values
+
+
+def nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """A nested configuration from values by full key."""
+    configuration: dict[str, Any] = {}
+    for key, value in values.items():
+        *sections, last = key.split(".")
+        section = configuration
+        for name in sections:
+            section = section.setdefault(name, {})
+        section[last] = value
+    return configuration

@@ -1,0 +1,129 @@
+"""The runs below a folder: what each was asked for and what became of it, one dataset open at a time."""
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, final
+
+import xarray
+import yaml
+
+from contactlab.config.faults import one_line
+from contactlab.plausibility import assess, read_run
+from contactlab.sweep.cells import REASONS
+from contactlab.sweep.job import DATASET, RUNNING, STATE, Job, State, read_state, size_of
+from contactlab.sweep.roster import ROSTER, read_roster
+from contactlab.sweep.status import Status
+
+_OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
+
+_UNREADABLE: Final = (ValueError, OSError, KeyError, RuntimeError, AttributeError)
+"""What reading a file may raise that can be anything."""
+
+
+@final
+@dataclass(frozen=True)
+class FoundRun:
+    """A run.
+
+    Args:
+        name: its folder, seen from the folder that is collected.
+        folder: where it lies.
+        job: what it was asked for; without overrides where nothing but its dataset tells of it.
+        status, reason: what became of it.
+        told: whether overrides and choices are known.
+        metrics: by key, empty where it is not complete.
+    """
+
+    name: str
+    folder: Path
+    job: Job
+    status: Status
+    reason: str
+    told: bool
+    metrics: dict[str, float]
+
+
+def found_runs(directory: Path) -> Iterator[FoundRun]:
+    """Every run below a folder, the folder itself included, each read when it is asked for."""
+    rosters: dict[Path, Job] = {}
+    folders: set[Path] = set()
+    for place, below, files in os.walk(directory):
+        below[:] = [name for name in below if not name.startswith(".")]
+        if DATASET in files or STATE in files:
+            folders.add(Path(place))
+        if ROSTER in files:
+            jobs = read_roster(Path(place))
+            rosters |= {Path(place) / name: job for name, job in jobs.items()}
+    for folder in sorted(folders | rosters.keys(), key=partial(_in_order, directory)):
+        name = folder.relative_to(directory).as_posix()
+        if folder not in folders:
+            reason = REASONS[Status.ABSENT]
+            yield FoundRun(name, folder, rosters[folder], Status.ABSENT, reason, True, {})
+        elif (state := read_state(folder)) is not None:
+            yield _of_state(name, folder, state)
+        else:
+            yield _of_dataset(name, folder, rosters.get(folder))
+
+
+def _of_state(name: str, folder: Path, state: State) -> FoundRun:
+    """A run that says itself what became of it."""
+    status = _OF_STATE.get(state.state, Status.FAILED)
+    reason = state.reason or REASONS.get(status, f"The run is {state.state}.")
+    metrics: dict[str, float] = {}
+    if status is Status.COMPLETE:
+        status, reason, metrics = _assessed(folder, state)
+    return FoundRun(name, folder, state.job, status, reason, True, metrics)
+
+
+def _assessed(folder: Path, state: State) -> tuple[Status, str, dict[str, float]]:
+    """Status, reason and metrics of a run whose state is complete."""
+    if size_of(folder) != state.size:
+        return (
+            Status.FAILED,
+            f"{DATASET} has {size_of(folder)} bytes, and the run left {state.size}: it was removed or "
+            "replaced. Run it again.",
+            {},
+        )
+    try:
+        return Status.COMPLETE, "", assess(read_run(folder / DATASET))
+    except _UNREADABLE as error:
+        return Status.FAILED, one_line(error), {}
+
+
+def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
+    """A run of which there is a dataset alone."""
+    told = job is not None
+    job = job or Job()
+    if not (folder / DATASET).is_file():
+        reason = f"{STATE} cannot be read, and there is no {DATASET}. Run it again."
+        return FoundRun(name, folder, job, Status.FAILED, reason, told, {})
+    try:
+        tree = read_run(folder / DATASET)
+    except _UNREADABLE as error:
+        return FoundRun(name, folder, job, Status.FAILED, one_line(error), told, {})
+    job = job if told else Job(configuration=_configuration(tree))
+    # A dataset of one's own need not say that it is complete.
+    if int(tree.attrs.get("complete", 1)):
+        return FoundRun(name, folder, job, Status.COMPLETE, "", told, assess(tree))
+    ending = str(tree.attrs.get("ending", ""))
+    status = _OF_STATE.get(ending, Status.FAILED)
+    reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
+    return FoundRun(name, folder, job, status, reason, told, {})
+
+
+def _configuration(tree: xarray.DataTree) -> dict[str, Any]:
+    try:
+        read = yaml.safe_load(str(tree.attrs.get("configuration", "")))
+    except yaml.YAMLError:
+        return {}
+    return read if isinstance(read, dict) else {}
+
+
+def _in_order(directory: Path, folder: Path) -> list[tuple[int, str]]:
+    """Sorts 10_... after 9_..."""
+    words = re.split(r"(\d+)", folder.relative_to(directory).as_posix())
+    return [(int(word), "") if word.isdigit() else (-1, word) for word in words]

@@ -1,0 +1,132 @@
+"""What a run's folder says of the run: `state.json`, which tells a complete run from one to be done again.
+
+Written as RUNNING before a run begins and with its end after its dataset is whole, so that a run that
+was killed is known by its state. It holds no times: the same run leaves the same bytes.
+"""
+
+import json
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from hashlib import sha256
+from inspect import getsourcefile
+from pathlib import Path
+from typing import Any, Final, final
+
+from contactlab.config import Setup
+from contactlab.laws.registry import provenance
+from contactlab.output.files import whole_file
+from contactlab.output.provenance import code_digest, versions
+
+STATE: Final = "state.json"
+DATASET: Final = "run.nc"
+LOG: Final = "run.log"
+"""Files of a run's folder; the log is there for a run that raised an exception."""
+
+RUNNING, COMPLETE, FAILED, REFUSED = "running", "complete", "failed", "refused"
+"""States beside the names of `contactlab.trajectory.Ending` in small letters."""
+
+
+@final
+@dataclass(frozen=True)
+class Job:
+    """What a run was asked for.
+
+    Args:
+        key: of its configuration and the code, see `key_of`; empty where that is not known.
+        overrides: of the configuration, as typed.
+        choices: options by group, the value None for no option.
+        configuration: nested, resolved, numbers in SI; empty where it is faulty.
+    """
+
+    key: str = ""
+    overrides: tuple[str, ...] = ()
+    choices: Mapping[str, str | None] = field(default_factory=dict)
+    configuration: Mapping[str, Any] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True)
+class State:
+    """What became of a run.
+
+    Args:
+        state: `RUNNING`, `COMPLETE`, ...
+        job: what it was asked for.
+        reason: a sentence where it is not complete.
+        size: of its dataset [bytes], so that one that is cut or replaced is noticed; 0 without.
+    """
+
+    state: str
+    job: Job
+    reason: str = ""
+    size: int = 0
+
+
+def key_of(setup: Setup) -> str:
+    """Digest of all that a run's numbers depend on: configuration, version, code, and whose law it is.
+
+    Returns:
+        64 hexadecimal digits.
+    """
+    law = type(setup.law)
+    parts = (
+        json.dumps(setup.configuration, sort_keys=True),
+        versions()["contactlab_version"],
+        code_digest(),
+        provenance(law),
+        *_foreign_sources(law),
+    )
+    return sha256("\0".join(parts).encode()).hexdigest()
+
+
+def write_state(folder: Path, state: State) -> None:
+    """Write the state of a run, whole or not at all.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    text = json.dumps(asdict(state), indent=1, sort_keys=True, ensure_ascii=False)
+    with whole_file(folder / STATE) as partial:
+        partial.write_text(f"{text}\n", encoding="utf-8")
+
+
+def read_state(folder: Path) -> State | None:
+    """The state of a run; None where there is none that can be read."""
+    try:
+        read = json.loads((folder / STATE).read_text(encoding="utf-8"))
+        job = Job(**read.pop("job"))
+        return State(job=replace(job, overrides=tuple(job.overrides)), **read)
+    # Somebody else's file of that name may be anything.
+    except (OSError, ValueError, TypeError, AttributeError, KeyError):
+        return None
+
+
+def is_done(folder: Path, key: str) -> bool:
+    """Whether a folder holds the complete run of a key, its dataset as the run left it."""
+    state = read_state(folder)
+    return (
+        state is not None
+        and state.state == COMPLETE
+        and state.job.key == key
+        and size_of(folder) == state.size > 0
+    )
+
+
+def size_of(folder: Path) -> int:
+    """Size of a run's dataset [bytes]; 0 where there is none."""
+    try:
+        return (folder / DATASET).stat().st_size
+    except OSError:
+        return 0
+
+
+def _foreign_sources(law: type) -> list[str]:
+    """Digests of a law's modules that are no part of this package, which `code_digest` covers."""
+    digests = []
+    for base in law.__mro__:
+        if is_dataclass(base) and base.__module__.partition(".")[0] != "contactlab":
+            # A law may be typed in without a file.
+            with suppress(OSError, TypeError):
+                digests.append(sha256(Path(getsourcefile(base) or "").read_bytes()).hexdigest())
+    return digests

@@ -1,0 +1,103 @@
+"""Time series of many runs in one file, a slab a run, so that no more than one run is in memory."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, final
+
+import netCDF4
+import numpy as np
+
+from contactlab import variables
+from contactlab.plausibility import read_run
+from contactlab.sweep.faults import CollectingError
+from contactlab.sweep.found import FoundRun
+from contactlab.sweep.job import DATASET
+from contactlab.sweep.layout import Layout
+from contactlab.sweep.status import Status
+
+GROUP: Final = "series"
+
+_KNOWN: Final = {variable.name: variable for variable in variables.SERIES}
+
+
+@final
+class Series:
+    """Time series of the complete runs over their cells.
+
+    Args:
+        runs: in the order of the layout.
+        layout: where they stand.
+        names: of the series.
+
+    Raises:
+        CollectingError: no such series, or no complete run, or runs at different times.
+    """
+
+    def __init__(self, runs: Sequence[FoundRun], layout: Layout, names: Sequence[str]) -> None:
+        if unknown := [name for name in names if name not in _KNOWN]:
+            raise CollectingError(
+                f"{', '.join(unknown)} is no time series; it must be of {', '.join(_KNOWN)}."
+            )
+        self._names = list(dict.fromkeys(names))
+        self._layout = layout
+        self._runs = [
+            (int(place), run)
+            for place, run in zip(layout.place, runs, strict=True)
+            if run.status is Status.COMPLETE
+        ]
+        if not self._runs:
+            raise CollectingError(
+                "There is no complete run; there must be one for time series. Leave out --series."
+            )
+
+    def write(self, path: Path) -> None:
+        """Add the series to a file that has the dimensions of the layout.
+
+        Raises:
+            CollectingError: the runs are not recorded at the same times, or lack a series.
+        """
+        with netCDF4.Dataset(path, "a") as file:
+            group = file.createGroup(GROUP)
+            time: np.ndarray | None = None
+            for place, run in self._runs:
+                tree = read_run(run.folder / DATASET)
+                mine = np.asarray(tree["time"].values, dtype=np.float64)
+                if time is None:
+                    time = mine
+                    self._define(group, time)
+                if not np.array_equal(mine, time):
+                    raise CollectingError(
+                        f"'{run.name}' is recorded at other times than '{self._runs[0][1].name}'; for "
+                        "time series they must be the same. Leave out --series, or run all with one "
+                        "solver.duration and one record.interval."
+                    )
+                cell = np.unravel_index(place, self._layout.shape)
+                for name in self._names:
+                    if name not in tree.variables:
+                        raise CollectingError(
+                            f"'{run.name}' has no {name}; leave it out of --series."
+                        )
+                    group[name][(*map(int, cell), slice(None))] = tree[name].values
+
+    def _define(self, group: netCDF4.Group, time: np.ndarray) -> None:
+        group.createDimension("time", time.size)
+        axis = group.createVariable("time", "f8", ["time"])
+        axis.setncatts({"units": variables.TIME.units, "long_name": variables.TIME.long_name})
+        axis[:] = time
+        cells = len(self._layout.shape)
+        for name in self._names:
+            said = _KNOWN[name]
+            target = group.createVariable(
+                name,
+                "f8",
+                [*self._layout.dims, "time"],
+                compression="zlib",
+                complevel=1,
+                shuffle=True,
+                # A slab is a chunk, so that a run is read or written without its neighbours.
+                chunksizes=[1] * cells + [time.size],
+                fill_value=np.nan,
+            )
+            target.setncatts(
+                {"units": said.units, "long_name": said.long_name, "symbol": said.symbol}
+            )
