@@ -6,7 +6,6 @@ composed and checked first, every job of a sweep included, and a faulty one leav
 Exit status: 0; 1 for a run that did not reach its end; 2 for a fault of the user's; 130 for Ctrl-C.
 """
 
-import copy
 import gc
 import os
 import sys
@@ -14,14 +13,9 @@ from argparse import Namespace
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, final
 
 import hydra
-from hydra._internal.config_loader_impl import ConfigLoaderImpl
-from hydra._internal.hydra import Hydra
-from hydra._internal.utils import create_config_search_path, get_args_parser
-from hydra.core.config_search_path import ConfigSearchPath, SearchPathQuery
-from hydra.core.global_hydra import GlobalHydra
+from hydra._internal.utils import get_args_parser
 from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException
 from hydra.types import RunMode
@@ -29,10 +23,9 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.command import interrupts
+from contactlab.command.application import CONFIG_NAME, VERSION_BASE, conf_directory, started
 from contactlab.command.composition import check, check_composition, choices_of
-from contactlab.command.directories import folder_name
 from contactlab.command.jobs import perform
-from contactlab.command.law_source import register
 from contactlab.command.sweeping import sweep
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
@@ -41,31 +34,6 @@ from contactlab.sweep.job import Job, State, is_done, key_of, write_state
 
 COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
 """Exit statuses; that of an interrupted command is in `contactlab.command.interrupts`."""
-
-CONFIG_NAME = "config"
-VERSION_BASE = "1.3"
-"""Of Hydra's behaviour."""
-
-
-@final
-class _RememberingLoader(ConfigLoaderImpl):
-    """Hydra's loader, which composes only once what is asked for twice in a row.
-
-    A single run is composed for the check and then by Hydra again; this halves the time.
-    """
-
-    _last: tuple[object, DictConfig] | None = None
-
-    def load_configuration(self, *arguments: Any, **options: Any) -> DictConfig:
-        """See `ConfigLoader.load_configuration`."""
-        asked = (repr(arguments), repr(options))
-        if self._last is None or self._last[0] != asked:
-            self._last = (asked, super().load_configuration(*arguments, **options))
-        return copy.deepcopy(self._last[1])
-
-
-OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)
-register()
 
 
 def main() -> int:
@@ -114,24 +82,16 @@ def run(settings: DictConfig) -> int:
     return COMPLETE if perform(setup, directory, job) else INCOMPLETE
 
 
-def conf_directory() -> Path:
-    """The configuration files: inside the package in a wheel, beside it in a checkout."""
-    package = Path(__file__).resolve().parent
-    inside = package / "conf"
-    return inside if inside.is_dir() else package.parent / "conf"
-
-
 def _dispatch() -> int:
     parser = get_args_parser()
     if "--version" in sys.argv[1:]:
         return _print_version()
     # Intermixed: -m may stand between the overrides.
     arguments = parser.parse_intermixed_args()
-    hydra.version.setbase(VERSION_BASE)
     name = arguments.config_name or CONFIG_NAME
     if arguments.help or arguments.cfg or arguments.info:
-        application = Hydra("contactlab", _RememberingLoader(_search_path(arguments)))
-        check_composition(application.config_loader, name, arguments.overrides)
+        with started(arguments.config_path, arguments.config_dir) as application:
+            check_composition(application.config_loader, name, arguments.overrides)
         return _show()
     if (
         arguments.shell_completion
@@ -159,28 +119,12 @@ def _show() -> int:
 
 def _run(arguments: Namespace, name: str) -> int:
     """Check, then run or sweep: `hydra.main` with the check in between."""
-    application = Hydra("contactlab", _RememberingLoader(_search_path(arguments)))
-    GlobalHydra.instance().initialize(application)
-    try:
+    with started(arguments.config_path, arguments.config_dir) as application:
         plan = check(application.config_loader, name, arguments.overrides, arguments.multirun)
         if plan.mode is RunMode.RUN:
             return int(application.run(name, run, arguments.overrides).return_value)
         gc.enable()
         return sweep(application, name, arguments.overrides, run, plan)
-    finally:
-        GlobalHydra.instance().clear()
-
-
-def _search_path(arguments: Namespace) -> ConfigSearchPath:
-    path = create_config_search_path(arguments.config_path or str(conf_directory()))
-    if arguments.config_dir is not None:
-        extra = Path(arguments.config_dir).absolute()
-        if not extra.is_dir():
-            raise ConfigurationError(
-                [f"--config-dir is '{extra}', which is not a directory; it must be one. Create it."]
-            )
-        path.prepend("command-line", f"file://{extra}", anchor=SearchPathQuery(provider="schema"))
-    return path
 
 
 def _refuse(faults: Iterable[str]) -> int:

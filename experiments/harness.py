@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.app import conf_directory
+from contactlab.command.application import conf_directory
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import one_line
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick

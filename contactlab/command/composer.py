@@ -167,9 +167,9 @@ class Composer:
             return False
         if not override.is_sweep_override() and isinstance(override.value(), dict):
             return True
-        return not self._options(override.key_or_group)
+        return not self.options(override.key_or_group)
 
-    def _options(self, group: str) -> list[str]:
+    def options(self, group: str) -> list[str]:
         """A group's options, none for what is no group."""
         if group not in self._groups:
             self._groups[group] = self._loader.get_group_options(group)
@@ -189,7 +189,7 @@ class Composer:
         """Why an override that is no value fails, after those that do not."""
         (override,) = self._parser.parse_overrides([line])
         group, value = override.key_or_group, override.value()
-        options = self._options(group)
+        options = self.options(group)
         if not options or value in options:
             above = group.rpartition("/")[0]
             composed = self.compose_whole(sound)

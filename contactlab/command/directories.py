@@ -104,6 +104,11 @@ def shared(directories: list[Path]) -> Iterator[str]:
             )
 
 
+def quoted(text: str) -> str:
+    """A text as the value of an override."""
+    return "'" + re.sub(r"(\\*)'", r"\1\1\\'", text) + "'"
+
+
 def to_be_tried(directories: Iterable[Path]) -> list[Path]:
     """The directories that tell whether all can be written to: of new ones, the longest name will do."""
     there, longest = [], dict[Path, Path]()

@@ -1,35 +1,14 @@
-"""`contactlab map`: a law over many values of many parameters, in chunks that are kept as they are finished."""
+"""`contactlab map`: a law over many values of many parameters, in chunks that are kept when finished."""
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from contactlab.command import interrupts
 from contactlab.command.verbs import VERBS
 
-if TYPE_CHECKING:
-    import xarray
-    from hydra._internal.hydra import Hydra
-
-    from contactlab.sweep.chunks import MapFolder
-    from contactlab.sweep.many import Wanted
-    from contactlab.sweep.plan import Plan
-
 DONE, INCOMPLETE, REFUSED = 0, 1, 2
 """Exit statuses; a run that fails is a result, no failure of the command."""
-
-CHUNK = 1000
-"""Runs in a chunk where nothing is said: seconds of work."""
-
-MOST_CHUNKS = 1000
-"""Clusters take arrays of about so many tasks."""
-
-
-class RefusalError(ValueError):
-    """What was asked for cannot be done; the message is a sentence."""
 
 
 def main(arguments: list[str]) -> int:
@@ -40,15 +19,16 @@ def main(arguments: list[str]) -> int:
     """
     wanted = _parser().parse_intermixed_args(arguments)
     # Imported here: they bring Hydra and the compiler, which --help does not need.
+    from contactlab.command.mapping import make_map
     from contactlab.config import ConfigurationError
     from contactlab.sweep.chunks import MapError
     from contactlab.sweep.workers import WorkerError
 
     try:
-        return _map(wanted)
+        return DONE if make_map(wanted) else INCOMPLETE
     except ConfigurationError as error:
         print(*error.faults, sep="\n", file=sys.stderr)
-    except (RefusalError, MapError) as error:
+    except MapError as error:
         print(error, file=sys.stderr)
     except WorkerError as error:
         print(error, file=sys.stderr)
@@ -68,9 +48,9 @@ def main(arguments: list[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="contactlab map",
-        description=f"{VERBS['map'].capitalize()}. Results are metrics, a number a run; `contactlab compare` "
-        "and docs/plausibility.md say what they are. Finished chunks are kept: the same command goes on where "
-        "it was stopped, and ends with the same bits.",
+        description=f"{VERBS['map'].capitalize()}. Results are metrics, a number a run: "
+        "docs/plausibility.md says what they are. Finished chunks are kept: the same command goes on "
+        "where it was stopped, and ends with the same bits.",
         epilog="example: contactlab map law=lagrange_stick 'sweep.contact.clearance=linspace(0,2e-6,100)' "
         "'sweep.drive.phase=linspace(-180 deg,180 deg,73)' solver.duration=2e-3",
     )
@@ -88,7 +68,9 @@ def _parser() -> argparse.ArgumentParser:
         help="where map.nc goes; the default is a folder in maps/ named by what is swept",
     )
     parser.add_argument(
-        "--metrics", metavar="NAME,...", help="metrics that are kept, or all; a cheap few by default"
+        "--metrics",
+        metavar="NAME,...",
+        help="metrics that are kept, or all; a cheap few by default",
     )
     parser.add_argument(
         "--series", metavar="NAME,...", default="", help="time series that are kept as well"
@@ -100,34 +82,10 @@ def _parser() -> argparse.ArgumentParser:
         "--chunk",
         type=int,
         metavar="N",
-        help=f"runs in a chunk, which is kept when it is finished; the default is {CHUNK}, or what makes "
-        f"{MOST_CHUNKS} chunks",
+        help="runs in a chunk, which is kept when it is finished; the default is 1000, or what makes 1000 "
+        "chunks",
+    )
+    parser.add_argument(
+        "--config-dir", metavar="DIR", help="a folder of more options, DIR/law/NAME.yaml"
     )
     return parser
-
-
-def _map(given: argparse.Namespace) -> int:
-    from contactlab.command.application import CONFIG_NAME, application
-    from contactlab.command.map_plan import plan_of
-    from contactlab.sweep.chunks import MAP, MapFolder
-    from contactlab.sweep.workers import processors
-
-    for option in ("workers", "chunk"):
-        if getattr(given, option) is not None and getattr(given, option) < 1:
-            raise RefusalError(
-                f"--{option} is {getattr(given, option)}; it must be at least 1. Leave it out for the default."
-            )
-    with application() as hydra:
-        plan = plan_of(
-            hydra.config_loader, CONFIG_NAME, given.arguments, _wanted(given), given.chunk
-        )
-        folder = MapFolder.begun(given.output, plan)
-        _begin(folder)
-        if folder.complete:
-            print(f"The map is complete: {folder.path / MAP}")
-            return DONE
-        _announce(plan, folder)
-        _run(hydra, given, folder, given.workers or processors())
-    dataset = folder.merge()
-    print(_summary(dataset, folder))
-    return DONE if dataset.attrs["complete"] else INCOMPLETE

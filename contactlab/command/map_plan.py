@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from math import ceil, prod
 from typing import Any, Final, final
 
 from hydra.core.config_loader import ConfigLoader
@@ -16,14 +17,20 @@ from contactlab.config.quantity import describe
 from contactlab.config.units import UnitError, from_cf, to_si
 from contactlab.sweep.cells import Axis, Value
 from contactlab.sweep.many import Wanted
-from contactlab.sweep.plan import Configuration, Plan, with_key
+from contactlab.sweep.plan import Configuration, Plan, code_digest_of, with_key
+
+CHUNK: Final = 1000
+"""Runs in a chunk where nothing is said: seconds of work."""
+
+MOST_CHUNKS: Final = 1000
+"""Clusters take arrays of about so many tasks."""
 
 TIMES: Final = ("solver.duration", "record.interval")
 """Keys that the times of the records depend on."""
 
 
 def plan_of(
-    loader: ConfigLoader, config_name: str, lines: Sequence[str], wanted: Wanted, chunk: int
+    loader: ConfigLoader, config_name: str, lines: Sequence[str], wanted: Wanted, chunk: int | None
 ) -> Plan:
     """The map that overrides and swept parameters describe.
 
@@ -32,7 +39,7 @@ def plan_of(
         config_name: of the primary configuration.
         lines: the arguments: KEY=VALUE, GROUP=OPTION and sweep.KEY=VALUES.
         wanted: what is kept of every run.
-        chunk: runs in a chunk.
+        chunk: runs in a chunk; None takes the default.
 
     Raises:
         ConfigurationError: with every fault that was found. Nothing has been written.
@@ -56,8 +63,14 @@ def plan_of(
         groups=tuple(found[one.key].name for one in groups),
         bases=tuple(bases),
         wanted=wanted,
-        chunk=chunk,
+        chunk=chunk or chunk_for(prod(len(axis.values) for axis in found.values())),
+        code=code_digest_of(bases),
     )
+
+
+def chunk_for(cells: int) -> int:
+    """Runs in a chunk where nothing is said."""
+    return max(CHUNK, ceil(cells / MOST_CHUNKS))
 
 
 @final
@@ -222,7 +235,7 @@ class _Planner:
             for step in path:
                 found = found[step]
             # A radius that a stiffness was computed from is gone from what runs.
-            return value if found is None else found  # type: ignore[no-any-return]
+            return value if found is None else found
         assert first is not None
         self._faults += first.faults
         return None

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 
 PICTURE = "run.png"
 
+SET_ANOTHER = (
+    "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
+    "hydra.sweep.subdir=NAME for -m."
+)
+
 PROGRESS_AFTER = 1.5
 """Seconds before a progress bar appears; most runs are over by then."""
 
@@ -82,7 +87,7 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
     return trajectory.ending, trajectory.message
 
 
-def refusals(directory: Path) -> Iterator[str]:
+def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:
     """Why a run cannot be written into a directory, if so; everything is left as it was."""
     created: list[Path] = []
     try:
@@ -97,8 +102,7 @@ def refusals(directory: Path) -> Iterator[str]:
         yield (
             f"The output directory is '{directory}' and cannot be written to "
             f"({error.strerror or error}); it must be a directory, or a place for one, with write "
-            "permission. Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
-            "hydra.sweep.subdir=NAME for -m."
+            f"permission. {way_out}"
         )
     finally:
         for path in created:

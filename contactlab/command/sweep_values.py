@@ -78,7 +78,7 @@ def typed(line: str, parser: OverridesParser) -> Typed:
         return _spaced(line, call["name"], call["arguments"])
     try:
         (override,) = parser.parse_overrides([line])
-        if override.key_or_group != key or not text.strip():
+        if override.key_or_group != key or not key or not text.strip():
             raise HydraException
         if not override.is_sweep_override():
             found: list[Any] = [override.value()]

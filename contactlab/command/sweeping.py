@@ -5,7 +5,6 @@ would be asked for a node to find a run complete. Here the jobs are known and so
 `contactlab.command.composition`, and the launcher is given those that are to run.
 """
 
-import re
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.command import interrupts
 from contactlab.command.composition import Plan
+from contactlab.command.directories import quoted
 from contactlab.command.jobs import write_log
 from contactlab.config.faults import one_line
 from contactlab.sweep.job import LOG
@@ -51,7 +51,7 @@ def sweep(
     """
     overrides = [*lines, "hydra.mode=MULTIRUN"]
     if plan.directory:
-        overrides.append(f"hydra.sweep.dir={_quoted(plan.directory)}")
+        overrides.append(f"hydra.sweep.dir={quoted(plan.directory)}")
     config = application.compose_config(
         config_name=name,
         overrides=overrides,
@@ -136,8 +136,3 @@ def _status(returned: Any) -> int:
     if isinstance(returned, list | tuple | Iterator):
         return max(map(_status, returned), default=0)
     return 0
-
-
-def _quoted(text: str) -> str:
-    """A text as the value of an override."""
-    return "'" + re.sub(r"(\\*)'", r"\1\1\\'", text) + "'"

@@ -8,7 +8,6 @@ Every file appears whole or not at all, and a chunk's numbers do not depend on w
 map that is killed at any moment goes on where it was and ends with the same bits.
 """
 
-import json
 import shutil
 import zipfile
 from collections.abc import Iterator
@@ -57,44 +56,37 @@ class MapFolder:
             MapError: there is no plan in it that can be read.
         """
         try:
-            read = json.loads((path / PLAN).read_text(encoding="utf-8"))
-            return cls(path, Plan.of_text(json.dumps(read["plan"])))
+            return cls(path, Plan.of_text((path / PLAN).read_text(encoding="utf-8")))
+        # Somebody else's file of that name may be anything.
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise MapError(
                 f"'{path}' holds no {PLAN} that can be read; it must be the folder of a map. "
                 "`contactlab map` begins one."
             ) from error
 
-    def begin(self, code: str) -> None:
+    def begin(self) -> None:
         """Write the plan, or find that it is there already.
-
-        Args:
-            code: digest of what computes the numbers.
 
         Raises:
             MapError: the folder holds another map, or one by other code.
             OSError: the folder cannot be written to.
         """
-        text = json.dumps({"code": code, "plan": json.loads(self.plan.text())}, indent=1)
         file = self.path / PLAN
         if file.exists():
-            if file.read_text(encoding="utf-8") != text:
+            if file.read_text(encoding="utf-8") != self.plan.text():
                 raise MapError(
                     f"'{self.path}' holds another map, or one made by other code; a map goes on only with "
                     "what it began with. Choose another folder by --output DIR, or remove this one."
                 )
             return
-        (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
+        self.path.mkdir(parents=True, exist_ok=True)
         with whole_file(file) as partial:
-            partial.write_text(text, encoding="utf-8")
+            partial.write_text(self.plan.text(), encoding="utf-8")
 
     @property
     def complete(self) -> bool:
         """Whether the dataset of the whole map is there."""
-        if not (self.path / MAP).exists():
-            return False
-        with xarray.open_dataset(self.path / MAP, engine="netcdf4") as dataset:
-            return bool(dataset.attrs.get("complete") == 1)
+        return (self.path / MAP).exists() and self.dataset().attrs.get("complete") == 1
 
     def missing(self) -> list[int]:
         """The chunks that are not finished."""
@@ -130,6 +122,9 @@ class MapFolder:
         Raises:
             OSError: the file cannot be written.
         """
+        if self.complete:
+            self._tidy()
+            return self.dataset()
         plan = self.plan
         metrics = np.full((plan.cells, len(plan.wanted.metrics)), np.nan)
         status = np.full(plan.cells, Status.ABSENT, dtype=np.int8)
@@ -153,8 +148,16 @@ class MapFolder:
         )
         write(dataset, self.path / MAP)
         if whole:
-            shutil.rmtree(self.path / CHUNKS, ignore_errors=True)
+            self._tidy()
         return dataset
+
+    def dataset(self) -> xarray.Dataset:
+        """The dataset that was written, in memory."""
+        with xarray.open_dataset(self.path / MAP, engine="netcdf4", decode_times=False) as found:
+            return found.load()
+
+    def _tidy(self) -> None:
+        shutil.rmtree(self.path / CHUNKS, ignore_errors=True)
 
     def _file(self, chunk: int) -> Path:
         return self.path / CHUNKS / f"{chunk:06d}.npz"

@@ -69,15 +69,18 @@ def key_of(setup: Setup) -> str:
     Returns:
         64 hexadecimal digits.
     """
-    law = type(setup.law)
-    parts = (
-        json.dumps(setup.configuration, sort_keys=True),
+    parts = (json.dumps(setup.configuration, sort_keys=True), *code_of(type(setup.law)))
+    return sha256("\0".join(parts).encode()).hexdigest()
+
+
+def code_of(law: type) -> tuple[str, ...]:
+    """What tells the code that a run with a law depends on: version, digests, and whose law it is."""
+    return (
         versions()["contactlab_version"],
         code_digest(),
         provenance(law),
         *_foreign_sources(law),
     )
-    return sha256("\0".join(parts).encode()).hexdigest()
 
 
 def write_state(folder: Path, state: State) -> None:

@@ -3,16 +3,24 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from math import ceil, prod
-from typing import Any, final
+from pathlib import Path
+from typing import Any, Final, final
 
 import numpy as np
 
+from contactlab import plausibility
 from contactlab.config import Setup, build
+from contactlab.laws import law_class
+from contactlab.output.provenance import digest_of
 from contactlab.sweep.cells import Axis, Value
+from contactlab.sweep.job import code_of
 from contactlab.sweep.many import Wanted
 
 Configuration = Mapping[str, Any]
+
+METRICS_SOURCES: Final = Path(plausibility.__file__).parent
 
 
 @final
@@ -27,6 +35,7 @@ class Plan:
             where no group is swept.
         wanted: what is kept of every run.
         chunk: runs in a chunk.
+        code: digest of the code that makes the numbers, see `code_digest_of`.
     """
 
     axes: tuple[Axis, ...]
@@ -34,6 +43,7 @@ class Plan:
     bases: tuple[Configuration, ...]
     wanted: Wanted
     chunk: int
+    code: str
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -92,6 +102,7 @@ class Plan:
                 "metrics": self.wanted.metrics,
                 "series": self.wanted.series,
                 "chunk": self.chunk,
+                "code": self.code,
             },
             indent=1,
             ensure_ascii=False,
@@ -109,7 +120,15 @@ class Plan:
             bases=tuple(read["bases"]),
             wanted=Wanted(tuple(read["metrics"]), tuple(read["series"])),
             chunk=read["chunk"],
+            code=read["code"],
         )
+
+
+def code_digest_of(bases: Sequence[Configuration]) -> str:
+    """Digest of what the numbers depend on beside the plan: the laws' code, and that of the metrics."""
+    laws = [law_class(base["law"]["name"]) for base in bases]
+    parts = [part for law in laws for part in code_of(law)]
+    return sha256("\0".join([*parts, digest_of(METRICS_SOURCES)]).encode()).hexdigest()
 
 
 def with_key(configuration: Configuration, path: Sequence[str], value: Value) -> Configuration:
