@@ -37,9 +37,12 @@ def main(arguments: list[str]) -> int:
     )
     given = parser.parse_args(arguments)
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.sweep.chunks import PLAN
     from contactlab.sweep.collecting import COLLECTED, collect
     from contactlab.sweep.faults import CollectingError
 
+    if (Path(given.directory) / PLAN).is_file():
+        return _map(given)
     output: Path = given.output or Path(given.directory) / COLLECTED
     series = [name.strip() for name in given.series.split(",") if name.strip()]
     try:
@@ -55,6 +58,27 @@ def main(arguments: list[str]) -> int:
         print("Interrupted before the runs were collected; nothing was written.", file=sys.stderr)
         return interrupts.STATUS
     print(report(dataset, output))
+    return DONE
+
+
+def _map(given: argparse.Namespace) -> int:
+    """Collect the chunks of a map that are finished so far."""
+    from contactlab.command.map_summary import summary
+    from contactlab.sweep.chunks import MAP, MapError, MapFolder
+
+    if given.output or given.series:
+        print(
+            f"'{given.directory}' is the folder of a map, whose dataset is its {MAP} with the series that it "
+            "keeps; --output and --series must be left out.",
+            file=sys.stderr,
+        )
+        return REFUSED
+    try:
+        folder = MapFolder.opened(Path(given.directory))
+        print(summary(folder.merge(), folder.path / MAP))
+    except (MapError, OSError) as error:
+        print(error, file=sys.stderr)
+        return REFUSED
     return DONE
 
 

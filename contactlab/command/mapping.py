@@ -5,7 +5,6 @@ from argparse import Namespace
 from hashlib import sha256
 from pathlib import Path
 
-import xarray
 from tqdm import tqdm
 
 from contactlab.command import interrupts
@@ -13,14 +12,13 @@ from contactlab.command.application import CONFIG_NAME, started
 from contactlab.command.directories import folder_name
 from contactlab.command.map_launcher import launch, launcher_config
 from contactlab.command.map_plan import plan_of
+from contactlab.command.map_summary import summary
 from contactlab.command.runner import refusals
 from contactlab.config import ConfigurationError
 from contactlab.plausibility import METRICS
-from contactlab.sweep.cells import REASON, STATUS
 from contactlab.sweep.chunks import MAP, MapFolder
 from contactlab.sweep.many import USUAL, Wanted, wanted_of
 from contactlab.sweep.plan import Plan
-from contactlab.sweep.status import Status
 from contactlab.sweep.workers import processors
 
 MAPS = "maps"
@@ -62,7 +60,7 @@ def make_map(given: Namespace) -> bool:
             else:
                 launch(hydra, config, folder, missing, given.workers)
             dataset = folder.merge()
-    print(_summary(dataset, folder.path / MAP))
+    print(summary(dataset, folder.path / MAP))
     return bool(dataset.attrs["complete"])
 
 
@@ -109,15 +107,3 @@ def _run_here(folder: MapFolder, missing: list[int], workers: int | None) -> Non
 
         for chunk in missing:
             folder.run(chunk, workers or processors(), report)
-
-
-def _summary(dataset: xarray.Dataset, file: Path) -> str:
-    """How many runs ended in which way, and the reason of one of each."""
-    status, reason = dataset[STATUS].values.ravel(), dataset[REASON].values.ravel()
-    lines = []
-    for code in Status:
-        places = (status == code).nonzero()[0]
-        if places.size:
-            example = f" For example: {reason[places[0]]}" if reason[places[0]] else ""
-            lines.append(f"{places.size} {code.name.lower()}.{example}")
-    return "\n".join([*lines, f"Written to {file}"])

@@ -96,6 +96,12 @@ def dataset_of(
     return xarray.Dataset(variables, coordinates, dict(attributes))
 
 
+def counts_of(status: NDArray[np.int8]) -> dict[str, int]:
+    """Attributes that tell how many runs there are, and how many of each status."""
+    counted = {f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status}
+    return {"runs": int(status.size), **counted}
+
+
 def write(dataset: xarray.Dataset, path: Path, more: Callable[[Path], None] | None = None) -> None:
     """Write a dataset of many runs, whole or not at all; the same dataset gives the same bytes.
 

@@ -14,15 +14,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, final
 
+import netCDF4
 import numpy as np
 import xarray
 import yaml
+from numpy.typing import NDArray
 
 from contactlab.output.files import whole_file
 from contactlab.output.provenance import code_digest, versions
-from contactlab.sweep.cells import REASONS, dataset_of, write
+from contactlab.sweep.cells import REASONS, counts_of, dataset_of, write
 from contactlab.sweep.many import Answers, Report
 from contactlab.sweep.plan import Plan
+from contactlab.sweep.series import series_group
 from contactlab.sweep.status import Status
 from contactlab.sweep.workers import shared_answers
 
@@ -144,9 +147,9 @@ class MapFolder:
             {key: column.reshape(plan.shape) for key, column in columns},
             status.reshape(plan.shape),
             reason.reshape(plan.shape),
-            self._attributes(whole),
+            self._attributes(status) | {"complete": int(whole)},
         )
-        write(dataset, self.path / MAP)
+        write(dataset, self.path / MAP, self._add_series if plan.wanted.series else None)
         if whole:
             self._tidy()
         return dataset
@@ -176,7 +179,7 @@ class MapFolder:
     def _read(self, chunk: int) -> Answers:
         file = self._file(chunk)
         try:
-            with np.load(file, allow_pickle=False) as read:
+            with file.open("rb") as stream, np.load(stream, allow_pickle=False) as read:
                 return Answers(
                     metrics=read["metrics"],
                     status=read["status"],
@@ -190,7 +193,23 @@ class MapFolder:
                 "same command again: its runs are made anew."
             ) from error
 
-    def _attributes(self, whole: bool) -> dict[str, Any]:
+    def _add_series(self, path: Path) -> None:
+        """Add the series of all chunks to a file that has the dimensions of the map."""
+        plan = self.plan
+        with netCDF4.Dataset(path, "a") as file:
+            group = None
+            for chunk, found in self._finished():
+                if group is None and found.time.size:
+                    names = [axis.name for axis in plan.axes]
+                    group = series_group(file, names, plan.wanted.series, found.time)
+                if group is None or not found.time.size:
+                    continue
+                for row, cell in enumerate(plan.cells_of(chunk)):
+                    place = tuple(map(int, np.unravel_index(cell, plan.shape)))
+                    for name, rows in found.series.items():
+                        group[name][place] = rows[row]
+
+    def _attributes(self, status: NDArray[np.int8]) -> dict[str, Any]:
         bases = self.plan.bases
         shown = bases[0] if len(bases) == 1 else list(bases)
         return {
@@ -200,5 +219,5 @@ class MapFolder:
             "configuration": yaml.safe_dump(shown, sort_keys=False, allow_unicode=True),
             **versions(),
             "code_digest": code_digest(),
-            "complete": int(whole),
+            **counts_of(status),
         }

@@ -1,6 +1,5 @@
 """What a sweep found as one dataset, read from the folders of its runs alone."""
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -12,7 +11,7 @@ import yaml
 from contactlab.config.nesting import nested
 from contactlab.output.provenance import checkout_state, code_digest, versions
 from contactlab.plausibility import METRICS
-from contactlab.sweep.cells import dataset_of, write
+from contactlab.sweep.cells import counts_of, dataset_of, write
 from contactlab.sweep.faults import CollectingError
 from contactlab.sweep.found import FoundRun, found_runs
 from contactlab.sweep.layout import Layout, common_settings, layout_of
@@ -98,7 +97,6 @@ def _attributes(runs: Sequence[FoundRun], complete: bool) -> dict[str, Any]:
         for run in runs
         if isinstance(run.job.configuration.get("law"), dict)
     }
-    counted = Counter(run.status for run in runs)
     code = versions()
     revision, dirty = checkout_state()
     return {
@@ -111,7 +109,6 @@ def _attributes(runs: Sequence[FoundRun], complete: bool) -> dict[str, Any]:
         "code_digest": code_digest(),
         "git_revision": revision,
         "git_dirty": dirty,
-        "runs": len(runs),
-        **{f"runs_{status.name.lower()}": counted[status] for status in Status},
+        **counts_of(np.array([run.status for run in runs], dtype=np.int8)),
         "complete": int(complete),
     }

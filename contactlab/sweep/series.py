@@ -57,14 +57,12 @@ class Series:
             CollectingError: the runs are not recorded at the same times, or lack a series.
         """
         with netCDF4.Dataset(path, "a") as file:
-            group = file.createGroup(GROUP)
-            time: np.ndarray | None = None
+            group, time = None, np.empty(0)
             for place, run in self._runs:
                 tree = read_run(run.folder / DATASET)
                 mine = np.asarray(tree["time"].values, dtype=np.float64)
-                if time is None:
-                    time = mine
-                    self._define(group, time)
+                if group is None:
+                    group, time = series_group(file, self._layout.dims, self._names, mine), mine
                 if not np.array_equal(mine, time):
                     raise CollectingError(
                         f"'{run.name}' is recorded at other times than '{self._runs[0][1].name}'; for "
@@ -79,25 +77,38 @@ class Series:
                         )
                     group[name][(*map(int, cell), slice(None))] = tree[name].values
 
-    def _define(self, group: netCDF4.Group, time: np.ndarray) -> None:
-        group.createDimension("time", time.size)
-        axis = group.createVariable("time", "f8", ["time"])
-        axis.setncatts({"units": variables.TIME.units, "long_name": variables.TIME.long_name})
-        axis[:] = time
-        cells = len(self._layout.shape)
-        for name in self._names:
-            said = _KNOWN[name]
-            target = group.createVariable(
-                name,
-                "f8",
-                [*self._layout.dims, "time"],
-                compression="zlib",
-                complevel=1,
-                shuffle=True,
-                # A slab is a chunk, so that a run is read or written without its neighbours.
-                chunksizes=[1] * cells + [time.size],
-                fill_value=np.nan,
-            )
-            target.setncatts(
-                {"units": said.units, "long_name": said.long_name, "symbol": said.symbol}
-            )
+
+def series_group(
+    file: netCDF4.Dataset, dims: Sequence[str], names: Sequence[str], time: np.ndarray
+) -> netCDF4.Group:
+    """Make the group of time series in a file.
+
+    Args:
+        file: open for writing; it has the dimensions.
+        dims: of the cells.
+        names: of the series.
+        time: of the records [s].
+
+    Returns:
+        The group; what is not written to it is NaN.
+    """
+    group = file.createGroup(GROUP)
+    group.createDimension("time", time.size)
+    axis = group.createVariable("time", "f8", ["time"])
+    axis.setncatts({"units": variables.TIME.units, "long_name": variables.TIME.long_name})
+    axis[:] = time
+    for name in names:
+        said = _KNOWN[name]
+        target = group.createVariable(
+            name,
+            "f8",
+            [*dims, "time"],
+            compression="zlib",
+            complevel=1,
+            shuffle=True,
+            # A slab is a chunk, so that a run is read or written without its neighbours.
+            chunksizes=[1] * len(dims) + [max(time.size, 1)],
+            fill_value=np.nan,
+        )
+        target.setncatts({"units": said.units, "long_name": said.long_name, "symbol": said.symbol})
+    return group
