@@ -28,6 +28,12 @@ def opened(path: Path) -> xarray.Dataset:
         return found.load()
 
 
+def run_chunk(chunk: int) -> None:
+    folder = MapFolder.opened(Path("here"))
+    with folder.pool(1) as pool:
+        folder.run(chunk, pool)
+
+
 def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     status, out, err = command(
         "map",
@@ -189,8 +195,7 @@ def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command)
     assert command(*arguments)[0] == 0
     whole = (Path("here") / MAP).read_bytes()
     (Path("here") / MAP).unlink()
-    folder = MapFolder.opened(Path("here"))
-    folder.run(0, workers=1)
+    run_chunk(0)
     damaged = Path("here") / CHUNKS / "000000.npz"
     damaged.write_bytes(damaged.read_bytes()[:100])
     status, _, err = command(*arguments)
@@ -207,7 +212,7 @@ def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
     assert command(*arguments)[0] == 0
     whole = opened(Path("here"))
     (Path("here") / MAP).unlink()
-    MapFolder.opened(Path("here")).run(1, workers=1)
+    run_chunk(1)
     status, out, _ = command("collect", "here")
     assert status == 0
     assert "2 absent" in out

@@ -84,4 +84,6 @@ def launch(
 def run_chunk(settings: DictConfig) -> None:
     """The task of one job; launchers import it from here."""
     asked = settings.map
-    MapFolder.opened(Path(asked.folder)).run(asked.chunk, min(asked.workers, processors()))
+    folder = MapFolder.opened(Path(asked.folder))
+    with folder.pool(min(asked.workers, processors())) as pool:
+        folder.run(asked.chunk, pool)

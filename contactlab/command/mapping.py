@@ -100,10 +100,13 @@ def _run_here(folder: MapFolder, missing: list[int], workers: int | None) -> Non
     """Run chunk after chunk on this machine."""
     runs = sum(len(folder.plan.cells_of(chunk)) for chunk in missing)
     quiet = not sys.stderr.isatty()
-    with tqdm(total=runs, unit="run", leave=False, file=sys.stderr, disable=quiet) as bar:
+    with (
+        tqdm(total=runs, unit="run", leave=False, file=sys.stderr, disable=quiet) as bar,
+        folder.pool(workers or processors()) as pool,
+    ):
 
         def report(count: int) -> None:
             bar.update(count)
 
         for chunk in missing:
-            folder.run(chunk, workers or processors(), report)
+            folder.run(chunk, pool, report)

@@ -27,7 +27,7 @@ from contactlab.sweep.many import Answers, Report
 from contactlab.sweep.plan import Plan
 from contactlab.sweep.series import series_group
 from contactlab.sweep.status import Status
-from contactlab.sweep.workers import shared_answers
+from contactlab.sweep.workers import Pool
 
 PLAN: Final = "plan.json"
 CHUNKS: Final = "chunks"
@@ -95,16 +95,18 @@ class MapFolder:
         """The chunks that are not finished."""
         return [chunk for chunk in range(self.plan.chunks) if not self._file(chunk).exists()]
 
-    def run(self, chunk: int, workers: int, report: Report | None = None) -> None:
+    def pool(self, workers: int) -> Pool:
+        """Processes that run the chunks."""
+        return Pool(self.plan.setup, self.plan.wanted, workers)
+
+    def run(self, chunk: int, pool: Pool, report: Report | None = None) -> None:
         """Run a chunk and keep its answers.
 
         Raises:
             WorkerError: a worker process died.
             OSError: the answers cannot be written.
         """
-        found = shared_answers(
-            self.plan.setup, self.plan.cells_of(chunk), self.plan.wanted, workers, report
-        )
+        found = pool.answers(self.plan.cells_of(chunk), report)
         self._file(chunk).parent.mkdir(exist_ok=True)
         with whole_file(self._file(chunk)) as partial, partial.open("wb") as stream:
             arrays: dict[str, Any] = {

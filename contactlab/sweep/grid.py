@@ -16,7 +16,7 @@ from contactlab.output.dataset import cf_attributes
 from contactlab.output.provenance import versions
 from contactlab.sweep.cells import Axis, dataset_of
 from contactlab.sweep.many import USUAL, Report, wanted_of
-from contactlab.sweep.workers import processors, shared_answers
+from contactlab.sweep.workers import Pool, processors
 from contactlab.variables import SERIES
 
 
@@ -134,7 +134,8 @@ def simulate_many(
         )
 
     count = prod(motors.shape)
-    found = shared_answers(setup_at, range(count), wanted, workers or processors(), report)
+    with Pool(setup_at, wanted, workers or processors()) as pool:
+        found = pool.answers(range(count), report)
     columns = zip(wanted.metrics, found.metrics.T, strict=True)
     dataset = dataset_of(
         motors.parameters,

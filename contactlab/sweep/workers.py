@@ -4,6 +4,7 @@ Processes, since a short run is half Python. They are forked where that can be d
 so that they start at once and take over whatever describes the grid.
 """
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -12,7 +13,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Final, TypeVar
+from typing import Final, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,61 +38,80 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def shared_answers(
-    setup_at: SetupAt,
-    cells: Sequence[int],
-    wanted: Wanted,
-    workers: int,
-    report: Report | None = None,
-) -> Answers:
-    """As `contactlab.sweep.many.answers`, by several processes; their number changes no bit.
+@final
+class Pool:
+    """Processes that run cells of one grid; their number changes no bit. A context manager.
 
     Args:
-        setup_at, cells, wanted, report: see there.
+        setup_at: what runs in a cell.
+        wanted: what is kept.
         workers: how many processes; one is this process itself.
-
-    Raises:
-        WorkerError: a worker died.
     """
-    count = min(workers, len(cells))
-    if count < 2:
-        return answers(setup_at, cells, wanted, report)
-    _load(setup_at, cells)
-    # Neighbours take about as long as each other: every so many-th cell makes equal shares.
-    shares = [cells[first::count] for first in range(count)]
-    parts = _in_processes(setup_at, shares, wanted, report)
-    return _interleaved(parts, len(cells))
 
+    def __init__(self, setup_at: SetupAt, wanted: Wanted, workers: int) -> None:
+        self._setup_at = setup_at
+        self._wanted = wanted
+        self._count = workers
+        self._workers: list[tuple[BaseProcess, Connection]] = []
 
-def _load(setup_at: SetupAt, cells: Sequence[int]) -> None:
-    """Load the engine, so that no worker has to."""
-    for cell in cells:
-        try:
-            setup = setup_at(cell)
-            prepare(setup.motor, setup.law)
-        # The cell's own run tells of it.
-        except Exception:
-            continue
-        return
+    def __enter__(self) -> "Pool":
+        return self
 
+    def __exit__(self, *exception: object) -> None:
+        for process, own in self._workers:
+            process.terminate()
+            own.close()
+        for process, _ in self._workers:
+            process.join()
+        self._workers = []
 
-def _in_processes(
-    setup_at: SetupAt,
-    shares: Sequence[Sequence[int]],
-    wanted: Wanted,
-    report: Report | None,
-) -> list[Answers]:
-    context = multiprocessing.get_context("fork" if FORK else None)
-    processes: list[BaseProcess] = []
-    pending: dict[Connection, int] = {}
-    parts: dict[int, Answers] = {}
-    try:
-        for number, share in enumerate(shares):
-            ours, theirs = context.Pipe(duplex=False)
+    def answers(self, cells: Sequence[int], report: Report | None = None) -> Answers:
+        """As `contactlab.sweep.many.answers`.
+
+        Raises:
+            WorkerError: a worker died.
+        """
+        count = min(self._count, len(cells))
+        if count < 2:
+            return answers(self._setup_at, cells, self._wanted, report)
+        if not self._workers:
+            self._start(cells)
+        # Neighbours take about as long as each other: every so many-th cell makes equal shares.
+        pending: dict[Connection, int] = {}
+        for number, (_, connection) in enumerate(self._workers[:count]):
+            with suppress(BrokenPipeError):
+                connection.send(cells[number::count])
+            pending[connection] = number
+        parts: dict[int, Answers] = {}
+        while pending:
+            for ready in wait(list(pending)):
+                assert isinstance(ready, Connection)
+                message = self._received(ready, pending[ready])
+                if isinstance(message, Answers):
+                    parts[pending.pop(ready)] = message
+                elif report:
+                    report(message)
+        return _interleaved([parts[number] for number in range(count)], len(cells))
+
+    def _start(self, cells: Sequence[int]) -> None:
+        """Load the engine, so that no worker has to, and start the workers."""
+        for cell in cells:
+            try:
+                setup = self._setup_at(cell)
+                prepare(setup.motor, setup.law)
+            # The cell's own run tells of it.
+            except Exception:
+                continue
+            break
+        context = multiprocessing.get_context("fork" if FORK else None)
+        for _ in range(self._count):
+            ours, theirs = context.Pipe()
             # A fork has our ends of all pipes too; only once it closes them does it notice our death.
-            inherited = [*pending, ours] if FORK else []
+            inherited = [connection for _, connection in self._workers] + [ours] if FORK else []
             worker = context.Process(
-                target=_work, args=(theirs, inherited, setup_at, share, wanted), daemon=True
+                target=_work,
+                args=(theirs, inherited, self._setup_at, self._wanted),
+                daemon=True,
             )
             with warnings.catch_warnings():
                 # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have:
@@ -99,56 +119,34 @@ def _in_processes(
                 warnings.filterwarnings("ignore", "This process", DeprecationWarning)
                 worker.start()
             theirs.close()
-            processes.append(worker)
-            pending[ours] = number
-        while pending:
-            for connection in wait(list(pending)):
-                assert isinstance(connection, Connection)
-                _receive(connection, pending, processes, parts, report)
-    finally:
-        for process in processes:
-            process.terminate()
+            self._workers.append((worker, ours))
+
+    def _received(self, connection: Connection, number: int) -> Answers | int:
+        """The answers of a worker, or how many runs it has ended since it last said so."""
+        try:
+            message: Answers | int = connection.recv()
+        except (EOFError, ConnectionResetError):
+            process, _ = self._workers[number]
             process.join()
-    return [parts[number] for number in range(len(shares))]
-
-
-def _receive(
-    connection: Connection,
-    pending: dict[Connection, int],
-    processes: Sequence[BaseProcess],
-    parts: dict[int, Answers],
-    report: Report | None,
-) -> None:
-    try:
-        message = connection.recv()
-    except EOFError:
-        process = processes[pending[connection]]
-        process.join()
-        raise WorkerError(
-            f"A worker process died (exit code {process.exitcode}), maybe for want of memory; what was "
-            "finished before is kept. Start again, with fewer workers if it dies again."
-        ) from None
-    if isinstance(message, int):
-        if report:
-            report(message)
-    else:
-        parts[pending.pop(connection)] = message
-        connection.close()
+            raise WorkerError(
+                f"A worker process died (exit code {process.exitcode}), maybe for want of memory; what "
+                "was finished before is kept. Start again, with fewer workers if it dies again."
+            ) from None
+        return message
 
 
 def _work(
-    theirs: Connection,
-    inherited: Sequence[Connection],
-    setup_at: SetupAt,
-    cells: Sequence[int],
-    wanted: Wanted,
+    theirs: Connection, inherited: Sequence[Connection], setup_at: SetupAt, wanted: Wanted
 ) -> None:
     """What a worker does; it ends as soon as nobody listens any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What is there stays as it is: looking it over would copy the memory that a fork shares.
+    gc.freeze()
     for connection in inherited:
         connection.close()
-    with suppress(BrokenPipeError):
-        theirs.send(answers(setup_at, cells, wanted, theirs.send))
+    with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        while True:
+            theirs.send(answers(setup_at, theirs.recv(), wanted, theirs.send))
 
 
 def _interleaved(parts: Sequence[Answers], count: int) -> Answers:

@@ -1,0 +1,142 @@
+"""What a run costs alone, in a batch, and as a job of a sweep: the table of the README.
+
+    python experiments/benchmark_sweep.py [--runs N] [--jobs N] [--repeats N]
+
+Work: runs of 2 ms of the default motor over clearance and phase, each from its own configuration. The bare
+engine simulates motors that are built already and keeps the last record; a batch builds each from its
+configuration, runs it and takes the usual metrics. Batches and bare engine take turns, and the shortest
+time of each counts. A job of a sweep writes its folder, without picture; what a command needs to start is
+taken off by the difference of a long and a short sweep.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import distributions
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from contactlab.command.application import CONFIG_NAME, started
+from contactlab.command.map_plan import plan_of
+from contactlab.engine import simulate
+from contactlab.sweep.many import Wanted, answers
+from contactlab.sweep.plan import Plan
+from contactlab.sweep.workers import Pool, processors
+
+DURATION = 2e-3
+
+
+@dataclass(frozen=True)
+class Row:
+    """A way to run, and the time that a run takes [s]."""
+
+    way: str
+    seconds: float
+
+
+def plan_with(runs: int) -> Plan:
+    """Some runs over clearance and phase."""
+    rows = max(round(np.sqrt(runs)), 1)
+    lines = [
+        f"solver.duration={DURATION}",
+        f"sweep.contact.clearance=linspace(0,2e-6,{rows})",
+        f"sweep.drive.phase=linspace(-3,3,{max(runs // rows, 1)})",
+    ]
+    with started() as hydra:
+        return plan_of(hydra.config_loader, CONFIG_NAME, lines, Wanted(), None)
+
+
+def in_batches(plan: Plan, repeats: int) -> list[Row]:
+    """Bare engine, batch on one processor and on two, in turns."""
+    setups = [plan.setup(cell) for cell in range(plan.cells)]
+
+    def bare() -> None:
+        for setup in setups:
+            simulate(
+                setup.motor,
+                setup.law,
+                duration=setup.duration,
+                record_interval=setup.duration,
+                contact_step=setup.contact_step,
+                tolerance=setup.tolerance,
+            )
+
+    cells = range(plan.cells)
+    ways: dict[str, Callable[[], object]] = {
+        "bare engine": bare,
+        "batch, one process": lambda: answers(plan.setup, cells, plan.wanted),
+        "batch, two processes": lambda: pool.answers(cells),
+    }
+    shortest = dict.fromkeys(ways, np.inf)
+    with Pool(plan.setup, plan.wanted, 2) as pool:
+        # The first time is for the compiler and for the workers to start.
+        for _ in range(1 + repeats):
+            for way, work in ways.items():
+                start = perf_counter()
+                work()
+                took = (perf_counter() - start) / plan.cells
+                shortest[way] = min(shortest[way], took)
+    return [Row(way, seconds) for way, seconds in shortest.items()]
+
+
+def in_sweeps(jobs: int, repeats: int) -> list[Row]:
+    """A job of a sweep by Hydra's launchers, as whole commands."""
+    launchers = {"job of -m, basic launcher": []}
+    if "hydra-joblib-launcher" in {found.name for found in distributions()}:
+        launchers["job of -m, joblib with two workers"] = [
+            "hydra/launcher=joblib",
+            "hydra.launcher.n_jobs=2",
+        ]
+    few = max(jobs // 4, 1)
+    return [
+        Row(
+            way,
+            min(
+                (sweep(arguments, jobs + few) - sweep(arguments, few)) / jobs
+                for _ in range(repeats)
+            ),
+        )
+        for way, arguments in launchers.items()
+    ]
+
+
+def sweep(arguments: list[str], jobs: int) -> float:
+    """Time of a whole sweep [s]."""
+    phases = ",".join(f"{phase:.6g}" for phase in np.linspace(-3.0, 3.0, jobs))
+    own = [f"drive.phase={phases}", f"solver.duration={DURATION}", "record.picture=false"]
+    with tempfile.TemporaryDirectory() as folder:
+        start = perf_counter()
+        subprocess.run(
+            [sys.executable, "-m", "contactlab", "-m", *own, *arguments, "hydra.sweep.dir=sweep"],
+            cwd=Path(folder),
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+        return perf_counter() - start
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=2000, help="in a batch")
+    parser.add_argument("--jobs", type=int, default=16, help="of a sweep")
+    parser.add_argument("--repeats", type=int, default=5)
+    given = parser.parse_args()
+    batches = in_batches(plan_with(given.runs), given.repeats)
+    bare, one, two = (row.seconds for row in batches)
+    print("| way | time a run | runs a second |\n|---|---|---|")
+    for row in (*batches, *in_sweeps(given.jobs, max(given.repeats // 2, 1))):
+        print(f"| {row.way} | {1e3 * row.seconds:.3g} ms | {1.0 / row.seconds:.3g} |")
+    print(
+        f"\nA run in a batch takes {one / bare:.3f} times as long as alone; two processes are "
+        f"{one / two:.2f} times as quick as one ({processors()} processors)."
+    )
+
+
+if __name__ == "__main__":
+    main()
