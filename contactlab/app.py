@@ -108,7 +108,8 @@ def run(settings: DictConfig) -> int:
     try:
         setup = build(OmegaConf.to_container(settings, resolve=True))  # type: ignore[arg-type]
         directory = Path(HydraConfig.get().runtime.output_dir)
-        return COMPLETE if execute(setup, directory) else INCOMPLETE
+        with interrupts.ending_at_once():
+            return COMPLETE if execute(setup, directory) else INCOMPLETE
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
         return _refuse(error.faults)
@@ -173,7 +174,9 @@ def _run(arguments: Namespace, name: str) -> int:
             return _status(application.run(name, run, arguments.overrides))
         gc.enable()
         overrides = [*arguments.overrides, "hydra.mode=MULTIRUN"]
-        return _status(application.multirun(name, run, overrides))
+        # Between the jobs an exception, at which a launcher ends the processes that it has begun.
+        with interrupts.raising():
+            return _status(application.multirun(name, run, overrides))
     finally:
         GlobalHydra.instance().clear()
 
