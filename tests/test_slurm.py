@@ -91,7 +91,7 @@ def test_a_command_runs_on_every_node(cluster: Cluster) -> None:
 def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     cluster: Cluster, tmp_path: Path, command: Command
 ) -> None:
-    kept, lost = NODES
+    _, lost = NODES
     swept = tmp_path / "swept"
     with sweep(cluster, swept) as process:
         wait_until(
@@ -110,7 +110,7 @@ def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
 
         wait_until(lambda: now().restarts > victim.restarts, process)
         cluster.restart(lost)
-        out, err = process.communicate(timeout=PATIENCE)
+        _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, err
     assert "Traceback" not in err
     assert {job.state for job in cluster.jobs()} == {"COMPLETED"}
@@ -131,7 +131,9 @@ def test_a_missing_slurm_skips_the_test_but_fails_in_continuous_integration(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("slurm.cluster.PROGRAMS", ("a-daemon-that-does-not-exist",))
-    sentence = "there is no a-daemon-that-does-not-exist; on Debian, apt-get install slurm-wlm munge"
+    sentence = (
+        "there is no a-daemon-that-does-not-exist; on Debian, apt-get install slurm-wlm munge"
+    )
     monkeypatch.delenv("CI", raising=False)
     with pytest.raises(pytest.skip.Exception, match=sentence), required_cluster():
         pass
