@@ -11,6 +11,7 @@ import gc
 import os
 import re
 import sys
+import traceback
 from argparse import Namespace
 from collections.abc import Iterable
 from pathlib import Path
@@ -41,6 +42,9 @@ COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
 """Exit statuses; that of an interrupted command is in `contactlab.command.interrupts`."""
 
 CONFIG_NAME = "config"
+LAUNCHERS = ("joblib", "submitit")
+"""What Hydra's launchers for processors and clusters stand on."""
+
 VERSION_BASE = "1.3"
 """Of Hydra's behaviour."""
 
@@ -94,6 +98,11 @@ def main() -> int:
     except BrokenPipeError:
         # Whoever read the output has had enough of it; Python's own last flush must not complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return INCOMPLETE
+    except Exception as error:
+        if not _of_a_launcher(error):
+            raise
+        print(f"The sweep was not finished: {error}", file=sys.stderr)
         return INCOMPLETE
     finally:
         gc.enable()
@@ -200,6 +209,12 @@ def _status(returned: object) -> int:
     if isinstance(returned, list | tuple):
         return max(map(_status, returned), default=COMPLETE)
     return COMPLETE
+
+
+def _of_a_launcher(error: Exception) -> bool:
+    """Whether it is what runs the jobs that failed: a worker is gone, there is no cluster."""
+    frames = (frame for frame, _ in traceback.walk_tb(error.__traceback__))
+    return any(frame.f_globals["__name__"].split(".")[0] in LAUNCHERS for frame in frames)
 
 
 def _refuse(faults: Iterable[str]) -> int:
