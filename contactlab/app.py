@@ -79,7 +79,8 @@ def run(settings: DictConfig) -> int:
     job = replace(asked, key=key_of(setup), configuration=setup.configuration)
     if hydra.mode == RunMode.MULTIRUN and is_done(directory, job.key):
         return COMPLETE
-    return COMPLETE if perform(setup, directory, job) else INCOMPLETE
+    with interrupts.ending_at_once():
+        return COMPLETE if perform(setup, directory, job) else INCOMPLETE
 
 
 def _dispatch() -> int:
@@ -124,7 +125,9 @@ def _run(arguments: Namespace, name: str) -> int:
         if plan.mode is RunMode.RUN:
             return int(application.run(name, run, arguments.overrides).return_value)
         gc.enable()
-        return sweep(application, name, arguments.overrides, run, plan)
+        # Between the jobs an exception, at which a launcher ends the processes that it has begun.
+        with interrupts.raising():
+            return sweep(application, name, arguments.overrides, run, plan)
 
 
 def _refuse(faults: Iterable[str]) -> int:

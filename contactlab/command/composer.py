@@ -133,7 +133,8 @@ class Composer:
             return composed
         sound: list[str] = []
         faulty: list[str] = []
-        # What stands above first: the options of law/normal depend on the law.
+        # What stands above first: the options of law/normal depend on the law, and the keys of
+        # hydra.launcher on the choice of hydra/launcher.
         for line in sorted(lines, key=_depth):
             group = _group(line)
             # With the wrong law nothing can be said of its parts.
@@ -211,6 +212,7 @@ def _group(line: str) -> str:
     return line.partition("=")[0].partition("@")[0].lstrip("+~")
 
 
-def _depth(line: str) -> int:
-    """How deep the group of an override lies."""
-    return _group(line).count("/")
+def _depth(line: str) -> tuple[bool, int]:
+    """How deep the group of an override lies; a key lies below every group."""
+    group = _group(line)
+    return "." in group, group.count("/")
