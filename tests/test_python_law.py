@@ -1,5 +1,8 @@
 """A law whose kernel is an ordinary Python function: compiled if that can be done, else called back."""
 
+import os
+import signal
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -170,6 +173,30 @@ def test_ctrl_c_inside_the_law_interrupts_the_run(
     assert came
     assert found.ending is Ending.INTERRUPTED
     assert np.isfinite(found.series["normal_force"]).all()
+
+
+@pytest.mark.parametrize("how", ["compiled", "interpreted"])
+def test_what_the_handler_of_a_signal_raises_is_none_of_the_laws(
+    motor: Motor, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    def handler(*_: object) -> None:
+        raise TimeoutError("time is up")
+
+    def signalled(*arguments: Any) -> Any:
+        os.kill(os.getpid(), signal.SIGUSR2)
+        return interpreted(*arguments)
+
+    before = signal.signal(signal.SIGUSR2, handler)
+    try:
+        with pytest.raises(TimeoutError, match="time is up"):
+            if how == "interpreted":
+                run(motor, chosen(monkeypatch, signalled))
+            else:
+                # The signal comes while compiled code runs, and is handled when that has ended.
+                threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGUSR2)).start()
+                simulate(motor, chosen(monkeypatch, plain), duration=100.0, record_interval=1.0)
+    finally:
+        signal.signal(signal.SIGUSR2, before)
 
 
 def test_the_law_that_readme_writes_in_a_script_runs(motor: Motor, tmp_path: Path) -> None:

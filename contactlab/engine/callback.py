@@ -6,13 +6,14 @@ and reads the answer from there.
 """
 
 import ctypes
+import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from time import perf_counter
-from traceback import extract_tb
+from traceback import extract_tb, walk_tb
 from typing import Any, final
 
 import numpy as np
@@ -63,7 +64,7 @@ def law_errors(name: str, callbacks: list["Callback"]) -> Iterator[None]:
         failure = error
     found = [failure, *(callback.take_failure() for callback in callbacks)]
     for failure in found:
-        if isinstance(failure, Exception):
+        if isinstance(failure, Exception) and not _is_of_a_signal(failure):
             raise LawError(
                 f"The run ended because the law {name} raised {type(failure).__name__}: {failure}"
                 f"{_place(failure)}. A law must answer to every state of a contact; mend the law."
@@ -186,6 +187,13 @@ class Callback:
         started = perf_counter()
         repeat(*arguments)
         return perf_counter() - started
+
+
+def _is_of_a_signal(error: Exception) -> bool:
+    """Whether the handler of a signal raised it: that time is up on a cluster is no fault of the law's."""
+    handlers = [signal.getsignal(number) for number in signal.valid_signals()]
+    codes = [getattr(getattr(h, "__func__", h), "__code__", None) for h in handlers]
+    return any(frame.f_code in codes for frame, _ in walk_tb(error.__traceback__))
 
 
 def _place(error: BaseException) -> str:
