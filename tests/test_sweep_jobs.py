@@ -99,39 +99,39 @@ def test_another_configuration_in_the_same_folder_is_run(
     assert len(simulations.seen) == 3
 
 
-@pytest.mark.parametrize("what", ["version", "code", "law"])
 def test_runs_of_another_version_code_or_law_are_run_again(
-    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch, what: str
+    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+    one = ("-m", "contact.clearance=1e-6", *QUICK)
+    assert command(*one)[0] == 0
     found = provenance.versions() | {"contactlab_version": "99"}
-    other = {
-        "version": ("versions", lambda: found),
-        "code": ("code_digest", lambda: "0"),
-        "law": ("provenance", lambda _: "example-law 1.2.4"),
+    changes = {
+        "versions": lambda: found,
+        "code_digest": lambda: "0",
+        "provenance": lambda _: "example-law 1.2.4",
     }
-    monkeypatch.setattr(job, *other[what])
-    status, out, _ = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
-    assert status == 0
-    assert "2 runs: 2 are of another configuration or code: these run." in out
-    assert simulations.seen == [1.0, 2.0, 1.0, 2.0]
+    for number, (name, change) in enumerate(changes.items(), 2):
+        monkeypatch.setattr(job, name, change)
+        status, out, _ = command(*one)
+        assert status == 0
+        assert "1 run: 1 is of another configuration or code: this runs." in out
+        assert len(simulations.seen) == number
+    assert "1 run: it is complete and skipped." in command(*one)[1]
 
 
-@pytest.mark.parametrize("how", ["cut", "removed"])
 def test_a_dataset_that_is_not_as_the_run_left_it_is_made_anew(
-    command: Command, simulations: Simulations, how: str
+    command: Command, simulations: Simulations
 ) -> None:
-    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
-    path = folder("2e-06") / "run.nc"
-    if how == "cut":
-        os.truncate(path, path.stat().st_size // 2)
-    else:
-        path.unlink()
-    status, out, _ = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
+    assert command(*THREE)[0] == 0
+    cut, removed = (folder(clearance) / "run.nc" for clearance in ("1e-06", "3e-06"))
+    os.truncate(cut, cut.stat().st_size // 2)
+    removed.unlink()
+    status, out, _ = command(*THREE)
     assert status == 0
-    assert "1 is complete and skipped; 1 has lost its dataset: this runs." in out
-    with xarray.open_dataset(path) as root:
-        assert root.attrs["complete"] == 1
+    assert "1 is complete and skipped; 2 have lost their datasets: these run." in out
+    for path in (cut, removed):
+        with xarray.open_dataset(path) as root:
+            assert root.attrs["complete"] == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL.")
