@@ -187,14 +187,13 @@ def test_what_the_handler_of_a_signal_raises_is_none_of_the_laws(
         return interpreted(*arguments)
 
     before = signal.signal(signal.SIGUSR2, handler)
+    law = chosen(monkeypatch, plain if how == "compiled" else signalled)
+    if how == "compiled":
+        # It comes while compiled code runs, and is handled when that has ended.
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGUSR2)).start()
     try:
         with pytest.raises(TimeoutError, match="time is up"):
-            if how == "interpreted":
-                run(motor, chosen(monkeypatch, signalled))
-            else:
-                # The signal comes while compiled code runs, and is handled when that has ended.
-                threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGUSR2)).start()
-                simulate(motor, chosen(monkeypatch, plain), duration=100.0, record_interval=1.0)
+            simulate(motor, law, duration=100.0, record_interval=1.0)
     finally:
         signal.signal(signal.SIGUSR2, before)
 

@@ -7,6 +7,7 @@ would be asked for a node to find a run complete. Here the jobs are known and so
 
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -69,11 +70,13 @@ def sweep(
     # A worker that is killed, a cluster that takes no jobs: the launchers raise what they like.
     except Exception as error:
         print(
-            f"The launcher stopped: {type(error).__name__}: {one_line(error)} What is complete stays, "
+            f"The sweep stopped: {type(error).__name__}: {one_line(error)} What is complete stays, "
             "and the same command goes on from there.",
             file=sys.stderr,
         )
-        write_log(directory / LOG, error)
+        with suppress(OSError):
+            directory.mkdir(parents=True, exist_ok=True)
+            write_log(directory / LOG, error)
         status = STOPPED
     _collect(directory)
     return status
