@@ -106,7 +106,7 @@ def test_a_lost_worker_ends_the_sweep_with_a_sentence(tmp_path: Path) -> None:
         busiest.kill()
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
-    assert "The launcher stopped: TerminatedWorkerError: A worker process" in err
+    assert "The sweep stopped: TerminatedWorkerError: A worker process" in err
     assert "Traceback" not in err
 
 
@@ -116,7 +116,7 @@ def test_a_cluster_that_is_not_there_is_told_in_a_sentence(
     monkeypatch.setenv("PATH", "")
     status, _, err = command("-m", "hydra/launcher=submitit_slurm", "contact.clearance=1e-6,2e-6")
     assert status == 1
-    assert err.startswith('The launcher stopped: RuntimeError: Could not detect "srun"')
+    assert err.startswith('The sweep stopped: RuntimeError: Could not detect "srun"')
 
 
 def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Command) -> None:

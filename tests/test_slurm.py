@@ -10,8 +10,11 @@ from pathlib import Path
 
 import pytest
 import xarray
+import yaml
 from command_line import Command
 from slurm.cluster import NODES, Cluster, ClusterError, Job, running_cluster
+
+from contactlab.sweep.status import Status
 
 LAWS = ("lagrange_stick", "hertz_penalty")
 CLEARANCES = ("1e-6", "1.5e-6", "2e-6")
@@ -80,8 +83,11 @@ def job_on(cluster: Cluster, node: str) -> Job | None:
 
 def folder_of(job: Job, swept: Path) -> Path | None:
     """Where a job's run goes, once it has begun."""
-    index = job.id.rpartition("_")[2]
-    return next((path.parents[1] for path in swept.glob(f"{index}_*/.hydra/overrides.yaml")), None)
+    index = int(job.id.rpartition("_")[2])
+    for path in swept.glob("*/.hydra/hydra.yaml"):
+        if yaml.safe_load(path.read_text())["hydra"]["job"]["num"] == index:
+            return path.parents[1]
+    return None
 
 
 def test_a_command_runs_on_every_node(cluster: Cluster) -> None:
@@ -117,16 +123,39 @@ def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     # The command has its results a moment before SLURM has done with the jobs.
     wait_until(lambda: all(job.state == "COMPLETED" for job in cluster.jobs()))
     assert [job.id for job in cluster.jobs() if job.restarts] == [victim.id]
-    runs = sorted(swept.glob("*/run.nc"))
-    assert len(runs) == len(LAWS) * len(CLEARANCES)
-    for path in runs:
-        with xarray.open_dataset(path) as run:
-            assert run.attrs["complete"] == 1
+    with xarray.open_dataset(swept / "collected.nc") as collected:
+        assert collected.sizes == {"law": len(LAWS), "contact.clearance": len(CLEARANCES)}
+        assert collected.attrs["complete"] == 1
+        assert (collected["status"] == Status.COMPLETE).all()
+        assert collected["final_rotor_velocity"].notnull().all()
 
     # What was lost and done again is what it would have been.
     overrides = (folder / ".hydra/overrides.yaml").read_text().replace("- ", "").splitlines()
     assert command(*overrides, "hydra.run.dir=undisturbed")[0] == 0
     assert Path("undisturbed/run.nc").read_bytes() == (folder / "run.nc").read_bytes()
+
+
+def test_a_map_is_one_array_of_tasks_a_chunk_each(
+    cluster: Cluster, tmp_path: Path, command: Command
+) -> None:
+    before = {job.id for job in cluster.jobs()}
+    arguments = ["map", "--chunk=10", "sweep.drive.phase=linspace(-3,3,40)", "solver.duration=1 ms"]
+    submitted = ["hydra/launcher=submitit_slurm", "hydra.launcher.partition=main"]
+    done = subprocess.run(
+        [sys.executable, "-m", "contactlab", *arguments, *submitted, "--output=cluster"],
+        cwd=tmp_path,
+        env=cluster.environment,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    tasks = [job.id for job in cluster.jobs() if job.id not in before]
+    assert len({task.partition("_")[0] for task in tasks}) == 1
+    assert sorted(task.partition("_")[2] for task in tasks) == ["0", "1", "2", "3"]
+    assert command(*arguments, "--output=here")[0] == 0
+    assert Path("cluster/map.nc").read_bytes() == Path("here/map.nc").read_bytes()
 
 
 def test_a_missing_slurm_skips_the_test_but_fails_in_continuous_integration(

@@ -75,7 +75,7 @@ def launch(
     # A worker that is killed, a cluster that takes no jobs: the launchers raise what they like.
     except Exception as error:
         print(
-            f"The launcher stopped: {type(error).__name__}: {one_line(error)} What is finished stays, and "
+            f"The map stopped: {type(error).__name__}: {one_line(error)} What is finished stays, and "
             "the same command goes on from there.",
             file=sys.stderr,
         )
