@@ -4,8 +4,8 @@
 
 Work: runs of 2 ms of the default motor over clearance and phase, each from its own configuration. The bare
 engine simulates motors that are built already and keeps the last record; a batch builds each from its
-configuration, runs it and takes the usual metrics. Batches and bare engine take turns, and the shortest
-time of each counts. A job of a sweep writes its folder, without picture; what a command needs to start is
+configuration, runs it and takes the usual metrics. Batches and bare engine take turns, and medians
+count. A job of a sweep writes its folder, without picture; what a command needs to start is
 taken off by the difference of a long and a short sweep.
 """
 
@@ -25,10 +25,12 @@ from contactlab.command.application import CONFIG_NAME, started
 from contactlab.command.map_plan import plan_of
 from contactlab.engine import simulate
 from contactlab.sweep.many import Wanted, answers
-from contactlab.sweep.plan import Plan
+from contactlab.sweep.plan import Plan, Setups
 from contactlab.sweep.workers import Pool, processors
 
 DURATION = 2e-3
+BLOCK = 200
+"""Runs between two changes of the way."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +53,19 @@ def plan_with(runs: int) -> Plan:
         return plan_of(hydra.config_loader, CONFIG_NAME, lines, Wanted(), None)
 
 
-def in_batches(plan: Plan, repeats: int) -> list[Row]:
-    """Bare engine, batch on one processor and on two, in turns."""
-    setups = [plan.setup(cell) for cell in range(plan.cells)]
+def in_batches(plan: Plan, repeats: int) -> tuple[list[Row], float, float]:
+    """Bare engine, batch on one processor and on two, in turns.
 
-    def bare() -> None:
-        for setup in setups:
+    Returns:
+        The rows; how many times as long a run takes in a batch as alone; how many times as quick two
+        processes are as one. Both are medians over blocks of runs, which every way runs one after the other,
+        so that what else the machine does weighs on all alike.
+    """
+    setup_at = Setups(plan)
+    setups = [setup_at(cell) for cell in range(plan.cells)]
+
+    def bare(cells: range) -> None:
+        for setup in setups[cells.start : cells.stop]:
             simulate(
                 setup.motor,
                 setup.law,
@@ -66,22 +75,33 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
                 tolerance=setup.tolerance,
             )
 
-    cells = range(plan.cells)
-    ways: dict[str, Callable[[], object]] = {
-        "bare engine": bare,
-        "batch, one process": lambda: answers(plan.setup, cells, plan.wanted),
-        "batch, two processes": lambda: pool.answers(cells),
-    }
-    shortest = dict.fromkeys(ways, np.inf)
-    with Pool(plan.setup, plan.wanted, 2) as pool:
+    blocks = [range(i, min(i + BLOCK, plan.cells)) for i in range(0, plan.cells, BLOCK)]
+    with Pool(setup_at, plan.wanted, 2) as pool:
+        ways: dict[str, Callable[[range], object]] = {
+            "bare engine": bare,
+            "batch, one process": lambda cells: answers(setup_at, cells, plan.wanted),
+            "batch, two processes": pool.answers,
+        }
         # The first time is for the compiler and for the workers to start.
-        for _ in range(1 + repeats):
-            for way, work in ways.items():
-                start = perf_counter()
-                work()
-                took = (perf_counter() - start) / plan.cells
-                shortest[way] = min(shortest[way], took)
-    return [Row(way, seconds) for way, seconds in shortest.items()]
+        for work in ways.values():
+            work(blocks[0])
+        times = np.array(
+            [
+                [timed(work, cells) / len(cells) for work in ways.values()]
+                for _ in range(repeats)
+                for cells in blocks
+            ]
+        )
+    rows = [Row(way, float(took)) for way, took in zip(ways, np.median(times, axis=0), strict=True)]
+    longer = float(np.median(times[:, 1] / times[:, 0]))
+    return rows, longer, float(np.median(times[:, 1] / times[:, 2]))
+
+
+def timed(work: Callable[[range], object], cells: range) -> float:
+    """Time of some runs [s]."""
+    start = perf_counter()
+    work(cells)
+    return perf_counter() - start
 
 
 def in_sweeps(jobs: int, repeats: int) -> list[Row]:
@@ -127,14 +147,13 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=16, help="of a sweep")
     parser.add_argument("--repeats", type=int, default=5)
     given = parser.parse_args()
-    batches = in_batches(plan_with(given.runs), given.repeats)
-    bare, one, two = (row.seconds for row in batches)
+    batches, longer, quicker = in_batches(plan_with(given.runs), given.repeats)
     print("| way | time a run | runs a second |\n|---|---|---|")
     for row in (*batches, *in_sweeps(given.jobs, max(given.repeats // 2, 1))):
         print(f"| {row.way} | {1e3 * row.seconds:.3g} ms | {1.0 / row.seconds:.3g} |")
     print(
-        f"\nA run in a batch takes {one / bare:.3f} times as long as alone; two processes are "
-        f"{one / two:.2f} times as quick as one ({processors()} processors)."
+        f"\nA run in a batch takes {longer:.3f} times as long as alone; two processes are {quicker:.2f} "
+        f"times as quick as one ({processors()} processors)."
     )
 
 

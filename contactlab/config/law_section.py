@@ -75,12 +75,14 @@ def chosen_section(given: object) -> tuple[type[LawSection], dict[str, str], lis
     """The section that a configuration's law asks for.
 
     Args:
-        given: what stands under the key `law`.
+        given: what stands under the key `law`, or such a section itself.
 
     Returns:
         The section, the names of law and parts by their keys, and sentences on those that are not
         known.
     """
+    if isinstance(given, LawSection):
+        return type(given), {}, []
     if not isinstance(given, Mapping):
         return LawSection, {}, []
     choices: dict[str, str] = {}

@@ -26,9 +26,7 @@ def broken_rules(values: Values) -> list[str]:
 def _numbers(values: Values, *keys: str) -> tuple[float, ...] | None:
     """The numbers under the keys, or None where one is null or faulty."""
     found = [values.get(key) for key in keys]
-    if any(value is None for value in found):
-        return None
-    return tuple(float(value) for value in found)  # type: ignore[arg-type]
+    return None if None in found else tuple(map(float, found))  # type: ignore[arg-type]
 
 
 def _stiffness_is_given_once(values: Values) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """What every group of keys has in common: nothing unknown passes, and sound values are remembered."""
 
+from functools import lru_cache
 from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
@@ -25,3 +26,16 @@ class Section(BaseModel):
         if info.context is not None and not isinstance(value, Section):
             info.context[f"{cls.path}{info.field_name}"] = value
         return value
+
+
+# A sweep asks for the same sections again and again.
+@lru_cache(maxsize=4096)
+def sound_values(section: Section) -> dict[str, object]:
+    """The values of a section that is checked already, under their full keys; not to be changed."""
+    found: dict[str, object] = {}
+    for name in type(section).model_fields:
+        value = getattr(section, name)
+        found |= (
+            sound_values(value) if isinstance(value, Section) else {f"{section.path}{name}": value}
+        )
+    return found

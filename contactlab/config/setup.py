@@ -15,25 +15,29 @@ from typing import TYPE_CHECKING, Any, final
 from pydantic import ValidationError
 
 from contactlab.config.faults import ConfigurationError, one_line, sentence
-from contactlab.config.law_section import HertzPenaltySection, chosen_section
+from contactlab.config.law_section import HertzPenaltySection, LawSection, chosen_section
 from contactlab.config.rules import broken_rules
 from contactlab.config.schema import (
     BendingSection,
     Configuration,
+    DriveSection,
     PlacementSection,
     ResonatorSection,
     RitzSection,
+    RotorSection,
     TensorSection,
     configuration_with,
 )
+from contactlab.config.section import Section, sound_values
 
 # The objects are imported where they are built: they bring the compiler with them, and a
 # configuration with a fault shall be told so at once.
 if TYPE_CHECKING:
     from contactlab.drive import Drive
+    from contactlab.geometry import ContactGeometry
     from contactlab.laws import ContactLaw
     from contactlab.materials import Piezoceramic
-    from contactlab.motor import Motor
+    from contactlab.motor import Motor, Rotor
     from contactlab.resonator import NormalModes
 
 RESONANCE = 1e-9
@@ -68,25 +72,29 @@ def build(configuration: Mapping[str, object]) -> Setup:
     """Check a configuration and build the motor and the law from it.
 
     Args:
-        configuration: nested mappings as `conf/` composes them; numbers in SI or texts with units.
+        configuration: nested mappings as `conf/` composes them; numbers in SI or texts with units. A
+            section may also be one of what `validate` gave, which is not checked again.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
+    from contactlab.motor import Motor
+
     checked = validate(configuration)
     resolved = checked.model_dump()
     modes = _modes(checked.resonator, checked.piezoceramic, checked.placement)
     if checked.drive.frequency is None:
         resolved["drive"]["frequency"] = float(modes.natural_frequency[0])
-    law = _law(checked, resolved)
+    law, computed = _law(checked.law, checked.contact.friction_coefficient, checked.rotor.radius)
+    resolved["law"] |= computed
     if checked.solver.contact_step is None:
         resolved["solver"]["contact_step"] = min(law.default_contact_step, checked.solver.duration)
     if checked.law.takes_tolerance and checked.solver.tolerance is None:
         resolved["solver"]["tolerance"] = _default_tolerance()
-    drive = _drive(resolved["drive"])
+    drive = _drive(checked.drive, resolved["drive"]["frequency"])
     _refuse_undamped_resonance(drive, modes)
     return Setup(
-        motor=_motor(checked, modes, drive),
+        motor=Motor(modes, drive, _geometry(checked), _rotor(checked.rotor)),
         law=law,
         duration=checked.solver.duration,
         record_interval=checked.record.interval,
@@ -99,6 +107,9 @@ def build(configuration: Mapping[str, object]) -> Setup:
 def validate(configuration: Mapping[str, object]) -> Configuration:
     """Check a configuration without building anything.
 
+    Args:
+        configuration: as for `build`.
+
     Raises:
         ConfigurationError: with every fault that was found.
     """
@@ -106,6 +117,8 @@ def validate(configuration: Mapping[str, object]) -> Configuration:
     checked = None
     given = configuration.get("law") if isinstance(configuration, Mapping) else None
     section, chosen, faults = chosen_section(given)
+    for part in configuration.values() if isinstance(configuration, Mapping) else ():
+        sound |= sound_values(part) if isinstance(part, Section) else {}
     try:
         checked = configuration_with(section).model_validate(configuration, context=sound)
     except ValidationError as error:
@@ -165,33 +178,47 @@ def _piezoceramic(section: BendingSection | TensorSection) -> "Piezoceramic":
     return Piezoceramic.from_datasheet(**constants)
 
 
-def _law(checked: Configuration, resolved: dict[str, Any]) -> "ContactLaw":
-    """The law; a stiffness that follows from the tip's radius replaces it in `resolved`."""
+@lru_cache(maxsize=4096)
+def _law(
+    section: LawSection, friction_coefficient: float, rotor_radius: float
+) -> "tuple[ContactLaw, dict[str, Any]]":
+    """The law, and the keys of its section that follow from others: a stiffness from the tip's radius."""
     from contactlab import laws
     from contactlab.laws.declaration import made
 
-    section = checked.law
+    computed: dict[str, Any] = {}
     if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
-        stiffness = laws.hertz_stiffness(section.tip_radius, checked.rotor.radius)
-        resolved["law"] |= {"stiffness": stiffness, "tip_radius": None}
+        stiffness = laws.hertz_stiffness(section.tip_radius, rotor_radius)
+        computed = {"stiffness": stiffness, "tip_radius": None}
+    values = section.model_dump() | computed
     try:
-        law: ContactLaw = made(
-            laws.law_class(section.name),
-            resolved["law"],
-            checked.contact.friction_coefficient,
-        )
+        return made(laws.law_class(section.name), values, friction_coefficient), computed
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         raise ConfigurationError(
             [f"law={section.name} cannot be made from its parameters: {one_line(error)}"]
         ) from error
-    return law
 
 
-def _drive(settings: Mapping[str, float]) -> "Drive":
+@lru_cache(maxsize=4096)
+def _drive(section: DriveSection, frequency: float) -> "Drive":
     from contactlab.drive import Drive
 
-    return Drive.two_mode(**settings)
+    return Drive.two_mode(**section.model_dump(exclude={"frequency"}), frequency=frequency)
+
+
+@lru_cache(maxsize=4096)
+def _rotor(section: RotorSection) -> "Rotor":
+    from contactlab.motor import Rotor
+
+    return Rotor(**section.model_dump(exclude={"radius"}))
+
+
+def _geometry(checked: Configuration) -> "ContactGeometry":
+    from contactlab.geometry import ContactGeometry
+
+    contact = checked.contact
+    return ContactGeometry(contact.tip_length, checked.rotor.radius, contact.clearance)
 
 
 def _default_tolerance() -> float:
@@ -200,26 +227,17 @@ def _default_tolerance() -> float:
     return DEFAULT_TOLERANCE
 
 
-def _motor(checked: Configuration, modes: "NormalModes", drive: "Drive") -> "Motor":
-    from contactlab.geometry import ContactGeometry
-    from contactlab.motor import Motor, Rotor
-
-    contact, rotor = checked.contact, checked.rotor
-    return Motor(
-        modes=modes,
-        drive=drive,
-        geometry=ContactGeometry(contact.tip_length, rotor.radius, contact.clearance),
-        rotor=Rotor(**rotor.model_dump(exclude={"radius"})),
-    )
-
-
 def _refuse_undamped_resonance(drive: "Drive", modes: "NormalModes") -> None:
     """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
+    without = modes.damping == 0.0
+    if not without.any():
+        return
     faults = []
     keys = ("drive.frequency", "drive.frequency times drive.frequency_ratio")
-    for key, tone in zip(keys, drive.frequency, strict=True):
-        for natural, ratio in zip(modes.natural_frequency, modes.damping_ratio, strict=True):
-            if ratio == 0.0 and abs(tone - natural) <= RESONANCE * natural:
+    undamped = modes.natural_frequency[without].tolist()
+    for key, tone in zip(keys, drive.frequency.tolist(), strict=True):
+        for natural in undamped:
+            if abs(tone - natural) <= RESONANCE * natural:
                 faults.append(
                     f"{key} is {tone:.12g} Hz, a natural frequency of a resonator without damping; "
                     f"it must differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import lru_cache
 from typing import Any
 
 import numba
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import is_compiled, kernel
-from contactlab.engine.callback import compiled, law_errors
+from contactlab.engine.callback import Callback, compiled, law_errors
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import Run
@@ -70,16 +71,21 @@ def kernels_of(
     force: Any = law.force if isinstance(law, PenaltyLaw) else no_force
     rub: Any = (law.rub if isinstance(law, PenaltyLaw) else None) or no_friction
     solve: Any = law.solve if isinstance(law, MultiplierLaw) else no_impulse
+    kernels, callbacks = _compiled(force, rub, solve)
+    return kernels, lambda: law_errors(law.name, callbacks)
+
+
+# A sweep asks for the same three again and again.
+@lru_cache(maxsize=64)
+def _compiled(force: Any, rub: Any, solve: Any) -> tuple[tuple[Any, ...], list[Callback]]:
+    """The three kernels, and what stands behind those that are interpreted."""
     chosen = [
-        compiled(function, signature)
-        for function, signature in (
-            (force, PENALTY_SIGNATURE),
-            (rub, FRICTION_SIGNATURE),
-            (solve, MULTIPLIER_SIGNATURE),
-        )
+        compiled(force, PENALTY_SIGNATURE),
+        compiled(rub, FRICTION_SIGNATURE),
+        compiled(solve, MULTIPLIER_SIGNATURE),
     ]
     callbacks = [callback for _, callback in chosen if callback is not None]
-    return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, callbacks)
+    return tuple(kernel for kernel, _ in chosen), callbacks
 
 
 def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:

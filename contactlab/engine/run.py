@@ -117,8 +117,8 @@ class Run(NamedTuple):
     stack: Array
 
 
-def run_for(records: int, contact_rows: int = 4096) -> Run:
-    """Zeroed memory for a number of records."""
+def run_for(records: int, contact_rows: int = 512) -> Run:
+    """Zeroed memory for a number of records, and for the contacts between two calls of the loop."""
     return Run(
         real=np.zeros(10),
         whole=np.zeros(10 + len(COUNTS), dtype=np.int64),

@@ -36,18 +36,18 @@ def measured(
     measures: Iterable[Measure[Subject]], subject: Subject, keys: Container[str] | None = None
 ) -> dict[str, float]:
     """Every metric's value, or those of some keys; NaN where it is not applicable or not a number."""
-    return {
-        measure.metric.key: _value(measure, subject)
-        for measure in measures
-        if keys is None or measure.metric.key in keys
-    }
+    # Numbers of a user's own may overflow on the way; the result says so.
+    with np.errstate(all="ignore"):
+        return {
+            measure.metric.key: _value(measure, subject)
+            for measure in measures
+            if keys is None or measure.metric.key in keys
+        }
 
 
 def _value(measure: Measure[Subject], subject: Subject) -> float:
     try:
-        # Numbers of a user's own may overflow on the way; the result says so.
-        with np.errstate(all="ignore"):
-            value = float(measure.value(subject))
+        value = float(measure.value(subject))
     except NotApplicableError:
         return nan
     return value if isfinite(value) else nan

@@ -46,6 +46,7 @@ class Record:
         law: the law's name; empty where it is not known.
         law_parameters: the law's parameters by name, SI; empty where they are not known.
         contact_step: largest step in contact [s]; zero where it is not known.
+        sound: whether its numbers are known to be finite, as those of a complete run in memory are.
     """
 
     columns: Mapping[str, NDArray[Any]]
@@ -54,6 +55,7 @@ class Record:
     law: str
     law_parameters: Mapping[str, float]
     contact_step: float
+    sound: bool = False
 
     @classmethod
     def of_tree(cls, tree: xarray.DataTree) -> "Record":
@@ -83,6 +85,7 @@ class Record:
             law=trajectory.law.name,
             law_parameters=trajectory.law.describe(),
             contact_step=trajectory.contact_step,
+            sound=trajectory.complete,
         )
 
     @cached_property
@@ -101,7 +104,10 @@ class Record:
         Raises:
             NotApplicableError: it is not there, or has gaps.
         """
-        return _finite(self.columns, name)
+        needed(name in self.columns)
+        values = np.asarray(self.columns[name], dtype=np.float64)
+        needed(self.sound or bool(np.isfinite(values).all()))
+        return values
 
     def contacts(self, name: str) -> Array:
         """A column of the contacts, of which there is at least one.
@@ -113,7 +119,8 @@ class Record:
         """
         needed(name in self.rows and self.rows[name].size > 0)
         column = np.asarray(self.rows[name], dtype=np.float64)
-        needed(name == "separation_velocity" or bool(np.isfinite(column).all()))
+        may_miss = name == "separation_velocity"
+        needed(self.sound or may_miss or bool(np.isfinite(column).all()))
         return column
 
     def contact_count(self) -> int:
@@ -200,13 +207,6 @@ class Record:
         impulse = float(np.abs(self.contacts("normal_impulse")).sum())
         needed(duration > 0.0 and impulse > 0.0)
         return impulse / duration
-
-
-def _finite(columns: Mapping[str, NDArray[Any]], name: str) -> Array:
-    needed(name in columns)
-    values = np.asarray(columns[name], dtype=np.float64)
-    needed(bool(np.isfinite(values).all()))
-    return values
 
 
 def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:

@@ -24,7 +24,7 @@ from contactlab.output.files import whole_file
 from contactlab.output.provenance import code_digest, versions
 from contactlab.sweep.cells import REASONS, counts_of, dataset_of, write
 from contactlab.sweep.many import Answers, Report
-from contactlab.sweep.plan import Plan
+from contactlab.sweep.plan import Plan, Setups
 from contactlab.sweep.series import series_group
 from contactlab.sweep.status import Status
 from contactlab.sweep.workers import Pool
@@ -97,7 +97,7 @@ class MapFolder:
 
     def pool(self, workers: int) -> Pool:
         """Processes that run the chunks."""
-        return Pool(self.plan.setup, self.plan.wanted, workers)
+        return Pool(Setups(self.plan), self.plan.wanted, workers)
 
     def run(self, chunk: int, pool: Pool, report: Report | None = None) -> None:
         """Run a chunk and keep its answers.

@@ -8,10 +8,9 @@ from math import ceil, prod
 from pathlib import Path
 from typing import Any, Final, final
 
-import numpy as np
-
 from contactlab import plausibility
-from contactlab.config import Setup, build
+from contactlab.config import Setup, build, validate
+from contactlab.config.section import Section
 from contactlab.laws import law_class
 from contactlab.output.provenance import digest_of
 from contactlab.sweep.cells import Axis, Value
@@ -66,24 +65,23 @@ class Plan:
 
     def point(self, cell: int) -> tuple[Value, ...]:
         """The value on each axis in a cell."""
-        places = np.unravel_index(cell, self.shape)
-        return tuple(axis.values[int(place)] for axis, place in zip(self.axes, places, strict=True))
+        found = []
+        for axis in reversed(self.axes):
+            cell, place = divmod(cell, len(axis.values))
+            found.append(axis.values[place])
+        return tuple(reversed(found))
 
-    def setup(self, cell: int) -> Setup:
-        """What runs in a cell.
-
-        Raises:
-            ConfigurationError: the values are faulty together.
-        """
-        return build(self.configuration(self.point(cell)))
-
-    def configuration(self, point: Sequence[Value]) -> Configuration:
-        """The configuration with a value on each axis."""
+    def base_of(self, point: Sequence[Value]) -> int:
+        """Which of the bases the values on the axes belong to."""
         base = 0
         for axis, value in zip(self.axes, point, strict=True):
             if axis.name in self.groups:
                 base = base * len(axis.values) + axis.values.index(value)
-        found = self.bases[base]
+        return base
+
+    def configuration(self, point: Sequence[Value]) -> Configuration:
+        """The configuration with a value on each axis."""
+        found = self.bases[self.base_of(point)]
         for axis, value in zip(self.axes, point, strict=True):
             if axis.name not in self.groups:
                 found = with_key(found, axis.name.split("."), value)
@@ -122,6 +120,41 @@ class Plan:
             chunk=read["chunk"],
             code=read["code"],
         )
+
+
+@final
+class Setups:
+    """What runs in each cell of a plan; a section that cells have in common is checked once.
+
+    Args:
+        plan: the plan.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._checked: dict[tuple[object, ...], Section] = {}
+
+    def __reduce__(self) -> tuple[type["Setups"], tuple[Plan]]:
+        return Setups, (self._plan,)
+
+    def __call__(self, cell: int) -> Setup:
+        """What runs in a cell.
+
+        Raises:
+            ConfigurationError: the values are faulty together.
+        """
+        plan = self._plan
+        point = plan.point(cell)
+        base = plan.base_of(point)
+        keys: dict[str, tuple[object, ...]] = {name: (base, name) for name in plan.bases[0]}
+        for axis, value in zip(plan.axes, point, strict=True):
+            if axis.name not in plan.groups:
+                section = axis.name.partition(".")[0]
+                keys[section] = (*keys.get(section, ()), axis.name, value)
+        if not all(key in self._checked for key in keys.values()):
+            checked = validate(plan.configuration(point))
+            self._checked |= {key: getattr(checked, section) for section, key in keys.items()}
+        return build({section: self._checked[key] for section, key in keys.items()})
 
 
 def code_digest_of(bases: Sequence[Configuration]) -> str:
