@@ -78,9 +78,10 @@ def build(configuration: Mapping[str, object]) -> Setup:
     Raises:
         ConfigurationError: with every fault that was found.
     """
+    checked = validate(configuration)
+    # Not before: it brings the compiler.
     from contactlab.motor import Motor
 
-    checked = validate(configuration)
     resolved = checked.model_dump()
     modes = _modes(checked.resonator, checked.piezoceramic, checked.placement)
     if checked.drive.frequency is None:
