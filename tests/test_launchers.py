@@ -12,6 +12,10 @@ from pathlib import Path
 import psutil
 import pytest
 from command_line import Command
+from omegaconf import OmegaConf
+
+from contactlab.command.map_launcher import run_chunk
+from contactlab.sweep.chunks import MapError
 
 JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
 
@@ -124,3 +128,26 @@ def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Comma
     assert status == 2
     assert err.startswith("law is 'nonsense'; it must be one of")
     assert "n_jobs" not in err
+
+
+def test_a_chunk_of_a_map_is_not_run_by_other_code(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = ["map", "sweep.drive.phase=0,1", "solver.duration=1 ms", "--output=here"]
+    assert command(*begun)[0] == 0
+    Path("here/map.nc").unlink()
+    monkeypatch.setattr("contactlab.sweep.job.code_digest", lambda: "other")
+    folder = OmegaConf.create({"map": {"folder": "here", "chunk": 0, "workers": 1}})
+    with pytest.raises(MapError, match="begun by other code"):
+        run_chunk(folder)
+
+
+def test_the_chunks_of_a_map_may_be_jobs_of_a_launcher(command: Command) -> None:
+    swept = ["map", "sweep.drive.phase=linspace(-3,3,9)", "--chunk=3", "solver.duration=1 ms"]
+    assert command(*swept, "--output=one")[0] == 0
+    # In a process of its own, with which its workers end.
+    two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "--output=two"]
+    done = subprocess.run(two, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 0, done.stderr
+    assert Path("two/map.nc").read_bytes() == Path("one/map.nc").read_bytes()
+    assert sorted(path.name for path in Path("two").iterdir()) == ["map.nc", "plan.json"]

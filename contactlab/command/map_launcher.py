@@ -3,6 +3,8 @@
 Every chunk is a job: with the launcher of a cluster all of them together are one array of tasks.
 """
 
+import os
+import platform
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +19,8 @@ from omegaconf import DictConfig
 from contactlab.command.application import CONFIG_NAME
 from contactlab.command.directories import quoted
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.sweep.chunks import CHUNKS, MapFolder
+from contactlab.sweep.chunks import CHUNKS, MapError, MapFolder
+from contactlab.sweep.plan import code_digest_of
 from contactlab.sweep.workers import processors
 
 BASIC = f"{BasicLauncher.__module__}.{BasicLauncher.__qualname__}"
@@ -63,9 +66,8 @@ def launch(
         config=config,
     )
     where = quoted(str(folder.path.absolute()))
-    # A launcher's processes share the machine, or have what the cluster gives them.
     jobs = [
-        [f"+map.folder={where}", f"+map.chunk={chunk}", f"+map.workers={workers or 1}"]
+        [f"+map.folder={where}", f"+map.chunk={chunk}", f"+map.workers={workers or 0}"]
         for chunk in chunks
     ]
     try:
@@ -82,8 +84,19 @@ def launch(
 
 
 def run_chunk(settings: DictConfig) -> None:
-    """The task of one job; launchers import it from here."""
+    """The task of one job; launchers import it from here.
+
+    Raises:
+        MapError: this machine has other code than the map was begun with.
+    """
     asked = settings.map
     folder = MapFolder.opened(Path(asked.folder))
-    with folder.pool(min(asked.workers, processors())) as pool:
+    if code_digest_of(folder.plan.bases) != folder.plan.code:
+        raise MapError(
+            f"The map in '{folder.path}' was begun by other code than {platform.node()} has; both must be "
+            "the same, laws of other packages included. Install one version everywhere."
+        )
+    # The processes of a launcher share a machine, unless a cluster gives each some processors.
+    workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
+    with folder.pool(min(workers, processors())) as pool:
         folder.run(asked.chunk, pool)
