@@ -51,6 +51,11 @@ CLEARANCE = (0.0, 4e-6)
 POPULATION = 30
 """Motors in a generation. The first is drawn at random, and nothing in it is pruned for being slow."""
 
+KEPT = 75.0
+"""Share of motors that are not pruned for being slow [%]. It spares a sixth of the runs, and over three
+seeds the fastest motor was 7 % slower than without: a generation needs its number of whole trials. Where
+the median decides, a third is spared and 11 % of the velocity lost."""
+
 FINISHED = (TrialState.COMPLETE, TrialState.PRUNED)
 
 
@@ -165,11 +170,14 @@ def searched(setup: Setup, search: Search) -> list[FrozenTrial]:
     settings = {
         "objective": search.objective,
         "seed": search.seed,
+        "population": POPULATION,
+        "kept": KEPT,
+        "optuna": optuna.__version__,
         "range": {name: list(bound) for name, bound in bounds.items()},
         **setup.configuration,
     }
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    pruner = optuna.pruners.MedianPruner(n_startup_trials=POPULATION)
+    pruner = optuna.pruners.PercentilePruner(KEPT, n_startup_trials=POPULATION)
     directions = list(OBJECTIVES[search.objective].values())
     with study_in(search.file, settings, directions, pruner) as study:
         for trial in study.get_trials(deepcopy=False, states=(TrialState.RUNNING,)):
@@ -201,8 +209,8 @@ def attempt(study: optuna.Study, trial: Trial, setup: Setup) -> None:
     """Measure one motor and tell the study, which keeps the numbers with the trial.
 
     A motor without contact, steady vibration or torque is pruned after the run at rest that shows it. If the
-    velocity is all that counts, one that promises less than the median of those before it is pruned as well;
-    optuna has no such comparison for several objectives.
+    velocity is all that counts, one that promises less than most before it is pruned as well; optuna has no
+    such comparison for several objectives.
     """
     single = len(study.directions) == 1
     runs = 1
@@ -213,7 +221,7 @@ def attempt(study: optuna.Study, trial: Trial, setup: Setup) -> None:
         if single:
             trial.report(velocity, runs)
             if trial.should_prune():
-                raise optuna.TrialPruned(f"Below the median of others after {runs} runs.")
+                raise optuna.TrialPruned(f"Slower than most after {runs} runs.")
 
     try:
         found = performance(designed(setup, trial.params), watch)

@@ -25,17 +25,10 @@ from scipy.stats import spearmanr
 from tqdm import tqdm
 
 from contactlab.config import ConfigurationError, Setup
+from contactlab.laws.base import MultiplierLaw
 
 try:
-    from motor_search import (
-        OBJECTIVES,
-        POPULATION,
-        Search,
-        designed,
-        ranges_of,
-        search_of,
-        searched,
-    )
+    from motor_search import OBJECTIVES, Search, designed, ranges_of, search_of, searched
 except ModuleNotFoundError as missing:
     print(
         f"The search needs the package {missing.name}, which is not installed. Install it with: "
@@ -54,8 +47,12 @@ ASKED = [Search()]
 CONFIGURED = -1
 """Number of the configured motor among the trials."""
 
+FEW = 10
+"""Motors too few to speak of what goes with what."""
+
 GOALS = OBJECTIVES["all"]
 UNITS = ("rad s-1", "N m", "N")
+FORCE = ("peak normal force", "peak impulse over contact step")
 INTERRUPTED = 130
 
 
@@ -86,11 +83,13 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
         step = min(law.default_contact_step, setup.duration)
         under_rival[k] = _velocity(replace(motors[k], law=law, contact_step=step, tolerance=None))
     settings = [motor.configuration for motor in motors]
+    first = [motor.motor.modes.natural_frequency[0] for motor in motors]
+    frequency = np.array([s["drive"]["frequency"] for s in settings])
     return xarray.Dataset(
         {
             "phase": ("motor", [s["drive"]["phase"] for s in settings], {"units": "rad"}),
-            "frequency": ("motor", [s["drive"]["frequency"] for s in settings], {"units": "Hz"}),
-            "relative_frequency": ("motor", [_relative(m) for m in motors], {"units": "1"}),
+            "frequency": ("motor", frequency, {"units": "Hz"}),
+            "relative_frequency": ("motor", frequency / first, {"units": "1"}),
             "patch_start": ("motor", [s["placement"]["start"] for s in settings], {"units": "m"}),
             "patch_end": ("motor", [s["placement"]["end"] for s in settings], {"units": "m"}),
             "clearance": ("motor", [s["contact"]["clearance"] for s in settings], {"units": "m"}),
@@ -104,7 +103,12 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
             "best": ("motor", best.astype(np.int8), {"units": "1"}),
         },
         coords={"motor": [CONFIGURED, *range(len(trials))]},
-        attrs={"law": setup.law.name, "rival": rival, "objective": search.objective},
+        attrs={
+            "law": setup.law.name,
+            "rival": rival,
+            "objective": search.objective,
+            "force": FORCE[isinstance(setup.law, MultiplierLaw)],
+        },
     )
 
 
@@ -115,19 +119,12 @@ def _velocity(setup: Setup) -> float:
         return float("nan")
 
 
-def _relative(setup: Setup) -> float:
-    return float(setup.motor.drive.frequency[0] / setup.motor.modes.natural_frequency[0])
-
-
 def among_the_best(goals: np.ndarray, objective: str) -> np.ndarray:
     """Which motors the search has found: those that no other beats in every goal, or the fastest.
 
     Args:
         goals: shape (motor, goal), the configured motor first, which is not found; nan is pruned.
         objective: one of OBJECTIVES.
-
-    Returns:
-        Truth values, shape (motor,).
     """
     names = list(OBJECTIVES[objective])
     signs = np.array([1.0 if GOALS[name] == "maximize" else -1.0 for name in names])
@@ -164,30 +161,27 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 
 def draw(data: xarray.Dataset) -> Figure:
-    """What the motors can do, and where the patches of the best lie."""
+    """What the motors can do, and where their patches lie; the best have an edge."""
     import matplotlib.pyplot as plt
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.1), layout="constrained")
-    best, configured = data.where(data.best == 1, drop=True), data.isel(motor=0)
-    others = data.isel(motor=slice(1, None)).where(data.best == 0, drop=True)
-    left.plot(1e3 * others.stall_torque, others.velocity, ".", color="0.8", label="other trials")
-    dots = left.scatter(
-        1e3 * best.stall_torque, best.velocity, c=best.peak_force, cmap="viridis", label="best"
-    )
-    figure.colorbar(dots, ax=left, label="peak normal force (N)")
-    left.plot(1e3 * configured.stall_torque, configured.velocity, "r*", label="configured")
-    left.set_xlabel("stall torque (mN m)")
-    left.set_ylabel("velocity without load (rad/s)")
-    left.set_xlim(left=0.0)
-    left.set_ylim(bottom=0.0)
-    left.legend()
-    dots = right.scatter(
-        1e3 * best.patch_start, 1e3 * best.patch_end, c=best.velocity, cmap="plasma"
-    )
-    figure.colorbar(dots, ax=right, label="velocity without load (rad/s)")
-    right.plot(1e3 * configured.patch_start, 1e3 * configured.patch_end, "r*")
-    right.set_xlabel("start of the patch (mm)")
-    right.set_ylabel("end of the patch (mm)")
+    figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.1), layout="constrained")
+    found = data.isel(motor=slice(1, None))
+    trials = found.where(np.isfinite(found.velocity), drop=True).sortby("velocity")
+    for ax, x, y, colour, words in (
+        (panels[0], 1e3 * data.stall_torque, data.velocity, "peak_force", f"{data.force} (N)"),
+        (panels[1], 1e3 * data.patch_start, 1e3 * data.patch_end, "velocity", "velocity (rad/s)"),
+    ):
+        scale = {"vmin": 0.0, "vmax": float(trials[colour].max()), "linewidths": 0.6}
+        for k, (label, size, edge) in enumerate((("other trials", 8, "none"), ("best", 20, "k"))):
+            drawn = trials.where(trials.best == k, drop=True)
+            at = (x.sel(motor=drawn.motor), y.sel(motor=drawn.motor))
+            dots = ax.scatter(*at, size, drawn[colour], edgecolors=edge, label=label, **scale)
+        ax.plot(x[0], y[0], "r*", label="configured")
+        figure.colorbar(dots, ax=ax, label=words)
+    panels[0].set(xlabel="stall torque (mN m)", ylabel="velocity without load (rad/s)")
+    panels[0].set(xlim=(0.0, None), ylim=(0.0, None))
+    panels[0].legend()
+    panels[1].set(xlabel="start of the patch (mm)", ylabel="end of the patch (mm)")
     return figure
 
 
@@ -206,7 +200,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
         )
         holds = bool(better.any())
         parts.append(
-            f"Better than it in all three: {int(better.sum())} of {found.sizes['motor']} on the front."
+            f"Better than the configured motor in all three: {int(better.sum())} of "
+            f"{found.sizes['motor']} on the front."
         )
     parts += [_trade(found), _rival(data, found), _pruned(data)]
     return " ".join(part for part in parts if part), holds
@@ -233,7 +228,7 @@ def _gains(configured: xarray.Dataset, found: xarray.Dataset) -> str:
 
 def _trade(found: xarray.Dataset) -> str:
     """What goes with what along the front, by rank."""
-    if found.sizes["motor"] < POPULATION // 2:
+    if found.sizes["motor"] < FEW:
         return ""
     ranks = {
         pair: float(spearmanr(found[pair[0]], found[pair[1]]).statistic)
@@ -256,18 +251,18 @@ def _rival(data: xarray.Dataset, found: xarray.Dataset) -> str:
     if both.sizes["motor"] == 0:
         return f"Under {data.rival} none of them turns."
     change = both.velocity_under_rival / both.velocity
-    words = (
-        f"Under {data.rival} their velocities are {float(change.min()):.2f} to "
-        f"{float(change.max()):.2f} times those under {data.law}"
-    )
     if both.sizes["motor"] == 1:
-        return f"{words}."
+        return f"Under {data.rival} its velocity is {float(change[0]):.2f} times that."
     same = int(both.velocity.argmax("motor")) == int(both.velocity_under_rival.argmax("motor"))
-    return f"{words}, and the fastest of them is {'the same' if same else 'another'} motor."
+    return (
+        f"Under {data.rival} their velocities are {float(change.min()):.2f} to "
+        f"{float(change.max()):.2f} times those under {data.law}, and the fastest of them is "
+        f"{'the same' if same else 'another'} motor."
+    )
 
 
 def _pruned(data: xarray.Dataset) -> str:
-    """What pruning has saved, had the pruned trials taken as many runs as the others."""
+    """What pruning has saved if the pruned trials would have taken as many runs as the others."""
     trials = data.isel(motor=slice(1, None))
     pruned = trials.pruned_for.values != ""
     if not pruned.any() or pruned.all():
@@ -276,7 +271,7 @@ def _pruned(data: xarray.Dataset) -> str:
     spared = 1.0 - runs.sum() / (runs.size * runs[~pruned].mean())
     return (
         f"{int(pruned.sum())} of {pruned.size} trials were pruned, which spared {100.0 * spared:.0f} % of "
-        "the runs."
+        "the runs that all of them would have taken."
     )
 
 

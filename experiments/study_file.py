@@ -85,6 +85,9 @@ def _locked(file: Path) -> sqlite3.Connection:
         tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
         if tables and "studies" not in tables:
             raise sqlite3.DatabaseError("it is a database of something else")
+        # Whole after a loss of power too, without waiting for the disk after every number.
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = NORMAL")
     except sqlite3.Error as error:
         connection.close()
         raise ConfigurationError([_why(file, error)]) from error

@@ -1,6 +1,7 @@
 """The search for better motors: what it varies, and that nothing that ends it is seen in the result."""
 
 import importlib
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -10,6 +11,7 @@ from contextlib import closing
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from time import sleep
 from types import ModuleType
 
 import numpy as np
@@ -132,13 +134,16 @@ def test_interrupted_anywhere_and_resumed_it_is_the_uninterrupted_search(
     assert fingerprint(motor_search.searched(setup_of(), search)) == uninterrupted(objective)
 
 
-def finished(file: Path) -> int:
-    """Trials in a study that another process keeps locked; 0 if it cannot be read at this instant."""
+def finished(folder: Path, elsewhere: Path) -> int:
+    """Trials in a study that another process keeps locked, seen in a copy; 0 if that is not whole."""
+    for name in ("study.db-wal", "study.db"):
+        if not (folder / name).exists():
+            return 0
+        shutil.copy(folder / name, elsewhere)
     try:
-        with closing(sqlite3.connect(f"file:{file}?mode=ro&immutable=1", uri=True)) as look:
-            states = ("COMPLETE", "PRUNED")
-            query = "SELECT count(*) FROM trials WHERE state IN (?, ?)"
-            return int(look.execute(query, states).fetchone()[0])
+        with closing(sqlite3.connect(elsewhere / "study.db")) as look:
+            query = "SELECT count(*) FROM trials WHERE state IN ('COMPLETE', 'PRUNED')"
+            return int(look.execute(query).fetchone()[0])
     except sqlite3.DatabaseError:
         return 0
 
@@ -148,14 +153,17 @@ def test_killed_and_started_again_it_leaves_the_same_bytes(tmp_path: Path) -> No
         script = str(EXPERIMENTS / "optimise_motor.py")
         return [sys.executable, script, "trials=8", f"output={tmp_path / folder}"]
 
-    search = subprocess.Popen(
+    with subprocess.Popen(
         command("killed"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    # As soon as something is finished, while the rest is on its way.
-    while finished(tmp_path / "killed" / "study.db") < 2:
-        assert search.poll() is None
-    search.send_signal(signal.SIGKILL)
-    assert search.wait() == -signal.SIGKILL
+    ) as search:
+        try:
+            # As soon as something is finished, while the rest is on its way.
+            while finished(tmp_path / "killed", tmp_path) < 2:
+                assert search.poll() is None
+                sleep(0.02)
+        finally:
+            search.kill()
+    assert search.returncode == -signal.SIGKILL
     for folder in ("killed", "whole"):
         assert module("optimise_motor").run(command(folder)[2:]) in (0, 1)
     for name in ("table.csv", "figure.png"):
