@@ -35,6 +35,7 @@ BEYOND = (
     "drive_phase_map",
     "friction_sweep",
     "law_comparison",
+    "optimise_motor",
 )
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; color: #222 }
@@ -89,9 +90,11 @@ def main(arguments: Sequence[str]) -> int:
             print(f"{word} is not understood; the one argument is output=DIR.", file=sys.stderr)
             return 2
         folder = Path(word.removeprefix("output="))
+    # All of them first: one that lacks a package says so before any has run.
+    modules = {name: import_module(name) for name in (*PAPER, *BEYOND)}
     results = []
-    for name in tqdm((*PAPER, *BEYOND), unit=" experiments", disable=None):
-        results.append(perform(import_module(name), folder / name))
+    for name, module in tqdm(modules.items(), unit=" experiments", disable=None):
+        results.append(perform(module, folder / name))
         tqdm.write(f"{name}: {'holds' if results[-1].holds else 'DOES NOT HOLD'}")
     (folder / "index.html").write_text(page(results), encoding="utf-8")
     print(f"Written to {folder / 'index.html'}")
