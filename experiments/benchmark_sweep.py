@@ -4,9 +4,9 @@
 
 Work: runs of 2 ms of the default motor over clearance and phase, each from its own configuration. The bare
 engine simulates motors that are built already and keeps the last record; a batch builds each from its
-configuration, runs it and takes the usual metrics. Batches and bare engine take turns, and medians
-count. A job of a sweep writes its folder, without picture; what a command needs to start is
-taken off by the difference of a long and a short sweep.
+configuration, runs it and takes the usual metrics. Batches and bare engine take turns. A job of a sweep
+writes its folder, without picture; what a command needs to start is taken off by the difference of a long
+and a short sweep.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from contactlab.sweep.plan import Plan, Setups
 from contactlab.sweep.workers import Pool, processors
 
 DURATION = 2e-3
-BLOCK = 200
+BLOCK = 500
 """Runs between two changes of the way."""
 
 
@@ -58,8 +58,8 @@ def in_batches(plan: Plan, repeats: int) -> tuple[list[Row], float, float]:
 
     Returns:
         The rows; how many times as long a run takes in a batch as alone; how many times as quick two
-        processes are as one. Both are medians over blocks of runs, which every way runs one after the other,
-        so that what else the machine does weighs on all alike.
+        processes are as one. Every way runs the same block of runs one after the other, and its shortest
+        time for a block counts: what else the machine does only ever makes it longer.
     """
     setup_at = Setups(plan)
     setups = [setup_at(cell) for cell in range(plan.cells)]
@@ -87,14 +87,13 @@ def in_batches(plan: Plan, repeats: int) -> tuple[list[Row], float, float]:
             work(blocks[0])
         times = np.array(
             [
-                [timed(work, cells) / len(cells) for work in ways.values()]
+                [[timed(work, cells) for work in ways.values()] for cells in blocks]
                 for _ in range(repeats)
-                for cells in blocks
             ]
         )
-    rows = [Row(way, float(took)) for way, took in zip(ways, np.median(times, axis=0), strict=True)]
-    longer = float(np.median(times[:, 1] / times[:, 0]))
-    return rows, longer, float(np.median(times[:, 1] / times[:, 2]))
+    bare_time, one, two = (float(x) for x in times.min(axis=0).sum(axis=0) / plan.cells)
+    rows = [Row(way, took) for way, took in zip(ways, (bare_time, one, two), strict=True)]
+    return rows, one / bare_time, one / two
 
 
 def timed(work: Callable[[range], object], cells: range) -> float:
