@@ -272,6 +272,9 @@ FAULTS = [
     (["sweep.drive.phase=1,2", "--chunk=-1"], "--chunk is -1"),
     (["sweep.drive.phase=1,2", "--config-dir=nowhere"], "is not a directory"),
     (["sweep.drive.phase=1,2", "hydra/launcher=jubilee"], "hydra/launcher is 'jubilee'"),
+    (["sweep.drive.phase=1,2", "hydra.launcher.n_jobs=2"], "n_jobs"),
+    (["sweep.drive.phase=1,2", "hydra.run.dir=here"], "has no meaning for a map"),
+    (["sweep.hydra.run.dir=a,b"], "hydra is not a known key"),
 ]
 
 

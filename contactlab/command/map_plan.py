@@ -25,6 +25,9 @@ CHUNK: Final = 1000
 MOST_CHUNKS: Final = 1000
 """Clusters take arrays of about so many tasks."""
 
+LAUNCHER: Final = ("hydra/launcher", "hydra.launcher.")
+"""Where the arguments begin that concern the launcher."""
+
 TIMES: Final = ("solver.duration", "record.interval")
 """Keys that the times of the records depend on."""
 
@@ -123,6 +126,12 @@ class _Planner:
         for one in swept:
             if len(set(one.listed)) < len(one.listed) and not one.spacing:
                 self._faults.append(f"{PREFIX}{one.key} has a value twice; give every value once.")
+        for line in fixed:
+            if line.lstrip("+~").startswith("hydra") and not line.startswith(LAUNCHER):
+                self._faults.append(
+                    f"{line} has no meaning for a map; of Hydra it takes {LAUNCHER[0]}=NAME and "
+                    f"{LAUNCHER[1]}KEY=VALUE. The folder is chosen by --output DIR."
+                )
         for key in set(keys).intersection(TIMES) if wanted.series else ():
             self._faults.append(
                 f"{key} is swept and series are kept; they must be at the same times in every run. "
