@@ -20,6 +20,13 @@ class Section(BaseModel):
     path: ClassVar[str]
     """Where the section stands, with the trailing dot: 'solver.'."""
 
+    # Caches of what follows from a section ask both of these again and again; pydantic's take long.
+    def __hash__(self) -> int:
+        return hash((type(self), *self.__dict__.values()))
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (type(self) is type(other) and self.__dict__ == other.__dict__)
+
     @field_validator("*", mode="after")
     @classmethod
     def _remember(cls, value: object, info: ValidationInfo) -> object:
