@@ -23,15 +23,14 @@ def script(name: str) -> ModuleType:
 
 def test_every_way_to_run_is_timed() -> None:
     benchmark = script("benchmark_sweep")
-    rows, longer, quicker = benchmark.in_batches(benchmark.plan_with(9), repeats=1)
+    rows = benchmark.in_batches(benchmark.plan_with(9), repeats=1)
     assert [row.way for row in rows] == [
         "bare engine",
         "batch, one process",
         "batch, two processes",
+        "bare engine, two independent processes",
     ]
     assert all(row.seconds > 0.0 for row in rows)
-    assert longer == rows[1].seconds / rows[0].seconds
-    assert quicker == rows[1].seconds / rows[2].seconds
 
 
 def test_a_map_that_is_killed_on_the_way_ends_the_same(
