@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from command_line import Command
 from hypothesis import settings
+from sweeps import Simulations
 
-from contactlab import cli
+from contactlab import cli, engine
 
 # Somebody else's project; it runs in its own environment, by tests/test_outside.py.
 collect_ignore = ["example_law"]
@@ -38,3 +39,11 @@ def command(
 
     yield run
     logging.root.handlers[:] = handlers
+
+
+@pytest.fixture
+def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
+    """Counts the runs that the command makes."""
+    made = Simulations()
+    monkeypatch.setattr(engine, "simulate", made)
+    return made

@@ -1,39 +1,24 @@
 """The jobs of a sweep: skipped when complete, run again otherwise, and none harmed by another."""
 
-import dataclasses
 import os
 import signal
 import subprocess
 import sys
 import time
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
-import numpy as np
 import pytest
 import xarray
 from command_line import Command
-from conf_files import composed
 from hydra._internal.core_plugins import basic_launcher
-from packages import Elsewhere
 from sweeps import QUICK, Simulations, folder, state_of
 
-from contactlab import engine
 from contactlab.command import composition
-from contactlab.command.directories import MOST_CHARACTERS, folder_name
-from contactlab.config import build
 from contactlab.output import provenance
 from contactlab.sweep import job
 from contactlab.trajectory import Ending
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
-
-
-@pytest.fixture
-def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
-    made = Simulations()
-    monkeypatch.setattr(engine, "simulate", made)
-    return made
 
 
 def test_a_sweep_run_again_skips_all_and_says_so(
@@ -219,159 +204,6 @@ def test_a_launcher_that_fails_is_a_sentence_and_what_there_is_is_collected(
     assert "Traceback" not in err
     assert "the cluster is gone" in Path("sweep/run.log").read_text(encoding="utf-8")
     assert "3 absent" in out
-
-
-def test_a_folder_that_is_named_by_numbers_keeps_them(
-    command: Command, simulations: Simulations
-) -> None:
-    numbered = [*THREE, "hydra.sweep.subdir=${hydra.job.num}"]
-    simulations.endings = {1.0: RuntimeError("no luck"), 3.0: RuntimeError("no luck")}
-    assert command(*numbered)[0] == 1
-    simulations.endings = {}
-    assert command(*numbered)[0] == 0
-    assert simulations.seen == [1.0, 2.0, 3.0, 1.0, 3.0]
-    assert [state_of(Path("sweep") / str(n))["state"] for n in range(3)] == ["complete"] * 3
-
-
-def test_a_sweep_without_a_folder_finds_its_own_again(
-    command: Command, simulations: Simulations
-) -> None:
-    values = "contact.clearance=1 um,2 um"
-    assert command("-m", "law=hertz_penalty", values, "record.picture=false")[0] == 0
-    status, out, _ = command("-m", "record.picture=false", values, "law=hertz_penalty")
-    assert status == 0
-    assert "2 runs: all are complete and skipped." in out
-    (only,) = Path("multirun").iterdir()
-    assert only.name == "contact.clearance=1_um,2_um,law=hertz_penalty,record.picture=false"
-
-
-def test_the_folder_that_a_file_of_ones_own_gives_is_taken(
-    command: Command, simulations: Simulations, tmp_path: Path
-) -> None:
-    (tmp_path / "mine/experiment").mkdir(parents=True)
-    (tmp_path / "mine/experiment/mine.yaml").write_text(
-        "# @package _global_\nhydra:\n  sweep:\n    dir: out/${folder_name:${hydra.job.override_dirname}}\n"
-    )
-    lines = ("-m", "experiment=mine", "contact.clearance=1e-6,2e-6", "record.picture=false")
-    assert command("--config-dir", "mine", *lines)[0] == 0
-    (only,) = Path("out").iterdir()
-    assert only.name == "contact.clearance=1e-6,2e-6,experiment=mine,record.picture=false"
-    assert len(list(only.glob("*/run.nc"))) == 2
-
-
-def test_batches_are_taken_one_after_the_other(command: Command, simulations: Simulations) -> None:
-    status, out, err = command(*THREE, "hydra.sweeper.max_batch_size=2")
-    assert status == 0, err
-    assert "Launching 2 jobs locally" in out
-    assert "Launching 1 jobs locally" in out
-    assert simulations.seen == [1.0, 2.0, 3.0]
-
-
-@pytest.mark.parametrize(
-    ("overrides", "name"),
-    [
-        ("law=lagrange_slip", "law=lagrange_slip"),
-        ("contact.clearance=1\\ um", "contact.clearance=1_um"),
-        ("contact.clearance='2 \u00b5m'", "contact.clearance=2_um"),
-        ("law/normal=linear,law=composed", "law-normal=linear,law=composed"),
-        ("", "default"),
-    ],
-)
-def test_a_folder_is_named_by_the_overrides(overrides: str, name: str) -> None:
-    assert folder_name(overrides) == name
-
-
-def test_folders_differ_where_their_overrides_do() -> None:
-    several = ["a=x/y", "a=x-y", "a=x:y", *(f"a={'x' * 300}{n}" for n in range(9))]
-    names = [folder_name(overrides) for overrides in several]
-    assert len(set(names)) == len(several)
-    assert max(map(len, names)) <= MOST_CHARACTERS
-    assert not any(set(name) & set("/:\\ '\"") for name in names)
-
-
-def test_a_value_that_is_given_twice_is_refused(command: Command) -> None:
-    status, _, err = command("-m", "contact.clearance=1e-6,1e-6", *QUICK)
-    assert status == 2
-    assert "to 2 jobs" in err
-    assert "give every value once" in err
-
-
-def test_a_change_of_any_source_that_a_run_depends_on_changes_the_digest(tmp_path: Path) -> None:
-    for name in ("engine/loop.py", "comparison/report.py"):
-        (tmp_path / name).parent.mkdir()
-        (tmp_path / name).write_bytes(b"x = 1\n")
-    first = provenance.digest_of(tmp_path)
-    (tmp_path / "comparison/report.py").write_bytes(b"x = 2\n")
-    (tmp_path / "engine/loop.py").write_bytes(b"x = 1\r\n")
-    assert provenance.digest_of(tmp_path) == first
-    (tmp_path / "engine/loop.py").write_bytes(b"x = 2\n")
-    changed = provenance.digest_of(tmp_path)
-    (tmp_path / "engine/loop.py").rename(tmp_path / "engine/other.py")
-    assert len({first, changed, provenance.digest_of(tmp_path)}) == 3
-
-
-FRAGILE = """
-from dataclasses import dataclass
-from typing import ClassVar
-from contactlab.laws import PenaltyLaw
-
-@dataclass(frozen=True)
-class Fragile(PenaltyLaw):
-    name: ClassVar[str] = "fragile"
-    equation: ClassVar[str] = "none"
-    source: ClassVar[str] = "a test"
-    default_contact_step: ClassVar[float] = 4e-6
-
-    @staticmethod
-    def force(gap, gap_rate, slip, approach, parameters):
-        return {"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0
-"""
-
-
-def test_a_law_that_raises_harms_no_other_and_is_run_again_when_it_is_mended(
-    tmp_path: Path,
-) -> None:
-    elsewhere = Elsewhere(tmp_path / "packages", tmp_path)
-    law = {"fragile": "fragile:Fragile"}
-    elsewhere.install("fragile-law", "0.1", law, {"fragile": FRAGILE})
-    lines = ("-m", "law=fragile,hertz_penalty", "solver.duration=0.5 ms", *QUICK)
-    status, out, err = elsewhere.command(*lines)
-    assert status == 1
-    assert "The run ended because the law fragile raised KeyError: 'FOUND'" in err
-    assert "Traceback" not in err
-    assert "1 complete\n1 failed\n" in out
-    place = tmp_path / "sweep/law=fragile,record.picture=False,solver.duration=0.5_ms"
-    assert "KeyError: 'FOUND'" in (place / "run.log").read_text(encoding="utf-8")
-    with xarray.open_dataset(tmp_path / "sweep/collected.nc") as found:
-        assert found["status"].sel(law="fragile") == 4
-        assert "raised KeyError: 'FOUND'" in str(found["reason"].sel(law="fragile").values)
-        assert np.isfinite(found["rotor_velocity"].sel(law="hertz_penalty"))
-        assert np.isnan(found["rotor_velocity"].sel(law="fragile"))
-    # The same version of the package with other code in it.
-    mended = elsewhere.packages / "fragile.py"
-    mended.write_text(mended.read_text().replace('{"text": [f"{gap}"]}["FOUND"]', "-1e7 * gap"))
-    status, out, err = elsewhere.command(*lines)
-    assert status == 0, err
-    assert "2 runs: 1 is complete and skipped; 1 failed: this runs." in out
-    assert not (place / "run.log").exists()
-
-
-def test_the_key_of_a_law_of_another_package_follows_its_code(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    setup = build(composed())
-    keys = []
-    for text in (FRAGILE, FRAGILE, FRAGILE.replace("FOUND", "text")):
-        (tmp_path / "fragile.py").write_text(text)
-        spec = spec_from_file_location("fragile", tmp_path / "fragile.py")
-        assert spec is not None
-        assert spec.loader is not None
-        module = module_from_spec(spec)
-        monkeypatch.setitem(sys.modules, "fragile", module)
-        spec.loader.exec_module(module)
-        keys.append(job.key_of(dataclasses.replace(setup, law=module.Fragile())))
-    assert keys[0] == keys[1] != keys[2]
-    assert job.key_of(setup) == job.key_of(build(setup.configuration))
 
 
 def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
