@@ -1,5 +1,6 @@
 """`contactlab map`: every cell is the run of its own configuration, and a kill costs one chunk at most."""
 
+import multiprocessing
 import signal
 import subprocess
 import sys
@@ -121,6 +122,19 @@ def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Comma
     assert file.stat().st_mtime_ns == before
     assert command("map", SHORT, "sweep.drive.phase=0,1", "law=newton")[0] == 0
     assert len(list(Path("maps").rglob(MAP))) == 2
+
+
+def test_workers_that_are_started_afresh_give_the_same(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ("map", SHORT, "sweep.drive.phase=linspace(-3,3,7)", "--workers=2")
+    assert command(*arguments, "--output=forked")[0] == 0
+    # As where a system cannot fork.
+    monkeypatch.setattr("contactlab.sweep.workers.FORK", False)
+    spawn = multiprocessing.get_context("spawn")
+    monkeypatch.setattr(multiprocessing, "get_context", lambda _: spawn)
+    assert command(*arguments, "--output=spawned")[0] == 0
+    assert (Path("forked") / MAP).read_bytes() == (Path("spawned") / MAP).read_bytes()
 
 
 def test_another_map_does_not_go_into_the_folder_of_one(command: Command) -> None:
