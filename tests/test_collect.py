@@ -14,12 +14,21 @@ from command_line import Command
 from hydra.core.plugins import Plugins
 from sweeps import QUICK, ChoosingSweeper, Simulations, folder, state_of
 
+from contactlab import engine
 from contactlab.plausibility import METRICS, assess, read_run
 from contactlab.sweep import collect
 from contactlab.sweep.status import Status
 from contactlab.trajectory import Ending
 
 GRID = ("law=lagrange_stick,hertz_penalty", "contact.clearance=2 um,1e-6,3e-6")
+
+
+@pytest.fixture
+def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
+    # Runs that differ, so that none can stand for another.
+    made = Simulations(duration=lambda clearance: 1e-3 * clearance)
+    monkeypatch.setattr(engine, "simulate", made)
+    return made
 
 
 def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
