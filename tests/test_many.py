@@ -148,6 +148,30 @@ def test_a_worker_that_is_killed_is_told() -> None:
         simulate_many(MotorGrid({"phase": PHASES}, motor), hertz(), duration=1e-4, workers=2)
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_signal_that_ends_the_job_is_no_result_of_a_cell(workers: int) -> None:
+    def time_is_up(*_: object) -> None:
+        raise TimeoutError("time is up")
+
+    test = os.getpid()
+
+    def motor(phase: float) -> Motor:
+        # As a cluster sends it: to every process of the job, workers included.
+        if phase == 2.0:
+            os.kill(os.getpid(), signal.SIGUSR2)
+            os.kill(test, signal.SIGUSR2)
+        return default_motor(phase=phase)
+
+    before = signal.signal(signal.SIGUSR2, time_is_up)
+    try:
+        with pytest.raises(TimeoutError, match="time is up"):
+            simulate_many(
+                MotorGrid({"phase": PHASES}, motor), hertz(), duration=1e-4, workers=workers
+            )
+    finally:
+        signal.signal(signal.SIGUSR2, before)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

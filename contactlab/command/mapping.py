@@ -61,7 +61,7 @@ def make_map(given: Namespace) -> bool:
                 launch(hydra, config, folder, missing, given.workers)
             dataset = folder.merge()
     print(summary(dataset, folder.path / MAP))
-    return bool(dataset.attrs["complete"])
+    return bool(dataset.attrs["runs_absent"] == 0)
 
 
 def _wanted(given: Namespace) -> Wanted:

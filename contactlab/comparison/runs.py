@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any, final
 
 import xarray
-import yaml
 
 from contactlab.comparison.arrays import series
 from contactlab.comparison.faults import ComparisonError
 from contactlab.comparison.sameness import differences, law_keys, shown
-from contactlab.plausibility import read_run
+from contactlab.plausibility import configuration_of, read_run
 
 DATASET = "run.nc"
 
@@ -70,7 +69,7 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
         faults.append("There is nothing to compare; give one run folder or more.")
     if faults:
         raise ComparisonError(faults)
-    configurations = {name: _configuration(tree) for name, tree in read}
+    configurations = {name: configuration_of(tree) for name, tree in read}
     faults, notes = differences(dict(read), configurations)
     if faults:
         raise ComparisonError(faults)
@@ -144,14 +143,6 @@ def _read(name: str, found: Path | xarray.DataTree, faults: list[str]) -> xarray
         )
         return None
     return tree
-
-
-def _configuration(tree: xarray.DataTree) -> dict[str, Any]:
-    try:
-        read = yaml.safe_load(str(tree.attrs.get("configuration", "")))
-    except yaml.YAMLError:
-        return {}
-    return read if isinstance(read, dict) else {}
 
 
 def _law(name: str, tree: xarray.DataTree) -> str:

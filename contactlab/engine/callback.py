@@ -64,7 +64,7 @@ def law_errors(name: str, callbacks: list["Callback"]) -> Iterator[None]:
         failure = error
     found = [failure, *(callback.take_failure() for callback in callbacks)]
     for failure in found:
-        if isinstance(failure, Exception) and not _is_of_a_signal(failure):
+        if isinstance(failure, Exception) and not is_of_a_signal(failure):
             raise LawError(
                 f"The run ended because the law {name} raised {type(failure).__name__}: {failure}"
                 f"{_place(failure)}. A law must answer to every state of a contact; mend the law."
@@ -189,7 +189,7 @@ class Callback:
         return perf_counter() - started
 
 
-def _is_of_a_signal(error: Exception) -> bool:
+def is_of_a_signal(error: Exception) -> bool:
     """Whether the handler of a signal raised it: that time is up on a cluster is no fault of the law's."""
     handlers = [signal.getsignal(number) for number in signal.valid_signals()]
     codes = [getattr(getattr(h, "__func__", h), "__code__", None) for h in handlers]

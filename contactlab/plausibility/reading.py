@@ -5,6 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
+import yaml
 
 from contactlab import variables
 from contactlab.variables import Variable
@@ -53,6 +54,16 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
         ) from fault
     _check(tree, f"'{path}'")
     return tree
+
+
+def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
+    """The configuration that a dataset tells; empty where it tells none."""
+    try:
+        found = yaml.safe_load(str(tree.attrs.get("configuration", "")))
+    # Besides its own errors YAML raises those of impossible dates.
+    except (yaml.YAMLError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _check(tree: xarray.DataTree, words: str) -> None:

@@ -1,16 +1,16 @@
 """A run's numbers as the metrics ask for them; what is not there stops the metric that asked."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, final
 
 import numpy as np
 import xarray
-import yaml
 from numpy.typing import NDArray
 
+from contactlab.plausibility.reading import configuration_of
 from contactlab.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -65,9 +65,9 @@ class Record:
         return cls(
             columns=_values(tree),
             rows={} if group is None else _values(group),
-            configuration=_mapping(yaml.safe_load, tree.attrs.get("configuration", "")),
+            configuration=configuration_of(tree),
             law=str(tree.attrs.get("law", "")),
-            law_parameters=_mapping(json.loads, tree.attrs.get("law_parameters", "")),
+            law_parameters=_law_parameters(tree),
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
         )
 
@@ -214,10 +214,10 @@ def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
     return {str(name): variable.values for name, variable in variables.items()}
 
 
-def _mapping(read: Callable[[str], Any], text: object) -> dict[str, Any]:
-    """What an attribute holds; empty where it cannot be read."""
+def _law_parameters(tree: xarray.DataTree) -> dict[str, float]:
+    """What the law's attribute holds; empty where it cannot be read."""
     try:
-        found = read(str(text))
-    except (yaml.YAMLError, ValueError):
+        found = json.loads(str(tree.attrs.get("law_parameters", "")))
+    except ValueError:
         return {}
     return found if isinstance(found, dict) else {}

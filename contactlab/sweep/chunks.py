@@ -88,8 +88,8 @@ class MapFolder:
 
     @property
     def complete(self) -> bool:
-        """Whether the dataset of the whole map is there."""
-        return (self.path / MAP).exists() and self.dataset().attrs.get("complete") == 1
+        """Whether the dataset of the whole map is there, in whatever way its runs ended."""
+        return (self.path / MAP).exists() and self.dataset().attrs.get("runs_absent") == 0
 
     def missing(self) -> list[int]:
         """The chunks that are not finished."""
@@ -149,7 +149,7 @@ class MapFolder:
             {key: column.reshape(plan.shape) for key, column in columns},
             status.reshape(plan.shape),
             reason.reshape(plan.shape),
-            self._attributes(status) | {"complete": int(whole)},
+            self._attributes(status),
         )
         write(dataset, self.path / MAP, self._add_series if plan.wanted.series else None)
         if whole:
@@ -222,4 +222,5 @@ class MapFolder:
             **versions(),
             "code_digest": code_digest(),
             **counts_of(status),
+            "complete": int(bool(np.all(status == Status.COMPLETE))),
         }

@@ -6,13 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, final
-
-import xarray
-import yaml
+from typing import Final, final
 
 from contactlab.config.faults import one_line
-from contactlab.plausibility import assess, read_run
+from contactlab.plausibility import assess, configuration_of, read_run
 from contactlab.sweep.cells import REASONS
 from contactlab.sweep.job import DATASET, RUNNING, STATE, Job, State, read_state, size_of
 from contactlab.sweep.roster import ROSTER, read_roster
@@ -105,7 +102,7 @@ def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
         tree = read_run(folder / DATASET)
     except _UNREADABLE as error:
         return FoundRun(name, folder, job, Status.FAILED, one_line(error), told, {})
-    job = job if told else Job(configuration=_configuration(tree))
+    job = job if told else Job(configuration=configuration_of(tree))
     # A dataset of one's own need not say that it is complete.
     if int(tree.attrs.get("complete", 1)):
         return FoundRun(name, folder, job, Status.COMPLETE, "", told, assess(tree))
@@ -113,14 +110,6 @@ def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
     status = _OF_STATE.get(ending, Status.FAILED)
     reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
     return FoundRun(name, folder, job, status, reason, told, {})
-
-
-def _configuration(tree: xarray.DataTree) -> dict[str, Any]:
-    try:
-        read = yaml.safe_load(str(tree.attrs.get("configuration", "")))
-    except yaml.YAMLError:
-        return {}
-    return read if isinstance(read, dict) else {}
 
 
 def _in_order(directory: Path, folder: Path) -> list[tuple[int, str]]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import simulate
+from contactlab.engine.callback import is_of_a_signal
 from contactlab.engine.workspace import Workspace
 from contactlab.laws import LawError
 from contactlab.plausibility import METRICS, Record, assess
@@ -190,6 +191,9 @@ def _run(
         return None, Status.FAILED, str(error)
     # The others shall not suffer from what one of ten thousand runs into.
     except Exception as error:
+        # That a cluster's time is up is no result of the cell: the chunk is to be made again.
+        if is_of_a_signal(error):
+            raise
         return None, Status.FAILED, f"The run ended in {type(error).__name__}: {error}"
     metrics[:] = [found[key] for key in wanted.metrics]
     return run, Status.COMPLETE, ""

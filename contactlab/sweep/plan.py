@@ -19,7 +19,8 @@ from contactlab.sweep.many import Wanted
 
 Configuration = Mapping[str, Any]
 
-METRICS_SOURCES: Final = Path(plausibility.__file__).parent
+SOURCES: Final = (Path(plausibility.__file__).parent, Path(__file__).parent)
+"""Of what `code_of` leaves out, because a single run does not depend on it."""
 
 
 @final
@@ -158,10 +159,10 @@ class Setups:
 
 
 def code_digest_of(bases: Sequence[Configuration]) -> str:
-    """Digest of what the numbers depend on beside the plan: the laws' code, and that of the metrics."""
+    """Digest of what the numbers depend on beside the plan: the code of laws, metrics and maps."""
     laws = [law_class(base["law"]["name"]) for base in bases]
     parts = [part for law in laws for part in code_of(law)]
-    return sha256("\0".join([*parts, digest_of(METRICS_SOURCES)]).encode()).hexdigest()
+    return sha256("\0".join([*parts, *map(digest_of, SOURCES)]).encode()).hexdigest()
 
 
 def with_key(configuration: Configuration, path: Sequence[str], value: Value) -> Configuration:

@@ -8,6 +8,7 @@ import netCDF4
 import numpy as np
 
 from contactlab import variables
+from contactlab.output.dataset import cf_attributes
 from contactlab.plausibility import read_run
 from contactlab.sweep.faults import CollectingError
 from contactlab.sweep.found import FoundRun
@@ -95,7 +96,7 @@ def series_group(
     group = file.createGroup(GROUP)
     group.createDimension("time", time.size)
     axis = group.createVariable("time", "f8", ["time"])
-    axis.setncatts({"units": variables.TIME.units, "long_name": variables.TIME.long_name})
+    axis.setncatts(cf_attributes(variables.TIME))
     axis[:] = time
     for name in names:
         said = _KNOWN[name]
@@ -110,5 +111,5 @@ def series_group(
             chunksizes=[1] * len(dims) + [max(time.size, 1)],
             fill_value=np.nan,
         )
-        target.setncatts({"units": said.units, "long_name": said.long_name, "symbol": said.symbol})
+        target.setncatts(cf_attributes(said))
     return group

@@ -139,7 +139,11 @@ def _work(
     theirs: Connection, inherited: Sequence[Connection], setup_at: SetupAt, wanted: Wanted
 ) -> None:
     """What a worker does; it ends as soon as nobody listens any more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # A fork has our handlers too: signals to the whole group are for us to answer, and to end is to end.
+    for name in ("SIGINT", "SIGUSR1", "SIGUSR2"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     # What is there stays as it is: looking it over would copy the memory that a fork shares.
     gc.freeze()
     for connection in inherited:
