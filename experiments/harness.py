@@ -75,25 +75,38 @@ def setup_of(name: str, overrides: Sequence[str] = ()) -> Setup:
     Raises:
         ConfigurationError: with every fault, a sentence each.
     """
-    chosen = [f"experiment={name}", *overrides]
+    return build(composed([f"experiment={name}", *overrides]))
+
+
+def composed(overrides: Sequence[str]) -> dict[str, Any]:
+    """What the configuration files and some overrides give, not yet checked.
+
+    Raises:
+        ConfigurationError: with Hydra's fault.
+    """
     try:
         with initialize_config_dir(str(conf_directory()), version_base="1.3"):
-            composed = compose("config", overrides=chosen)
+            found = compose("config", overrides=list(overrides))
     except (HydraException, OmegaConfBaseException) as error:
         raise ConfigurationError([one_line(error)]) from error
-    return build(OmegaConf.to_container(composed, resolve=True))  # type: ignore[arg-type]
+    return OmegaConf.to_container(found, resolve=True)  # type: ignore[return-value]
 
 
 def changed(setup: Setup, changes: Mapping[str, object]) -> Setup:
     """The setup built again with some full keys set otherwise."""
-    configuration = copy.deepcopy(setup.configuration)
+    return build(with_values(setup.configuration, changes))
+
+
+def with_values(configuration: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
+    """A copy of a configuration with some full keys set otherwise."""
+    result = copy.deepcopy(dict(configuration))
     for key, value in changes.items():
         *groups, name = key.split(".")
-        section = configuration
+        section = result
         for group in groups:
             section = section[group]
         section[name] = value
-    return build(configuration)
+    return result
 
 
 def placed(setup: Setup, start: float, end: float) -> NormalModes:

@@ -1,8 +1,11 @@
-"""`contactlab verify`: every claim with what is expected, what is found, the tolerance and the verdict."""
+"""`contactlab verify [RUN ...]`: every claim with what is expected, what is found, tolerance and verdict."""
 
 import argparse
 import shutil
+import sys
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from pathlib import Path
 from textwrap import shorten
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -12,7 +15,7 @@ from contactlab.command.verbs import VERBS
 if TYPE_CHECKING:
     from contactlab.testing import Claim
 
-HOLDS, FAILS = 0, 1
+HOLDS, FAILS, REFUSED = 0, 1, 2
 """Exit statuses."""
 
 NUMBERS = "{:>17} {:>15} {:>10}  {}"
@@ -20,18 +23,29 @@ WIDEST_CLAIM = 82
 
 
 def main(arguments: list[str]) -> int:
-    """Check everything and print the table.
+    """Check everything, or some runs, and print the table.
 
     Returns:
-        The exit status: 0 if every claim is as it should be.
+        The exit status: 0 if every claim is as it should be, 2 for what is no run.
     """
     parser = argparse.ArgumentParser(prog="contactlab verify", description=_description())
-    parser.parse_args(arguments)
+    parser.add_argument(
+        "runs",
+        metavar="RUN",
+        nargs="*",
+        help="a folder with run.nc, or a dataset in its layout: checked alone, by its numbers",
+    )
+    wanted = parser.parse_args(arguments)
+    try:
+        groups = list(_of_runs(wanted.runs)) if wanted.runs else _groups()
+    except ValueError as fault:
+        print(fault, file=sys.stderr)
+        return REFUSED
     started = perf_counter()
     width = min(max(shutil.get_terminal_size((140, 24)).columns - 58, 40), WIDEST_CLAIM)
     print(f"{'claim':<{width}}" + NUMBERS.format("expected", "found", "tolerance", "verdict"))
     checked: list[Claim] = []
-    for heading, group in _groups():
+    for heading, group in groups:
         print(f"\n{heading}", flush=True)
         for claim in group():
             checked.append(claim)
@@ -51,9 +65,24 @@ def main(arguments: list[str]) -> int:
 def _description() -> str:
     return (
         f"{VERBS['verify'].capitalize()}: closed forms on small plants, numbers of independent solvers "
-        "for the paper's motor, random flights, and the contract of every law. Exit status 1 if a claim "
-        "fails."
+        "for the paper's motor, random flights, and the contract of every law; or, given RUNs, whether "
+        "what each recorded agrees with itself. Exit status 1 if a claim fails."
     )
+
+
+def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
+    """Headings and claims of recorded runs.
+
+    Raises:
+        ValueError: a source is no run.
+    """
+    from contactlab.plausibility import read_run
+    from contactlab.testing.recorded import invariants_of
+
+    for source in sources:
+        path = Path(source)
+        tree = read_run(path / "run.nc" if path.is_dir() else path)
+        yield source, partial(invariants_of, tree)
 
 
 def _groups() -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:

@@ -1,6 +1,7 @@
 """What a dataset says of its contact law: metrics with thresholds, from the recorded numbers alone."""
 
 from contactlab.plausibility.assessment import (
+    INVARIANTS,
     METRICS,
     SENSITIVITIES,
     STEP_METRICS,
@@ -14,6 +15,7 @@ from contactlab.plausibility.record import Record
 
 __all__ = [
     "FAIL",
+    "INVARIANTS",
     "METRICS",
     "NOT_APPLICABLE",
     "PASS",

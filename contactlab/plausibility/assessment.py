@@ -5,17 +5,28 @@ from typing import Final
 
 import xarray
 
-from contactlab.plausibility import admissible, balances, ladder, response, variants
+from contactlab.plausibility import (
+    admissible,
+    balances,
+    consistency,
+    ladder,
+    response,
+    variants,
+)
 from contactlab.plausibility.ladder import Ladder
 from contactlab.plausibility.measure import measured, table
 from contactlab.plausibility.metric import Metric
 from contactlab.plausibility.record import Record
 from contactlab.plausibility.variants import Variants
 
-_OF_A_RUN: Final = (*balances.MEASURES, *admissible.MEASURES, *response.MEASURES)
+_INVARIANT: Final = (*balances.MEASURES, *consistency.MEASURES)
+_OF_A_RUN: Final = (*_INVARIANT, *admissible.MEASURES, *response.MEASURES)
 
 METRICS: Final[dict[str, Metric]] = table(_OF_A_RUN)
 """Metrics of one run."""
+
+INVARIANTS: Final[dict[str, Metric]] = table(_INVARIANT)
+"""Those metrics of one run that hold whatever its law: where one fails, the solver or the file is wrong."""
 
 STEP_METRICS: Final[dict[str, Metric]] = table(ladder.MEASURES)
 """Metrics of a ladder of steps."""

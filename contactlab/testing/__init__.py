@@ -7,10 +7,12 @@ A law that is written elsewhere is put to the same tests as the package's own in
     class TestMyLaw(LawContract):
         law = MyLaw(stiffness=1e9, friction_coefficient=0.3)
 
-The command `contactlab verify` prints what is claimed and what is found.
+`invariants_of` holds any recorded run to what no law can excuse. The command `contactlab verify` prints what is
+claimed and what is found.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close
 from contactlab.testing.contract.suite import LawContract
+from contactlab.testing.recorded import invariants_of
 
-__all__ = ["Claim", "LawContract", "at_least", "at_most", "close"]
+__all__ = ["Claim", "LawContract", "at_least", "at_most", "close", "invariants_of"]
