@@ -1,8 +1,8 @@
 """Random configurations of the command: what a number gives, the same on every machine and in every run.
 
-Everything that a user can set is drawn, far wider than what a workshop would build: most of all where laws and
-engine have edges (no friction, no clearance, one tone only, no damping, a point mass at the tip, tolerances to
-1e-12). Laws and the parts of a composed law follow each other by number, so that each gets its share.
+Everything that a user can set is drawn, far wider than what a workshop would build: most of all where laws
+and engine have edges (no friction, no clearance, one tone only, no damping, a point mass at the tip,
+tolerances to 1e-12). Laws and the parts of a composed law follow each other by number: each gets its share.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ HALF_BEAM: Final = 28.5e-3
 
 
 def law_groups() -> list[dict[str, str]]:
-    """The choices that make every law of the package, and every combination of the parts of a composed one."""
+    """The choices that make every law, and every combination of the parts of a composed one."""
     whole = [{"law": name} for name in LAWS if name != COMPOSED]
     families = list(PARTS)
     parts = [

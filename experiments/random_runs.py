@@ -2,10 +2,10 @@
 
     python experiments/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
 
-Every configuration is far wider than a workshop's (`random_configuration`). A run that ends otherwise than
-complete must say why; one that says complete must keep every invariant (`contactlab.plausibility.INVARIANTS`):
-closed ledgers of energy, momentum and impulse, no contact without length, none missed, no release while the
-gap closes, peaks and depths that no record exceeds. What a law promises of friction and tension is reported
+Every configuration is far wider than a workshop's (`random_configuration`). A run that does not end as
+complete must say why; one that does must keep every invariant (`contactlab.plausibility.INVARIANTS`): closed
+ledgers of energy, momentum and impulse, no contact without length, none missed, no release while the gap
+closes, peaks and depths that no record exceeds. What a law promises of friction and tension is reported
 beside it. The table has the worst figure of every law. The status is 1 where an invariant is broken; the
 command line of every such run is printed.
 """

@@ -7,8 +7,8 @@ A law that is written elsewhere is put to the same tests as the package's own in
     class TestMyLaw(LawContract):
         law = MyLaw(stiffness=1e9, friction_coefficient=0.3)
 
-`invariants_of` holds any recorded run to what no law can excuse. The command `contactlab verify` prints what is
-claimed and what is found.
+`invariants_of` holds any recorded run to what no law can excuse. The command `contactlab verify` prints
+what is claimed and what is found.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close
