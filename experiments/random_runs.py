@@ -1,6 +1,7 @@
 """Random motors through the command's own configuration, judged from their results alone.
 
     python experiments/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
+                                      [--page docs/random_runs.md]
 
 Every configuration is far wider than a workshop's (`random_configuration`). A run that does not end as
 complete must say why; one that does must keep every invariant (`contactlab.plausibility.INVARIANTS`): closed
@@ -162,6 +163,40 @@ def table(outcomes: Sequence[Outcome]) -> list[dict[str, object]]:
     return rows
 
 
+def page(outcomes: Sequence[Outcome], command: str) -> str:
+    """The table as Markdown: laws in rows, the worst figures of their complete runs in columns."""
+    rows = table(outcomes)
+    heads = ["law", "motors", "contacts", "endings"]
+    lines = [
+        "# Random motors",
+        "",
+        f"<!-- Made by {command}. Do not edit. -->",
+        "",
+        f"{len(outcomes)} random configurations of the command, far wider than a workshop's, judged from "
+        "their results alone (`experiments/random_runs.py`). A refused configuration was told so in a "
+        "sentence before it ran; a run that is not complete says why. The second table has the worst figure "
+        "of every invariant among the complete runs; what each means and why its bound is what it is stands "
+        "in [plausibility.md](plausibility.md). `contactlab verify RUN` holds any recorded run to them.",
+        "",
+        _cells(heads),
+        _cells(["---"] * len(heads)),
+        *(_cells([row[head] for head in heads]) for row in rows),
+        "",
+        _cells(["worst of", *INVARIANTS]),
+        _cells(["---"] * (1 + len(INVARIANTS))),
+        _cells(["bound", *(f"{metric.bound:g}" for metric in INVARIANTS.values())]),
+        *(_cells([row["law"], *(f"{row[key]:.1e}" for key in INVARIANTS)]) for row in rows),
+        "",
+    ]
+    broken = sum(bool(outcome.broken) for outcome in outcomes)
+    lines += [f"Complete runs that break an invariant: {broken}.", ""]
+    return "\n".join(lines)
+
+
+def _cells(cells: Iterable[object]) -> str:
+    return f"| {' | '.join(map(str, cells))} |"
+
+
 def command_line(number: int, seed: int = 0) -> str:
     """The command that runs a configuration."""
     groups, values = random_configuration(number, seed)
@@ -201,6 +236,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes")
     parser.add_argument("--seed", type=int, default=0, help="of the random generator")
     parser.add_argument("--csv", type=Path, default=Path("random_runs.csv"), help="the table")
+    parser.add_argument("--page", type=Path, help="the table as a page")
     options = parser.parse_args(arguments)
     # Matrices this small are slower on threads, and the workers take all cores already.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -212,6 +248,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
+    if options.page:
+        command = (
+            f"python experiments/random_runs.py --motors {options.motors} --seed {options.seed}"
+        )
+        options.page.write_text(page(outcomes, command), encoding="utf-8")
     return 1 if any(outcome.broken for outcome in outcomes) else 0
 
 
