@@ -17,6 +17,7 @@ from contactlab.laws.base import (
     CREEPING,
     EVEN,
     ODD,
+    PENALTY_SIGNATURE,
     SET_VALUED,
     SLIP,
     SPRING_AND_SLIDER,
@@ -54,6 +55,8 @@ def guarded(parameters: Array, guard: float = nan) -> Array:
     """The parameters between guards, so that a kernel that reads beyond them finds no number."""
     padded = np.full(parameters.size + 2 * GUARDS, guard)
     padded[GUARDS:-GUARDS] = parameters
+    # As the kernels are compiled for it: one for another kind of array would be compiled anew.
+    padded.flags.writeable = bool(PENALTY_SIGNATURE.args[-1].mutable)
     return padded[GUARDS:-GUARDS]
 
 
