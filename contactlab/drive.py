@@ -6,6 +6,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.checks import check_number, check_shape
+
 Array = NDArray[np.float64]
 
 
@@ -24,11 +26,14 @@ class Drive:
     phasors: NDArray[np.complex128]
 
     def __post_init__(self) -> None:
-        if self.phasors.shape != (2, self.frequency.size):
-            raise ValueError(
-                f"The phasors have shape {self.phasors.shape}; they must have shape "
-                f"(2, {self.frequency.size}): two electrodes, one column a tone."
-            )
+        check_shape("frequency", self.frequency, (-1,), "one number a tone")
+        check_shape(
+            "phasors",
+            self.phasors,
+            (2, self.frequency.size),
+            "a row for each of two electrodes and a column a tone",
+            "iufc",
+        )
         if not np.all(self.frequency > 0.0):
             raise ValueError(f"The tones lie at {self.frequency} Hz; each must be positive.")
 
@@ -52,6 +57,14 @@ class Drive:
             frequency_ratio: second over first [1].
             phase: of the first tone [rad].
         """
+        for name, value in {
+            "voltage_1": voltage_1,
+            "voltage_2": voltage_2,
+            "frequency": frequency,
+            "frequency_ratio": frequency_ratio,
+            "phase": phase,
+        }.items():
+            check_number(name, value)
         first = -1j * voltage_1 * np.exp(1j * phase)
         second = -1j * voltage_2
         return cls(

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from math import cos, sin, sqrt
 from typing import final
 
+from contactlab.checks import check_fields
 from contactlab.compiled import kernel
 
 
@@ -33,6 +34,14 @@ class ContactGeometry:
     tip_length: float = 19e-3
     rotor_radius: float = 25e-3
     clearance: float = 1e-6
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not (self.tip_length > 0.0 and self.rotor_radius > 0.0):
+            raise ValueError(
+                f"The tip is {self.tip_length} m long and the rotor's radius {self.rotor_radius} m; both "
+                "must be positive."
+            )
 
 
 @kernel

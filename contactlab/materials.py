@@ -11,6 +11,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.checks import check_fields
+
 Array = NDArray[np.float64]
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
@@ -36,6 +38,9 @@ class Steel:
     youngs_modulus: float = 210e9
     poisson_ratio: float = 0.3
     density: float = 7850.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def bending_modulus(self) -> float:
@@ -68,6 +73,9 @@ class Piezoceramic:
     bending_coupling: float = 9.196
     density: float = 7700.0
     permittivity: float = 700.0 * VACUUM_PERMITTIVITY
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @classmethod
     def from_datasheet(

@@ -6,6 +6,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.checks import check_fields, check_shape
 from contactlab.drive import Drive
 from contactlab.geometry import ContactGeometry
 from contactlab.resonator import NormalModes
@@ -29,6 +30,14 @@ class Rotor:
     damping: float = 0.0
     load_torque: float = 0.0
     initial_velocity: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not self.inertia > 0.0 or not self.damping >= 0.0:
+            raise ValueError(
+                f"The rotor has an inertia of {self.inertia} kg m^2 and a damping of {self.damping} "
+                "N m s/rad; the inertia must be positive and the damping not negative."
+            )
 
 
 @final
@@ -70,6 +79,7 @@ class Motor:
     start: ModalState | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         count = self.modes.stiffness.size
         if not np.all(self.modes.stiffness >= 0.0):
             raise ValueError(
@@ -81,7 +91,5 @@ class Motor:
             given["start.displacement"] = self.start.displacement
             given["start.velocity"] = self.start.velocity
         for name, values in given.items():
-            if values is not None and values.shape != (count,):
-                raise ValueError(
-                    f"{name} has shape {values.shape}; it must have shape ({count},), one number a mode."
-                )
+            if values is not None:
+                check_shape(name, values, (count,), "one number a mode")

@@ -93,7 +93,7 @@ def run_elsewhere(folder: Path, law: str, more: str = "") -> tuple[int, str]:
 def test_another_project_has_the_contract_in_three_lines(tmp_path: Path) -> None:
     status, out = run_elsewhere(tmp_path, "LagrangeStick")
     assert status == 0
-    assert "15 passed" in out
+    assert "16 passed" in out
 
 
 def test_a_law_that_the_motor_does_not_suit_brings_its_own(tmp_path: Path) -> None:

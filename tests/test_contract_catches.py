@@ -1,21 +1,24 @@
 """The contract can be broken: laws that cheat on purpose, each in one way, fail where they should."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Annotated, ClassVar, final
+from typing import Annotated, Any, ClassVar, final
 
 import numpy as np
 import pytest
 
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
+from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, Newton, PenaltyLaw
 from contactlab.laws.base import MultiplierKernel, PenaltyKernel
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
 from contactlab.testing import LawContract
+from contactlab.testing.contract import bench as bench_module
 from contactlab.testing.contract.bench import Bench
 from contactlab.testing.contract.properties import PROPERTIES, check
+from contactlab.testing.runs import attempt
+from contactlab.trajectory import Ending, Trajectory
 
 Forces = tuple[float, float, float, float]
 STIFFNESS = 1e10
@@ -119,6 +122,47 @@ def test_a_law_that_cheats_fails_where_it_cheats(kernel: Callable[..., Forces]) 
     assert expected <= found
     # What is broken may upset what rests on it, but an honest law fails nothing.
     assert bool(found) == bool(expected)
+
+
+def test_a_law_that_is_refused_fails_with_the_sentence_and_stops_nothing() -> None:
+    def endless(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
+        return p[7], p[1], 0.0, 0.0
+
+    bench = Bench(Cheat(0.3, fleeting_kernel(endless)))
+    for name in ("ledger_closes", "stick_is_exact", "converges", "mirrors"):
+        (claim,) = check(bench, name)
+        assert not claim.holds
+        assert "cheat: its" in claim.statement
+    assert {"ledger_closes", "kernel_is_consistent"} <= failing(bench.law)
+
+
+def test_a_run_that_does_not_end_fails_with_its_sentence_and_is_made_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[Trajectory] = []
+
+    def stalled(*arguments: Any) -> Trajectory:
+        run = attempt(*arguments)
+        made.append(replace(run, ending=Ending.DIVERGED, message="Its steps do not advance."))
+        return made[-1]
+
+    monkeypatch.setattr(bench_module, "attempt", stalled)
+    bench = Bench(Newton(0.3, 0.5))
+    for name in ("no_force_when_open", "dissipates", "ledger_closes", "mirrors", "converges"):
+        (claim,) = check(bench, name)
+        # What a law declares to break is no excuse for a run without an end.
+        assert not claim.holds
+        assert "newton: Its steps do not advance." in claim.statement
+    assert len(made) == 1
+
+
+def test_a_law_that_carries_nothing_fails_with_a_sentence() -> None:
+    def soft(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
+        return -1e-3 * gap, 0.0, 0.5e-3 * gap * gap, 0.0
+
+    (claim,) = check(Bench(Cheat(0.0, fleeting_kernel(soft))), "stick_is_exact")
+    assert not claim.holds
+    assert "does not carry 5 N at any penetration" in claim.statement
 
 
 def reverses(

@@ -56,6 +56,16 @@ class Undeclared(Misnamed):
     stiffness: float = 1.0
 
 @dataclass(frozen=True)
+class Smooth(Misnamed):
+    name = "smooth"
+    stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)] = 1e7
+
+@dataclass(frozen=True)
+class Contradicting(Smooth):
+    name = "contradicting"
+    friction_kind = 2
+
+@dataclass(frozen=True)
 class WithoutDefault(Misnamed):
     name = "without_default"
     stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
@@ -68,7 +78,10 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
     made = Elsewhere(tmp_path_factory.mktemp("packages"), tmp_path_factory.mktemp("elsewhere"))
     made.install_example()
     entries = {name: entry for name, (entry, _) in BROKEN.items()}
-    more = {"without_default": "various:WithoutDefault", "twice": "various:Law"}
+    more = {"without_default": "various:WithoutDefault", "twice": "various:Law"} | {
+        "smooth": "various:Smooth",
+        "contradicting": "various:Contradicting",
+    }
     modules = {"various": VARIOUS, "failing": "1 / 0"}
     made.install("broken-laws", "0.1", entries | more, modules)
     made.install("other-laws", "0.2", {"twice": "various:Law"}, {})
@@ -141,7 +154,7 @@ def test_its_contract_holds_in_three_lines(elsewhere: Elsewhere) -> None:
     (elsewhere.folder / test.name).write_text(test.read_text(encoding="utf-8"), encoding="utf-8")
     status, out, _ = elsewhere.python("-m", "pytest", "-q", "-p", "no:cacheprovider", test.name)
     assert status == 0, out
-    assert "15 passed" in out
+    assert "16 passed" in out
 
 
 def test_broken_laws_are_listed_with_the_reason(elsewhere: Elsewhere) -> None:
@@ -163,6 +176,51 @@ def test_a_broken_law_is_refused_in_a_sentence(elsewhere: Elsewhere, name: str) 
     assert law.startswith(f"law.name is '{name}', which cannot run.")
     assert BROKEN[name][1] in law
     assert clearance.startswith("contact.clearance is -1 m")
+
+
+FRICTION = "contact.friction_coefficient"
+IDLE = f"{FRICTION} is set, but law=smooth has no friction coefficient of that name"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["law=smooth", f"{FRICTION}=0.2"],
+        ["-m", "law=smooth", f"{FRICTION}=0.1,0.2"],
+        ["map", "law=smooth", f"sweep.{FRICTION}=0.1,0.2"],
+        ["map", "law=smooth", f"{FRICTION}=0.2", "sweep.contact.clearance=0,1e-6"],
+    ],
+)
+def test_a_friction_coefficient_on_which_nothing_depends_is_refused(
+    elsewhere: Elsewhere, arguments: list[str]
+) -> None:
+    status, _, err = elsewhere.command(*arguments)
+    assert status == 2
+    assert err == f"{IDLE}; it must be left out. Set the keys of the law, or choose another one.\n"
+
+
+def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(
+    elsewhere: Elsewhere,
+) -> None:
+    arguments = ("-m", "law=smooth,hertz_penalty", f"{FRICTION}=0.1,0.2", SHORT)
+    status, _, err = elsewhere.command(*arguments, "hydra.sweep.dir=friction")
+    assert status == 0, err
+    assert err.count(IDLE) == 1
+    assert len(list((elsewhere.folder / "friction").glob("*/run.nc"))) == 4
+    arguments = ("map", "sweep.law=smooth,hertz_penalty", f"sweep.{FRICTION}=0.1,0.2", SHORT)
+    status, _, err = elsewhere.command(*arguments, "--output", "friction_map")
+    assert status == 0, err
+    assert err.count(IDLE) == 1
+    status, _, err = elsewhere.command("law=smooth", SHORT, "hydra.run.dir=smooth")
+    assert (status, err) == (0, "")
+
+
+def test_a_law_that_contradicts_itself_is_refused_before_anything_runs(
+    elsewhere: Elsewhere,
+) -> None:
+    status, _, err = elsewhere.command("law=contradicting")
+    assert status == 2
+    assert "its friction_kind is CREEPING, but it has no kernel of friction" in err
 
 
 def test_broken_laws_harm_no_other(elsewhere: Elsewhere) -> None:

@@ -75,9 +75,13 @@ class Frictionless(MultiplierLaw):
         return frictionless
 
 
+@dataclass(frozen=True)
 class OfNoFamily(ContactLaw):
     """Neither compliant nor rigid."""
 
+    name: ClassVar[str] = "of_no_family"
+    equation: ClassVar[str] = "none"
+    source: ClassVar[str] = "this test"
     default_contact_step: ClassVar[float] = 1e-7
 
 

@@ -1,5 +1,6 @@
 """What a command line asks for, checked before anything runs: every job of it, and every fault."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ from contactlab.command.directories import (
 from contactlab.command.runner import refusals
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.config.idle import FRICTION, idle_friction
 from contactlab.sweep.job import Job, key_of
 
 
@@ -95,6 +97,8 @@ def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun
     faults = faults or [*shared(folders), *(f for p in to_be_tried(folders) for f in refusals(p))]
     if faults or base is None:
         raise ConfigurationError(list(dict.fromkeys(faults)))
+    if words := idle_friction(checker.rubbing):
+        print(f"contactlab: {words}", file=sys.stderr)
     return Plan(
         RunMode.MULTIRUN if multirun else RunMode.RUN,
         tuple(jobs) if not multirun or sweeper_of(base) == BASIC_SWEEPER else (),
@@ -133,6 +137,8 @@ class _Checker:
 
     def __init__(self, faults: list[str], lines: Sequence[str]) -> None:
         self.directory = ""
+        self.rubbing: list[Mapping[str, Any]] = []
+        """The laws of the jobs for which the friction coefficient is set."""
         self._faults = faults
         self._typed = set(lines)
         self._first: DictConfig | None = None
@@ -166,6 +172,8 @@ class _Checker:
         folder = self._folder(task, hydra, _tasks(job), number, multirun)
         if setup is None or folder is None:
             return None
+        if any(override.key_or_group == FRICTION for override in job):
+            self.rubbing.append(setup.configuration["law"])
         tasks = tuple(str(override.input_line) for override in _tasks(job))
         asked = Job(key_of(setup), tasks, choices_of(hydra.runtime.choices), setup.configuration)
         lines = [

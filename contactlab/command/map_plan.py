@@ -1,5 +1,6 @@
 """What a command line of `contactlab map` asks for: composed, checked, and every fault of it told."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from itertools import product
 from math import ceil, prod
@@ -12,6 +13,7 @@ from omegaconf import OmegaConf
 from contactlab.command.composer import Composer
 from contactlab.command.sweep_values import FORMS, PREFIX, SweepError, Typed, typed
 from contactlab.config import ConfigurationError, build, validate
+from contactlab.config.idle import FRICTION, idle_friction
 from contactlab.config.keys import units_of
 from contactlab.config.quantity import describe
 from contactlab.config.units import UnitError, from_cf, to_si
@@ -58,6 +60,10 @@ def plan_of(
     keys = [one for one in swept if one not in groups]
     found = {axis.name: axis for axis in planner.axes(bases, keys)}
     planner.stop()
+    given = {line.partition("=")[0].lstrip("+") for line in fixed}
+    rubbing = bases if FRICTION in given or FRICTION in found else []
+    if words := idle_friction(base["law"] for base in rubbing):
+        print(f"contactlab: {words}", file=sys.stderr)
     for group in groups:
         # A slash is no part of a name in a file.
         found[group.key] = Axis(group.key.replace("/", "."), group.listed)

@@ -186,6 +186,7 @@ def _law(
     """The law, and the keys of its section that follow from others: a stiffness from the tip's radius."""
     from contactlab import laws
     from contactlab.laws.declaration import made
+    from contactlab.laws.intake import check_friction
 
     computed: dict[str, Any] = {}
     if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
@@ -193,12 +194,14 @@ def _law(
         computed = {"stiffness": stiffness, "tip_radius": None}
     values = section.model_dump() | computed
     try:
-        return made(laws.law_class(section.name), values, friction_coefficient), computed
+        law = made(laws.law_class(section.name), values, friction_coefficient)
+        check_friction(law)
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         raise ConfigurationError(
             [f"law={section.name} cannot be made from its parameters: {one_line(error)}"]
         ) from error
+    return law, computed
 
 
 @lru_cache(maxsize=4096)

@@ -1,10 +1,13 @@
 """Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.checks import check_kind, check_number
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant, plant_of
@@ -34,10 +37,13 @@ from contactlab.engine.run import (
     Run,
     run_for,
 )
-from contactlab.engine.step import RUBBING, Step, step_for
+from contactlab.engine.step import PARITY, RUBBING, Step, step_for
 from contactlab.engine.workspace import Workspace
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import LAW_WORDS, ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.failure import LawError
+from contactlab.laws.intake import check_friction, fault_of_answers, guarded, parameters_of
+from contactlab.laws.soundness import refuse_unsound
 from contactlab.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
@@ -86,11 +92,13 @@ def simulate(
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, or tip and rotor
             that overlap at the start where the law is rigid.
-        TypeError: a law of neither family.
-        LawError: the law's own code raised an exception, which is the cause.
+        TypeError: an argument of another kind, or a law of neither family.
+        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
+    _check_kinds(motor, law)
     contact_step = law.default_contact_step if contact_step is None else contact_step
     _check(law, duration, record_interval, contact_step, tolerance)
+    parameters, (force, rub, solve), law_errors = _taken_in(law)
     plant = plant_of(motor)
     compliant = isinstance(law, PenaltyLaw)
     tables = (workspace or Workspace()).tables(plant, contact_step, duration, not compliant)
@@ -103,11 +111,10 @@ def simulate(
     run.whole[LEVEL] = tables.fresh_level
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
+        step.whole[PARITY] = law.memory_parity
     if isinstance(law, MultiplierLaw):
         run.whole[PROJECTS] = law.projects
     _start(motor, plant, step, run, compliant)
-    parameters = law.parameters()
-    (force, rub, solve), law_errors = kernels_of(law)
     compile_loop(plant, tables, step, run)
 
     if progress is not None:
@@ -173,6 +180,21 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
     kernels_of(law)
 
 
+def _check_kinds(motor: Motor, law: ContactLaw) -> None:
+    check_kind("The motor", motor, Motor)
+    if isinstance(law, str):
+        raise TypeError(
+            f"The law is the text {law!r}; it must be a law and not its name. Make it from its class: "
+            f"contactlab.laws.law_class({law!r})(...)."
+        )
+    check_kind("The law", law, ContactLaw)
+    refuse_unsound(type(law), LAW_WORDS)
+    if not isinstance(law, PenaltyLaw | MultiplierLaw):
+        raise TypeError(
+            f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."
+        )
+
+
 def _check(
     law: ContactLaw,
     duration: float,
@@ -180,6 +202,9 @@ def _check(
     contact_step: float,
     tolerance: float | None,
 ) -> None:
+    check_number("The duration", duration)
+    check_number("The record interval", record_interval)
+    check_number("The contact step", contact_step)
     if not 0.0 < duration < np.inf:
         raise ValueError(f"The duration is {duration} s; it must be positive and finite.")
     if not 0.0 < record_interval <= duration:
@@ -189,18 +214,29 @@ def _check(
         )
     if not 0.0 < contact_step < np.inf:
         raise ValueError(f"The contact step is {contact_step} s; it must be positive and finite.")
-    if not isinstance(law, PenaltyLaw | MultiplierLaw):
-        raise TypeError(
-            f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."
-        )
     if tolerance is not None:
         if isinstance(law, MultiplierLaw):
             raise ValueError(
                 f"The tolerance is {tolerance}, but {law.name} has no error control: its contact "
                 "step sets its error. Leave the tolerance out."
             )
+        check_number("The tolerance", tolerance)
         if not 0.0 < tolerance < 1.0:
             raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
+
+
+def _taken_in(
+    law: ContactLaw,
+) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
+    """A law's parameters between guards and its kernels, see `kernels_of`; one that cannot run is refused."""
+    check_friction(law)
+    parameters = parameters_of(law)
+    kernels, law_errors = kernels_of(law)
+    with law_errors():
+        fault = fault_of_answers(law, parameters, *kernels)
+    if fault:
+        raise LawError(fault)
+    return guarded(parameters), kernels, law_errors
 
 
 def _count_records(duration: float, interval: float) -> int:

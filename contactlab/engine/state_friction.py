@@ -21,6 +21,7 @@ from contactlab.engine.step import (
     MEMORY,
     MEMORY_RATE,
     NORMAL,
+    PARITY,
     PUSH_TH,
     PUSH_U,
     RUBBING,
@@ -32,7 +33,7 @@ from contactlab.engine.step import (
 )
 from contactlab.engine.tables import NODES, Tables, step_length
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import SET_VALUED, FrictionKernel
+from contactlab.laws.base import EVEN, SET_VALUED, FrictionKernel
 
 Array = NDArray[np.float64]
 
@@ -114,10 +115,10 @@ def _law_and_slopes(
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     normal = step.force[NORMAL, i]
     f, g, _, _ = rub(gap, rate, slip, normal, z, parameters)
-    # The way of the slip, so that a mirrored step is the mirrored numbers.
+    # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
     way = NUDGE if slip >= 0.0 else -NUDGE
     dv = way * (abs(slip) + LEAST_SLIP)
-    dz = way * (abs(z) + LEAST_MEMORY)
+    dz = (NUDGE if step.whole[PARITY] == EVEN else way) * (abs(z) + LEAST_MEMORY)
     f_v, g_v, _, _ = rub(gap, rate, slip + dv, normal, z, parameters)
     f_z, g_z, _, _ = rub(gap, rate, slip, normal, z + dz, parameters)
     return f, g, (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz

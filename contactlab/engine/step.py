@@ -21,8 +21,9 @@ Array = NDArray[np.float64]
 FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
 """Kinds of a step: the degree of its force polynomial."""
 
-KIND, MODE, RUBBING = range(3)
-"""Places in `Step.whole`: the kind, the contact mode, and the law's kind of friction."""
+KIND, MODE, RUBBING, PARITY = range(4)
+"""Places in `Step.whole`: the kind, the contact mode, the law's kind of friction, and the parity of what it
+remembers."""
 
 LENGTH, TAKEN, CLOSING, MEMORY = range(4)
 """Places in `Step.real`: the length h of the step and the part of it that is taken [s], the approach with
@@ -94,7 +95,7 @@ def step_for(plant: Plant) -> Step:
     """Working memory for a plant at rest."""
     j, k = plant.stiffness.size, plant.omega.size
     return Step(
-        whole=np.zeros(3, dtype=np.int64),
+        whole=np.zeros(4, dtype=np.int64),
         # A first step continues a polynomial of zeros, of some length.
         real=np.array([1.0, 0.0, 0.0, 0.0]),
         q=np.zeros(j),

@@ -19,6 +19,7 @@ from numba import types
 from numpy.typing import NDArray
 
 from contactlab.laws.parameter import Parameter, check_parameters, parameters_of
+from contactlab.laws.soundness import refuse_unsound
 
 Array = NDArray[np.float64]
 
@@ -28,6 +29,12 @@ FREE, SLIP, STICK = 0, 1, 2
 SET_VALUED, SPRING_AND_SLIDER, CREEPING = 0, 1, 2
 """Kinds of friction: stick without any slip; a spring that a slider ends; a force that the slip and the
 memory determine."""
+
+ODD, EVEN = -1, 1
+"""Parities of what friction remembers: whether it changes its sign where left and right are exchanged."""
+
+LAW_WORDS = ("name", "equation", "source", "default_contact_step")
+"""What every law says of itself."""
 
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=False)
@@ -56,6 +63,7 @@ class ContactLaw(ABC):
     Subclass one of the two families, never a concrete law.
 
     Raises:
+        TypeError: a parameter that is no number, or a class that is no dataclass or lacks a word.
         ValueError: a parameter outside of its range.
     """
 
@@ -77,7 +85,12 @@ class ContactLaw(ABC):
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Claims of `contactlab.testing.LawContract` that this law breaks, each with the reason why."""
 
+    def __init__(self, *given: object, **named: object) -> None:
+        # A dataclass has its own: this one is reached where the decorator is missing.
+        refuse_unsound(type(self), LAW_WORDS)
+
     def __post_init__(self) -> None:
+        refuse_unsound(type(self), LAW_WORDS)
         check_parameters(self)
 
     @property
@@ -123,6 +136,9 @@ class PenaltyLaw(ContactLaw):
     """SET_VALUED; SPRING_AND_SLIDER, where |F| is held inside the bound; or CREEPING, without a bound."""
     memory: ClassVar[tuple[str, ...]] = ()
     """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
+    memory_parity: ClassVar[int] = ODD
+    """ODD where the memory changes its sign in a mirror, as a stretch does; EVEN where it does not, as the
+    age of a contact."""
 
     @property
     @abstractmethod

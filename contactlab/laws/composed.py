@@ -19,8 +19,8 @@ from contactlab.laws.part import Damping, Friction, NormalForce, Part
 
 Array = NDArray[np.float64]
 
-NORMAL, DAMPING, FRICTION, SIZE = 0, 4, 8, 16
-"""Where the parts' parameters begin in the law's, and how many there are."""
+GUARD = (np.nan,)
+"""Stands behind the coefficients of each part: a kernel that reads past its own finds no number."""
 
 
 @final
@@ -52,6 +52,21 @@ class Composed(PenaltyLaw):
         return self.normal, self.damping, self.friction
 
     @property
+    def coefficients(self) -> tuple[tuple[float, ...], ...]:
+        """What the kernels of the parts read."""
+        return (
+            self.normal.coefficients(),
+            self.damping.coefficients(self.normal),
+            self.friction.coefficients(),
+        )
+
+    @property
+    def places(self) -> tuple[int, int]:
+        """Where the coefficients of damping and friction begin in the law's."""
+        normal, damping, _ = map(len, self.coefficients)
+        return normal + len(GUARD), normal + damping + 2 * len(GUARD)
+
+    @property
     def friction_limit(self) -> float:
         """Largest |F|/N [1]."""
         return self.friction.friction_limit
@@ -80,16 +95,9 @@ class Composed(PenaltyLaw):
         return replace(self, **changed)
 
     def parameters(self) -> Array:
-        """What the kernels read, each part's from its own place on."""
-        values = np.zeros(SIZE)
-        coefficients = (
-            (NORMAL, self.normal.coefficients()),
-            (DAMPING, self.damping.coefficients(self.normal)),
-            (FRICTION, self.friction.coefficients()),
-        )
-        for at, given in coefficients:
-            values[at : at + len(given)] = given
-        return values
+        """What the kernels read: the coefficients of the parts in their order, a guard behind each."""
+        normal, damping, friction = self.coefficients
+        return np.array([*normal, *GUARD, *damping, *GUARD, *friction], dtype=np.float64)
 
     @property
     def friction_kind(self) -> int:  # type: ignore[override]
@@ -100,6 +108,11 @@ class Composed(PenaltyLaw):
     def memory(self) -> tuple[str, ...]:  # type: ignore[override]
         """That of the friction."""
         return self.friction.memory
+
+    @property
+    def memory_parity(self) -> int:  # type: ignore[override]
+        """That of the friction."""
+        return self.friction.memory_parity
 
     @property
     def exact_stick(self) -> bool:  # type: ignore[override]
@@ -119,26 +132,27 @@ class Composed(PenaltyLaw):
     @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
-        return _force_of(self.normal.elastic, self.damping.damped)
+        return _force_of(self.normal.elastic, self.damping.damped, *self.places)
 
     @property
     def rub(self) -> FrictionKernel | None:
         """The kernel; see `PenaltyLaw.rub`."""
         state = self.friction.state
-        return None if state is None else _friction_of(self.normal.elastic, state)
+        return None if state is None else _friction_of(self.normal.elastic, state, self.places[1])
 
 
-# The kernels of a composition do not depend on its parameters: one compilation serves a whole sweep.
+# The kernels of a composition depend on how many coefficients its parts have, and not on their values: one
+# compilation serves a whole sweep.
 @cache
-def _force_of(elastic: Any, damped: Any) -> PenaltyKernel:
+def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> PenaltyKernel:
     def composed_force(
         gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
     ) -> tuple[float, float, float, float]:
-        spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, NORMAL)
-        normal = damped(spring, -gap_rate, approach, parameters, DAMPING)
+        spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, 0)
+        normal = damped(spring, -gap_rate, approach, parameters, damping)
         return (
             normal,
-            cone_bound(normal, slip, parameters, FRICTION),
+            cone_bound(normal, slip, parameters, friction),
             stored,
             (spring - normal) * gap_rate,
         )
@@ -147,13 +161,13 @@ def _force_of(elastic: Any, damped: Any) -> PenaltyKernel:
 
 
 @cache
-def _friction_of(elastic: Any, state: Any) -> FrictionKernel:
+def _friction_of(elastic: Any, state: Any, friction: int) -> FrictionKernel:
     def composed_friction(
         gap: float, gap_rate: float, slip: float, normal: float, memory: float, parameters: Array
     ) -> tuple[float, float, float, float]:
-        _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, NORMAL)
+        _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, 0)
         return state(  # type: ignore[no-any-return]
-            normal, stiffness, -slope * gap_rate, slip, memory, parameters, FRICTION
+            normal, stiffness, -slope * gap_rate, slip, memory, parameters, friction
         )
 
     return fleeting_kernel(composed_friction)

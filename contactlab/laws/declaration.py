@@ -100,6 +100,16 @@ def made(
     return owner(**given)
 
 
+def takes_shared(owner: "type[ContactLaw | Part]", values: Mapping[str, Any]) -> bool:
+    """Whether the parameter that is the contact's is one of a law's, or of its parts as they are chosen."""
+    return any(
+        takes_shared(PARTS[member.family][values[member.name]["name"]], values[member.name])
+        if member.family
+        else member.name == SHARED
+        for member in members_of(owner)
+    )
+
+
 def _default(field: "Field[Any]") -> Any:
     if field.default is not MISSING:
         return field.default

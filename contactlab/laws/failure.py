@@ -2,4 +2,4 @@
 
 
 class LawError(RuntimeError):
-    """A law's own code raised an exception, which is the cause of this one."""
+    """A law contradicts itself, or its own code raised an exception, which is the cause of this one."""

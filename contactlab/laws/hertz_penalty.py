@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
-from contactlab.laws.composed import FRICTION, NORMAL, Composed
+from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Undamped
-from contactlab.laws.friction.cone import cone_bound
 from contactlab.laws.friction.coulomb import Coulomb
 from contactlab.laws.normal.hertz_point import HertzPoint, hertz_elastic
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
@@ -49,24 +48,20 @@ class HertzPenalty(PenaltyLaw):
         """The same law out of its parts."""
         return Composed(HertzPoint(self.stiffness), Undamped(), Coulomb(self.friction_coefficient))
 
-    def parameters(self) -> Array:
-        """What the kernels of the parts read."""
-        return self.composition.parameters()
-
     @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
         return hertz_force
 
 
-# The composition's own kernel, under a name: its code is kept, so that the default law starts at once.
+# What the composition's kernel does, under a name: its code is kept, so that the default law starts at once.
 @kernel
 def hertz_force(
     gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
-    normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, NORMAL)
-    return normal, cone_bound(normal, slip, parameters, FRICTION), stored, 0.0
+    normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
+    return normal, parameters[1] * normal, stored, 0.0
 
 
 def hertz_stiffness(

@@ -5,6 +5,8 @@ from functools import cache
 from math import inf, isfinite
 from typing import Any, final, get_type_hints
 
+from contactlab.checks import check_fields
+
 
 @final
 @dataclass(frozen=True)
@@ -63,12 +65,14 @@ def parameters_of(law: type) -> dict[str, Parameter]:
 
 
 def check_parameters(law: Any) -> None:
-    """Refuse a law with a parameter outside of its range.
+    """Refuse a law or a part with a parameter that is none, or outside of its range.
 
     Raises:
-        ValueError: with a sentence for each such parameter.
+        TypeError: with a sentence for each that is no number, or no part of the wanted family.
+        ValueError: with a sentence for each that is out of range.
     """
     kind: type = type(law)
+    check_fields(law, law.name)
     faults = [
         f"{law.name}: {name} is {getattr(law, name)} {declared.units}; it must be {declared.range}."
         for name, declared in parameters_of(kind).items()

@@ -1,7 +1,7 @@
 """What a composed law is made of: a normal force, a damping and a friction, each a few lines.
 
-A part is an immutable dataclass like a law. Its kernel reads its parameters from the law's array, from
-the place `at` on.
+A part is an immutable dataclass like a law. Its kernel reads its coefficients, as many as they are, from
+the law's array, from the place `at` on.
 """
 
 from abc import ABC, abstractmethod
@@ -13,8 +13,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.laws.base import SET_VALUED
+from contactlab.laws.base import ODD, SET_VALUED
 from contactlab.laws.parameter import check_parameters
+from contactlab.laws.soundness import refuse_unsound
 
 Array = NDArray[np.float64]
 
@@ -24,11 +25,15 @@ StateKernel = Callable[
     [float, float, float, float, float, Array, int], tuple[float, float, float, float]
 ]
 
+PART_WORDS = ("family", "name", "equation", "source")
+"""What every part says of itself."""
+
 
 class Part(ABC):
     """A part of a composed law: an immutable dataclass whose fields are its parameters in SI units.
 
     Raises:
+        TypeError: a parameter that is no number, or a class that is no dataclass or lacks a word.
         ValueError: a parameter outside of its range.
     """
 
@@ -41,7 +46,12 @@ class Part(ABC):
     source: ClassVar[str]
     """Where it is published."""
 
+    def __init__(self, *given: object, **named: object) -> None:
+        # A dataclass has its own: this one is reached where the decorator is missing.
+        refuse_unsound(type(self), PART_WORDS)
+
     def __post_init__(self) -> None:
+        refuse_unsound(type(self), PART_WORDS)
         check_parameters(self)
 
     def describe(self) -> dict[str, float]:
@@ -99,6 +109,7 @@ class Friction(Part):
     exact_stick: ClassVar[bool] = True
     convergence_order: ClassVar[float] = 1.0
     memory: ClassVar[tuple[str, ...]] = ()
+    memory_parity: ClassVar[int] = ODD
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     friction_coefficient: float
 

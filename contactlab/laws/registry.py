@@ -10,13 +10,13 @@ broken harms no other law.
 """
 
 from collections import Counter
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, entry_points, version
-from inspect import isabstract
 from typing import TYPE_CHECKING, final
 
+from contactlab.laws.soundness import fault_of
 from contactlab.laws.table import Table
 
 if TYPE_CHECKING:
@@ -128,17 +128,12 @@ def provenance(law: type) -> str:
 
 def _fault_of(found: object, name: str) -> str:
     """What keeps an object from being the law of this name; empty for a law."""
-    from contactlab.laws.base import MultiplierLaw, PenaltyLaw
+    from contactlab.laws.base import LAW_WORDS, MultiplierLaw, PenaltyLaw
 
     if not isinstance(found, type) or not issubclass(found, PenaltyLaw | MultiplierLaw):
         return "is no subclass of contactlab.laws.PenaltyLaw or MultiplierLaw"
-    if isabstract(found):
-        return f"lacks {', '.join(sorted(found.__abstractmethods__))}"
-    if not is_dataclass(found):
-        return "is no dataclass; decorate it with @dataclass(frozen=True)"
-    words = ("name", "equation", "source", "default_contact_step")
-    if missing := [word for word in words if not hasattr(found, word)]:
-        return f"does not say its {', '.join(missing)}"
+    if fault := fault_of(found, LAW_WORDS):
+        return fault
     if found.name != name:
         return f"calls itself {found.name!r}, which must be the name of its entry too"
     return ""

@@ -6,6 +6,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.checks import check_shape
+
 Array = NDArray[np.float64]
 
 
@@ -32,6 +34,19 @@ class NormalModes:
     tip_displacement: Array
     tip_slope: Array
     shape_coupling: Array
+
+    def __post_init__(self) -> None:
+        check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
+        count = self.stiffness.size
+        for name in ("damping", "tip_displacement", "tip_slope"):
+            check_shape(name, getattr(self, name), (count,), "one number a mode")
+        check_shape("coupling", self.coupling, (count, 2), "a row a mode and a column an electrode")
+        check_shape(
+            "shape_coupling",
+            self.shape_coupling,
+            (-1, 2),
+            "a row a shape and a column an electrode",
+        )
 
     @property
     def natural_frequency(self) -> Array:

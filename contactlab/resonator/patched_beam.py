@@ -9,6 +9,7 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 
+from contactlab.checks import check_fields
 from contactlab.materials import Piezoceramic, Steel
 from contactlab.resonator.modes import NormalModes
 
@@ -46,6 +47,7 @@ class PatchedBeam(ABC):
     stiffness_damping: float = 2e-5
 
     def __post_init__(self) -> None:
+        check_fields(self)
         half = 0.5 * self.length
         if not 0.0 <= self.patch_start < self.patch_end <= half:
             raise ValueError(

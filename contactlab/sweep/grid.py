@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 import xarray
 
+from contactlab.checks import check_kind
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
@@ -109,9 +110,13 @@ def simulate_many(
         of every run; a run that is not complete has NaN.
 
     Raises:
+        TypeError: what is no grid of motors, or neither a law nor a function.
         ValueError: a metric or series that there is not, or records that are needed and not asked for.
         WorkerError: a worker process died.
     """
+    check_kind("The grid", motors, MotorGrid)
+    if not callable(law):
+        check_kind("The law", law, ContactLaw)
     wanted = wanted_of(metrics, series)
     if wanted.sampled and record_interval is None:
         raise ValueError(

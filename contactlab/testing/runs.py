@@ -19,7 +19,19 @@ def run(
     Raises:
         RuntimeError: it did not.
     """
-    trajectory = simulate(
+    return completed(attempt(motor, law, duration, contact_step, record_interval, tolerance))
+
+
+def attempt(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float,
+    contact_step: float | None = None,
+    record_interval: float | None = None,
+    tolerance: float | None = None,
+) -> Trajectory:
+    """A run as `run` makes it, whatever becomes of it."""
+    return simulate(
         motor,
         law,
         duration=duration,
@@ -27,8 +39,16 @@ def run(
         contact_step=contact_step,
         tolerance=tolerance,
     )
+
+
+def completed(trajectory: Trajectory) -> Trajectory:
+    """A run that has reached its end.
+
+    Raises:
+        RuntimeError: it has not.
+    """
     if not trajectory.complete:
-        raise RuntimeError(f"{law.name}: {trajectory.message}")
+        raise RuntimeError(f"{trajectory.law.name}: {trajectory.message}")
     return trajectory
 
 

@@ -7,6 +7,7 @@ DAMPING = "contactlab/laws/damping"
 STATE = "contactlab/engine/state_friction.py"
 COMPOSED = ("tests/test_composed.py",)
 FORMS = ("tests/test_closed_forms.py",)
+INTAKE = ("tests/test_intake.py",)
 
 PARTS = (
     Mutation(
@@ -36,6 +37,20 @@ PARTS = (
         "step.memory[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0",
         "step.memory[i] = 0.9 * sign * bound / stiffness if stiffness > 0.0 else 0.0",
         FORMS,
+    ),
+    Mutation(
+        "what a mirror leaves is turned with the slip",
+        STATE,
+        "(NUDGE if step.whole[PARITY] == EVEN else way)",
+        "way",
+        INTAKE,
+    ),
+    Mutation(
+        "the friction of a composed law reads the damping's last coefficient first",
+        "contactlab/laws/composed.py",
+        "normal + damping + 2 * len(GUARD)",
+        "normal + damping + len(GUARD)",
+        INTAKE,
     ),
     Mutation(
         "what a spring holds is booked as lost",

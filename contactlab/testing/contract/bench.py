@@ -13,7 +13,7 @@ from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.motor import Motor
 from contactlab.resonator import RitzResonator
 from contactlab.testing.plants import block
-from contactlab.testing.runs import run
+from contactlab.testing.runs import attempt, completed, run
 from contactlab.trajectory import Trajectory
 
 MOTOR_DURATION = 1.5e-3
@@ -21,6 +21,9 @@ MOTOR_DURATION = 1.5e-3
 
 MASS, BELT_MASS, WEIGHT = 2e-3, 1e-2, 5.0
 """Of the skipping block [kg], [kg], [N]: about a motor's tip, and a rotor as light as to answer."""
+
+DEPTHS = tuple(0.5 * k for k in range(-30, 1))
+"""Logarithms of penetrations at which a law may carry the weight."""
 
 NUDGE = 0.4
 """Push over what friction can hold."""
@@ -74,20 +77,31 @@ class Bench:
         """Finer than the steps of a rigid law, fine against a contact of a compliant one [s]."""
         return 0.4 * self.law.default_contact_step if self.rigid else 1e-7
 
-    @cached_property
+    @property
     def motor_run(self) -> Trajectory:
         """The law in the motor, recorded finely."""
-        return self.run_motor(self.law)
+        return completed(self._motor_run)
 
     def run_motor(self, law: ContactLaw, motor: Motor | None = None) -> Trajectory:
         """A run as `motor_run` of another law or motor."""
-        chosen = self.motor if motor is None else motor
-        step = self.law.default_contact_step
-        return run(chosen, law, MOTOR_DURATION, step, self.record_interval)
+        return completed(self._attempt(law, self.motor if motor is None else motor))
 
-    @cached_property
+    @property
     def skipping(self) -> Trajectory:
         """A block that is thrown onto a moving belt at a slant and pressed on by its weight."""
+        return completed(self._skipping)
+
+    # A run that fails may take long to do so: it is made once, and every property told of it.
+    @cached_property
+    def _motor_run(self) -> Trajectory:
+        return self._attempt(self.law, self.motor)
+
+    def _attempt(self, law: ContactLaw, motor: Motor) -> Trajectory:
+        step = self.law.default_contact_step
+        return attempt(motor, law, MOTOR_DURATION, step, self.record_interval)
+
+    @cached_property
+    def _skipping(self) -> Trajectory:
         motor = block(
             MASS,
             height=1e-6,
@@ -97,7 +111,7 @@ class Bench:
             belt_mass=BELT_MASS,
             belt_velocity=-0.02,
         )
-        return run(motor, self.law, 1e-3, record_interval=1e-6)
+        return attempt(motor, self.law, 1e-3, record_interval=1e-6)
 
     @cached_property
     def nudged(self) -> Trajectory:
@@ -117,11 +131,22 @@ class Bench:
         def missing(exponent: float) -> float:
             return force(-(10.0**exponent), 0.0, 0.0, 0.0, parameters)[0] - WEIGHT
 
-        exponent: float = brentq(missing, -15.0, 0.0, xtol=1e-15)
+        # From shallow to deep: how deep the law is valid is not known.
+        enough = next((e for e in DEPTHS if not missing(e) < 0.0), 0.0)
+        if not missing(enough) >= 0.0:
+            raise RuntimeError(
+                f"{law.name}: its normal force does not carry {WEIGHT:g} N at any penetration."
+            )
+        exponent: float = brentq(missing, -15.0, enough, xtol=1e-15)
         return float(-(10.0**exponent))
 
     def converging(self) -> tuple[list[float], list[Trajectory]]:
-        """Tolerances or contact steps [s], and their runs with a much finer one at the end."""
+        """Tolerances or contact steps [s], and their runs with a much finer one at the end.
+
+        Raises:
+            RuntimeError: one of them does not reach its end, or not even `motor_run`.
+        """
+        completed(self._motor_run)
         motor, step, end = self.motor, self.law.default_contact_step, MOTOR_DURATION
         if self.rigid:
             sizes = [step * 2.0**k for k in range(5, -1, -1)]

@@ -1,15 +1,18 @@
 """Properties of a law by itself: what it declares, and what its kernel answers to drawn states."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf, isfinite, sqrt
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SET_VALUED, SLIP, SPRING_AND_SLIDER, STICK
+from contactlab.laws.base import SLIP, SPRING_AND_SLIDER, STICK
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction.cone import cone_bound
+from contactlab.laws.intake import guarded, misfits
 from contactlab.testing.claim import Claim, at_most
 from contactlab.testing.contract.bench import Bench
 
@@ -48,6 +51,50 @@ def kernel_is_consistent(bench: Bench) -> Iterator[Claim]:
         yield from _impulse_is_consistent(bench.law)
 
 
+def parts_keep_apart(bench: Bench) -> Iterator[Claim]:
+    """A composed law is its parts, each asked alone with its own coefficients and nothing behind them."""
+    law = bench.law
+    if not isinstance(law, Composed):
+        return
+    rng = np.random.default_rng(0)
+    parameters = law.parameters()
+    normal, damping, friction = (guarded(np.array(given)) for given in law.coefficients)
+    elastic, damped, state, rub = (
+        law.normal.elastic,
+        law.damping.damped,
+        law.friction.state,
+        law.rub,
+    )
+    pressed, bounded, rubbed = 0.0, 0.0, 0.0
+    for _ in range(STATES):
+        depth = 10.0 ** rng.uniform(-9.0, -5.0)
+        rate, slip = rng.normal(size=2) * 0.3
+        slip *= rng.random() < 0.8
+        speed, memory = abs(rng.normal()) * 0.3, rng.normal() * 1e-6
+        spring, stored, stiffness, slope = elastic(depth, normal, 0)
+        alone = damped(spring, -rate, speed, damping, 0)
+        expected = (alone, stored, (spring - alone) * rate)
+        force, bound, *found = law.force(-depth, rate, slip, speed, parameters)
+        pressed = _farther(pressed, (force, *found), expected)
+        bounded = _farther(bounded, (bound,), (cone_bound(alone, slip, friction, 0),))
+        if state is not None and rub is not None:
+            asked = (alone, stiffness, -slope * rate, slip, memory, friction, 0)
+            answer = rub(-depth, rate, slip, alone, memory, parameters)
+            rubbed = _farther(rubbed, answer, state(*asked))
+    words = "of the composed law less that of its parts alone, relative"
+    yield at_most(f"normal force, energy and loss {words}", pressed, ROUND_OFF)
+    yield at_most(f"friction bound {words}", bounded, ROUND_OFF)
+    yield at_most(f"friction {words}", rubbed, ROUND_OFF)
+
+
+def _farther(worst: float, found: Sequence[float], expected: Sequence[float]) -> float:
+    """The largest relative difference so far; infinite once there is no number."""
+    for one, other in zip(found, expected, strict=True):
+        change = abs(one - other) / (abs(one) + abs(other) + 1e-300)
+        worst = max(worst, change) if isfinite(change) else inf
+    return worst
+
+
 def _refuses(law: ContactLaw, name: str, value: float) -> bool:
     """Whether the law refuses a value of one parameter."""
     try:
@@ -82,7 +129,7 @@ def _force_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
         potential = max(potential, abs(loss + (normal + slope) * rate) / (size * abs(rate)))
         asked = [law.force(gap, rate, slip, speed, parameters) for _ in range(2)]
         changed += asked[0] != asked[1]
-    changed += not np.array_equal(given, parameters)
+    changed += not np.array_equal(given, parameters, equal_nan=True)
     yield at_most("pull of the kernel, over the force", pull, 0.0)
     yield at_most("friction bound outside of [0, mu N], over the force", excess, ROUND_OFF)
     yield at_most("negative normal loss, over the power", gain, ROUND_OFF)
@@ -93,7 +140,8 @@ def _force_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
 
 def _friction_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
     """A spring's F = -k z and E = 1/2 k z^2; no creep that pushes; nothing stored without memory."""
-    yield at_most("kinds of friction without a kernel of theirs", _misfits(law), 0)
+    found = list(misfits(law))
+    yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
     rub = law.rub
     if rub is None:
         return
@@ -117,21 +165,11 @@ def _friction_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
         else:
             gained = max(gained, rub(*asked, 0.0, parameters)[0] * slip / (size * abs(slip)))
         changed += rub(*asked, memory, parameters) != rub(*asked, memory, parameters)
-    changed += not np.array_equal(given, parameters)
+    changed += not np.array_equal(given, parameters, equal_nan=True)
     yield at_most("spring force less -k z, over the force", spring, ROUND_OFF)
     yield at_most("energy stored without memory, or negative, over the force", stored, ROUND_OFF)
     yield at_most("power of creep without memory on the slip, over the power", gained, ROUND_OFF)
     yield at_most("friction that changes when asked again", changed, 0)
-
-
-def _misfits(law: PenaltyLaw) -> int:
-    """Declarations of friction that contradict each other."""
-    set_valued = law.friction_kind == SET_VALUED
-    return (
-        int(set_valued != (law.rub is None))
-        + int(set_valued and bool(law.memory))
-        + int(len(law.memory) > 1)
-    )
 
 
 def _impulse_is_consistent(law: MultiplierLaw) -> Iterator[Claim]:
@@ -191,5 +229,5 @@ def answers_of(law: MultiplierLaw) -> Answers:
         worst.gain = max(worst.gain, work / (impulse * size))
         again = law.solve(rate, slip, rate, slip, d_nn, d_nt, d_tt, parameters)
         worst.odd += mode not in (SLIP, STICK) or again != (p_n, p_t, mode)
-    worst.odd += not np.array_equal(given, parameters)
+    worst.odd += not np.array_equal(given, parameters, equal_nan=True)
     return worst

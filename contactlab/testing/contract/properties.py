@@ -26,6 +26,7 @@ PROPERTIES: dict[str, Property] = {
     "declares_its_parameters": kernels.declares_its_parameters,
     "declares_what_it_breaks": declares_what_it_breaks,
     "kernel_is_consistent": kernels.kernel_is_consistent,
+    "parts_keep_apart": kernels.parts_keep_apart,
     "no_force_when_open": forces.no_force_when_open,
     "no_tension": forces.no_tension,
     "inside_the_cone": forces.inside_the_cone,
@@ -61,5 +62,13 @@ def judge(claims: Iterable[Claim], excuse: str) -> list[Claim]:
 
 
 def check(bench: Bench, name: str) -> list[Claim]:
-    """The judged claims of one property by its name."""
-    return judge(PROPERTIES[name](bench), excuse_of(bench.law, name))
+    """The judged claims of one property by its name.
+
+    A law that is refused, raises, or whose run does not reach its end breaks the property, whatever it
+    declares.
+    """
+    try:
+        claims = list(PROPERTIES[name](bench))
+    except (RuntimeError, ValueError, TypeError) as error:
+        return [at_most(f"runs that fail: {' '.join(str(error).split())}", 1, 0)]
+    return judge(claims, excuse_of(bench.law, name))

@@ -50,6 +50,10 @@ class LawContract:
         """Force and stored energy, or impulse and velocity, agree; no state is answered against the law."""
         self.assert_property("kernel_is_consistent")
 
+    def test_parts_keep_apart(self) -> None:
+        """The parts of a composed law do in it what they do alone."""
+        self.assert_property("parts_keep_apart")
+
     def test_no_force_when_open(self) -> None:
         """Between contacts there is no force at all."""
         self.assert_property("no_force_when_open")

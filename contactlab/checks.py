@@ -1,0 +1,143 @@
+"""What a dataclass is given from Python, checked against its annotations and told in sentences."""
+
+from dataclasses import fields
+from functools import cache
+from math import isfinite
+from numbers import Integral, Real
+from types import NoneType
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+
+_NUMBERS = {float: "a number", int: "a whole number", bool: "True or False"}
+
+
+def check_fields(owner: Any, title: str = "") -> None:
+    """Refuse an object with a field that is not of the annotated kind.
+
+    Looks at fields of numbers and of classes; what else an annotation says is left to the owner.
+
+    Args:
+        owner: of a dataclass.
+        title: how sentences begin; the name of its class by default.
+
+    Raises:
+        TypeError: with a sentence for each field that is of another kind.
+        ValueError: with a sentence for each number that is not finite.
+    """
+    title = title or type(owner).__name__
+    kind: type = type(owner)
+    given = [(name, getattr(owner, name), kinds) for name, kinds in _kinds_of(kind).items()]
+    wrong = [
+        f"{title}: {name} is {shown(value)}; it must be {_expected(kinds)}.{_way_out(value)}"
+        for name, value, kinds in given
+        if not any(_is(value, kind) for kind in kinds)
+    ]
+    if wrong:
+        raise TypeError(" ".join(wrong))
+    endless = [
+        f"{title}: {name} is {value}; it must be finite."
+        for name, value, _ in given
+        if isinstance(value, Real) and not isfinite(value)
+    ]
+    if endless:
+        raise ValueError(" ".join(endless))
+
+
+def check_number(words: str, value: object) -> None:
+    """Refuse what is no number.
+
+    Args:
+        words: what it is: "The duration".
+        value: as given.
+
+    Raises:
+        TypeError: it is none.
+    """
+    if not _is(value, float):
+        raise TypeError(f"{words} is {shown(value)}; it must be a number.")
+
+
+def check_kind(words: str, value: object, kind: type) -> None:
+    """Refuse what is no object of a class.
+
+    Raises:
+        TypeError: it is none.
+    """
+    if not isinstance(value, kind):
+        expected = _expected((kind,))
+        raise TypeError(f"{words} is {shown(value)}; it must be {expected}.{_way_out(value)}")
+
+
+def check_shape(
+    words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf"
+) -> None:
+    """Refuse what is no array of finite numbers, or one of another shape.
+
+    Args:
+        words: what it is.
+        values: as given.
+        shape: -1 stands for any number.
+        meaning: of the shape.
+        kinds: of numbers, as NumPy's `dtype.kind` has them.
+
+    Raises:
+        TypeError: it is no array of numbers.
+        ValueError: it has another shape, or a number that is not finite.
+    """
+    if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
+        raise TypeError(f"{words} is {shown(values)}; it must be a NumPy array of numbers.")
+    sizes = zip(values.shape, shape, strict=False)
+    if len(values.shape) != len(shape) or any(n != m for n, m in sizes if m >= 0):
+        expected = str(shape).replace("-1", "any")
+        raise ValueError(
+            f"{words} has shape {values.shape}; it must have shape {expected}, {meaning}."
+        )
+    if not np.isfinite(values).all():
+        odd = values[~np.isfinite(values)][0]
+        raise ValueError(f"{words} has {odd} among its numbers; all must be finite.")
+
+
+def shown(value: object) -> str:
+    """A value as a sentence shows it."""
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}"
+    text = repr(value)
+    return text if len(text) <= 60 else f"of the type {type(value).__name__}"
+
+
+@cache
+def _kinds_of(owner: type) -> dict[str, tuple[type, ...]]:
+    """The classes that a field may be of, by name; fields without such an annotation are left out."""
+    hints = get_type_hints(owner)
+    found = {}
+    for field in fields(owner):
+        hint = hints[field.name]
+        kinds = get_args(hint) if NoneType in get_args(hint) else (hint,)
+        if all(isinstance(kind, type) and not get_args(kind) for kind in kinds):
+            found[field.name] = kinds
+    return found
+
+
+def _is(value: object, kind: type) -> bool:
+    if kind in (float, int):
+        number = Real if kind is float else Integral
+        return isinstance(value, number) and not isinstance(value, bool)
+    return isinstance(value, kind)
+
+
+def _expected(kinds: tuple[type, ...]) -> str:
+    words = [
+        _NUMBERS.get(kind) or _article(kind.__name__) for kind in kinds if kind is not NoneType
+    ]
+    return " or ".join([*words, *(["None"] if NoneType in kinds else [])])
+
+
+def _article(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+
+
+def _way_out(value: object) -> str:
+    return f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""

@@ -1,0 +1,231 @@
+"""What a law is asked when it is taken in: whether it contradicts itself where every contact passes.
+
+The contract of `contactlab.testing` asks more, and lets the law run; this costs a run next to nothing.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from itertools import product
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.checks import shown
+from contactlab.laws.base import (
+    CREEPING,
+    EVEN,
+    ODD,
+    PENALTY_SIGNATURE,
+    SET_VALUED,
+    SLIP,
+    SPRING_AND_SLIDER,
+    STICK,
+    ContactLaw,
+    PenaltyLaw,
+)
+from contactlab.laws.failure import LawError
+
+Array = NDArray[np.float64]
+Kernel = Callable[..., Any]
+State = tuple[float, ...]
+
+GUARDS = 16
+"""Numbers on either side of a law's parameters, where no kernel has any business."""
+
+LURES = (nan, 1.0, -1.0)
+"""What they are: an answer that changes with them was made from them."""
+
+DEPTHS = (1e-12, 1e-9)
+"""Penetrations that every contact begins and ends with [m], whatever is out of a law's domain."""
+
+SPEEDS = (-0.01, 0.0, 0.01)
+"""Gap rates and slips [m/s]."""
+
+IMPACTS = tuple(
+    (-0.01, slip, -0.01, slip, 1e3, d_nt, 2e3) for slip, d_nt in product(SPEEDS, (-50.0, 0.0, 50.0))
+)
+"""Arguments of a rigid kernel: approach, slip and Delassus matrix of a motor's tip."""
+
+ROUND_OFF = 1e-9
+
+
+def guarded(parameters: Array, guard: float = nan) -> Array:
+    """The parameters between guards, so that a kernel that reads beyond them finds no number."""
+    padded = np.full(parameters.size + 2 * GUARDS, guard)
+    padded[GUARDS:-GUARDS] = parameters
+    # As the kernels are compiled for it: one for another kind of array would be compiled anew.
+    padded.flags.writeable = bool(PENALTY_SIGNATURE.args[-1].mutable)
+    return padded[GUARDS:-GUARDS]
+
+
+def parameters_of(law: ContactLaw) -> Array:
+    """What the kernel of a law receives.
+
+    Raises:
+        LawError: it is no row of numbers.
+    """
+    given: Any = law.parameters()
+    try:
+        values = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = None
+    if values is None or values.ndim != 1:
+        raise LawError(f"{law.name}: parameters() gives {shown(given)}; it must give numbers.")
+    return values
+
+
+def check_friction(law: ContactLaw) -> None:
+    """Refuse a law that contradicts itself in what it says of its friction.
+
+    Raises:
+        LawError: with a sentence on each contradiction.
+    """
+    if isinstance(law, PenaltyLaw) and (found := list(misfits(law))):
+        raise LawError(" ".join(f"{law.name}: {words}" for words in found))
+
+
+def fault_of_answers(
+    law: ContactLaw, parameters: Array, force: Kernel, rub: Kernel, solve: Kernel
+) -> str:
+    """What a law's kernels answer to a contact and cannot be, in a sentence; empty for a sound law.
+
+    Args:
+        law: taken in.
+        parameters: what its kernels receive.
+        force, rub, solve: its compiled kernels; idle ones are not asked.
+    """
+    kind = law.friction_kind if isinstance(law, PenaltyLaw) else None
+    try:
+        _ask(kind, force, rub, solve, parameters.tobytes())
+    except _AnswerError as fault:
+        return f"{law.name}: {fault}"
+    return ""
+
+
+class _AnswerError(Exception):
+    """What is wrong with an answer."""
+
+
+# A sweep asks for the same law again and again; a fault is not remembered.
+@lru_cache(maxsize=1024)
+def _ask(kind: int | None, force: Kernel, rub: Kernel, solve: Kernel, parameters: bytes) -> None:
+    """Ask the kernels of a law with a kind of friction, or of a rigid one.
+
+    Raises:
+        _AnswerError: with a sentence on the first answer that cannot be; others may follow from it.
+    """
+    rows = [guarded(np.frombuffer(parameters), lure) for lure in LURES]
+    faults = _impulse_faults(solve, rows) if kind is None else _force_faults(kind, force, rub, rows)
+    for fault in faults:
+        raise _AnswerError(fault)
+
+
+def misfits(law: PenaltyLaw) -> Iterator[str]:
+    """What a law says of its friction and contradicts."""
+    kind, memory = law.friction_kind, law.memory
+    kinds = {
+        SET_VALUED: "SET_VALUED",
+        SPRING_AND_SLIDER: "SPRING_AND_SLIDER",
+        CREEPING: "CREEPING",
+    }
+    if kind not in kinds:
+        yield (
+            f"friction_kind is {shown(kind)}; it must be {', '.join(kinds.values())} of "
+            "contactlab.laws.base."
+        )
+        return
+    if kind == SET_VALUED and law.rub is not None:
+        yield (
+            "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
+            "SPRING_AND_SLIDER or CREEPING, or leave the kernel out."
+        )
+    if kind != SET_VALUED and law.rub is None:
+        yield (
+            f"its friction_kind is {kinds[kind]}, but it has no kernel of friction. Give it one, or say "
+            "SET_VALUED."
+        )
+    if not isinstance(memory, tuple) or not all(isinstance(words, str) for words in memory):
+        yield f"memory is {shown(memory)}; it must be a tuple of texts."
+    elif len(memory) > 1:
+        yield f"it remembers {', '.join(memory)}; it can remember one quantity at most."
+    elif (kind == SET_VALUED and memory) or (kind == SPRING_AND_SLIDER and not memory):
+        yield (
+            f"its friction_kind is {kinds[kind]} and its memory {shown(memory)}; set-valued friction "
+            "remembers nothing, and a spring its stretch."
+        )
+    if law.memory_parity not in (ODD, EVEN):
+        yield f"memory_parity is {shown(law.memory_parity)}; it must be ODD or EVEN."
+
+
+def _force_faults(kind: int, force: Kernel, rub: Kernel, rows: list[Array]) -> Iterator[str]:
+    for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
+        state = (-depth, rate, slip, abs(rate))
+        yield from _number_faults("force", force, state, rows, 4, _contact)
+        normal, bound = force(*state, rows[0])[:2]
+        if bound < -ROUND_OFF * abs(normal):
+            yield (
+                f"the friction bound is {bound:g} N {_contact(state)}; it must not be negative. Where the "
+                "normal force pulls there is no friction."
+            )
+        if kind != SET_VALUED:
+            # Every touch-down begins without memory; what else it may be, the law alone knows.
+            asked = (-depth, rate, slip, normal, 0.0)
+            yield from _number_faults("rub", rub, asked, rows, 4, _contact)
+
+
+def _impulse_faults(solve: Kernel, rows: list[Array]) -> Iterator[str]:
+    for state in IMPACTS:
+        yield from _number_faults("solve", solve, state, rows, 3, _impact)
+        mode = solve(*state, rows[0])[2]
+        if mode not in (SLIP, STICK):
+            yield (
+                f"the mode is {mode} {_impact(state)}; it must be SLIP or STICK of contactlab.laws.base."
+            )
+
+
+def _number_faults(
+    name: str,
+    kernel: Kernel,
+    state: State,
+    rows: list[Array],
+    count: int,
+    where: Callable[[State], str],
+) -> Iterator[str]:
+    """What is wrong with the answer to one state, whatever it means."""
+    answer, *others = (kernel(*state, row) for row in rows)
+    if not isinstance(answer, tuple) or len(answer) != count:
+        found = f"{len(answer)} numbers" if isinstance(answer, tuple) else shown(answer)
+        yield f"its kernel {name} gives {found}; it must give {count} numbers."
+    elif not all(_same(answer, other) for other in others):
+        yield (
+            f"its kernel {name} reads parameters that there are not: its answer changes with what lies "
+            f"beyond the {rows[0].size} that parameters() gives."
+        )
+    elif not all(map(isfinite, answer)):
+        numbers = ", ".join(f"{number:g}" for number in answer)
+        yield (
+            f"its kernel {name} gives {numbers} {where(state)}; all must be finite, as every contact "
+            f"begins and ends there.{_hint(rows[0])}"
+        )
+
+
+def _contact(state: State) -> str:
+    gap, rate, slip = state[:3]
+    return f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
+
+
+def _impact(state: State) -> str:
+    return f"in an impact with a gap rate of {state[0]:g} m/s and a slip of {state[1]:g} m/s"
+
+
+def _hint(parameters: Array) -> str:
+    """What a law with guards among its parameters may have done."""
+    guarded_within = bool(np.isnan(parameters).any())
+    return " A part may have read beyond its own coefficients." if guarded_within else ""
+
+
+def _same(one: State, other: State) -> bool:
+    """Whether two answers are one; no number is the same as no number."""
+    return all(a == b or (a != a and b != b) for a, b in zip(one, other, strict=True))
