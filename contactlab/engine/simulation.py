@@ -106,7 +106,9 @@ def simulate(
     if isinstance(law, MultiplierLaw):
         run.whole[PROJECTS] = law.projects
     _start(motor, plant, step, run, compliant)
-    parameters = law.parameters()
+    # The same for the whole run: no kernel may write to them.
+    parameters = np.array(law.parameters(), dtype=np.float64)
+    parameters.flags.writeable = False
     (force, rub, solve), law_errors = kernels_of(law)
     compile_loop(plant, tables, step, run)
 

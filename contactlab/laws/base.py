@@ -30,7 +30,7 @@ SET_VALUED, SPRING_AND_SLIDER, CREEPING = 0, 1, 2
 memory determine."""
 
 _real = types.float64
-_parameters = types.Array(types.float64, 1, "C", readonly=False)
+_parameters = types.Array(types.float64, 1, "C", readonly=True)
 
 PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _parameters)
 FRICTION_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _real, _parameters)

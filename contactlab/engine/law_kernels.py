@@ -1,0 +1,185 @@
+"""The kernels of a law, compiled where that can be done: once for all that is made of the same.
+
+What was compiled is found again by its fingerprint, the digest of all that it refers to, so that a
+function that is made anew around equal values costs no second compilation, and one whose helpers or
+constants have changed gets new code.
+"""
+
+import sys
+import warnings
+from collections import Counter
+from typing import Any, Final
+from weakref import WeakKeyDictionary
+
+from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, remade
+from contactlab.engine.callback import Callback
+from contactlab.engine.obstacle import obstacle
+from contactlab.fingerprint import fingerprint, is_own
+from contactlab.laws.failure import LawError
+
+MOST: Final = 256
+"""Kernels that are kept in memory beside those of this package."""
+
+OFTEN: Final = 8
+"""Compilations of one function in a process that are worth a word."""
+
+_made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
+"""Fingerprints that compiled kernels were made from."""
+_kernels: dict[object, Any] = {}
+"""Compiled kernels by fingerprint and signature; the obstacle, in words, where there is one."""
+_callbacks: dict[object, Callback] = {}
+"""Interpreted kernels, by the function itself and by what it is made of."""
+_compilations: Counter[object] = Counter()
+_told: set[object] = set()
+
+
+def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
+    """A kernel with this signature, and the callback behind it where the function is interpreted.
+
+    Args:
+        function: a compiled kernel, which is given back, or any callable.
+        signature: what the engine calls it with.
+    """
+    if INTERPRETED:
+        return function, None
+    if hasattr(function, "py_func") and is_own(function) and not function.py_func.__closure__:
+        if function not in _made_from:
+            _compile(function, signature)
+            _made_from[function] = ""
+        return function, None
+    callback = _callbacks.get((id(function), signature))
+    if callback is not None:
+        return callback.kernel, callback
+    digest = fingerprint(function).digest
+    made = _kernels.get((digest, signature))
+    if made is None or not (isinstance(made, str) or _made_from[made] == digest):
+        made = _make(function, signature)
+        _remember(_kernels, (digest, signature), made)
+    if isinstance(made, str):
+        callback = _called_back(function, signature, made)
+        return callback.kernel, callback
+    return made, None
+
+
+def forget() -> None:
+    """Forget what was compiled and said, as a new process would."""
+    for memory in (_made_from, _kernels, _callbacks, _compilations, _told):
+        memory.clear()
+
+
+def _make(function: Any, signature: Any) -> Any:
+    """The compiled function, or the obstacle in words.
+
+    Raises:
+        LawError: it writes to the law's parameters.
+    """
+    try:
+        return _machine_code(function, signature)
+    # The compiler lets errors of every kind through, the function's own language among them.
+    except Exception as error:
+        reason = obstacle(error, function, signature)
+        if _writes(function, signature):
+            raise LawError(
+                f"{_name(function)} writes to the law's parameters ({reason}). They hold for the whole "
+                "run; let it write to variables of its own."
+            ) from error
+        return reason
+
+
+def _machine_code(function: Any, signature: Any) -> Any:
+    kernel = function if hasattr(function, "py_func") else _anew(function)
+    digests = [(each, fingerprint(each)) for each in fingerprint(kernel).kernels]
+    # What a kernel calls comes before it.
+    for each, found in sorted(digests, key=lambda pair: len(pair[1].kernels)):
+        _renew(each, found.digest)
+    try:
+        _compile(kernel, signature)
+    except RuntimeError:
+        # A kernel that takes no more signatures than its own.
+        kernel = _anew(kernel)
+        _compile(kernel, signature)
+    _made_from[kernel] = fingerprint(function).digest
+    _count(function)
+    return kernel
+
+
+def _anew(function: Any) -> Any:
+    """A kernel without any code yet."""
+    return remade(function) if hasattr(function, "py_func") else fleeting_kernel(function)
+
+
+def _writes(function: Any, signature: Any) -> bool:
+    """Whether a function that cannot be compiled could be if its parameters were no constants."""
+    *states, parameters = signature.args
+    try:
+        _compile(_anew(function), signature.return_type(*states, parameters.copy(readonly=False)))
+    except Exception:
+        return False
+    return True
+
+
+def _renew(kernel: Any, digest: str) -> None:
+    """See to it that no code of a kernel is of other sources or other values than those that stand."""
+    if _made_from.get(kernel) != digest:
+        keep_code(kernel, digest)
+        if kernel.overloads:
+            kernel.recompile()
+        _made_from[kernel] = digest
+
+
+def _compile(kernel: Any, signature: Any) -> None:
+    if tuple(signature.args) not in kernel.overloads:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            kernel.compile(signature)
+
+
+def _called_back(function: Any, signature: Any, reason: str) -> Callback:
+    """The callback of a function that cannot be compiled; says so once for its code."""
+    # Of what can change, the interpreter sees the object itself.
+    key = fingerprint(function, identities=True).digest, signature
+    callback = _callbacks.get(key)
+    if callback is None:
+        callback = Callback(function, signature)
+        _remember(_callbacks, key, callback)
+        _count(function)
+    _remember(_callbacks, (id(callback.function), signature), callback)
+    code = _code(function)
+    if code not in _told:
+        _told.add(code)
+        _say(
+            f"{callback.name} cannot be compiled ({reason}), so the Python interpreter runs it: a call "
+            f"takes {callback.slow_down()}."
+        )
+    return callback
+
+
+def _count(function: Any) -> None:
+    """Say it once if the same code is compiled again and again."""
+    code = _code(function)
+    _compilations[code] += 1
+    if _compilations[code] == OFTEN:
+        _say(
+            f"{_name(function)} has been compiled {OFTEN} times, because it is made anew around other "
+            "values every time; let it read what varies from the law's parameters."
+        )
+
+
+def _code(function: Any) -> object:
+    """What is the same in functions that are made by the same lines."""
+    function = getattr(function, "py_func", function)
+    return getattr(function, "__code__", type(function))
+
+
+def _name(function: Any) -> str:
+    return str(getattr(function, "__qualname__", type(function).__qualname__))
+
+
+def _say(sentence: str) -> None:
+    print(f"contactlab: {sentence}", file=sys.stderr, flush=True)
+
+
+def _remember(memory: dict[object, Any], key: object, value: Any) -> None:
+    memory[key] = value
+    while len(memory) > MOST:
+        del memory[next(iter(memory))]
