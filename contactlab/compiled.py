@@ -63,7 +63,7 @@ def code_folder() -> Path:
 
 
 def keep_code(kernel: Any, digest: str) -> None:
-    """Let a kernel that stands outside of this package keep its code, and find what was kept.
+    """Let a kernel of another package keep its code, and find what was kept.
 
     Args:
         kernel: not compiled yet.
@@ -71,12 +71,15 @@ def keep_code(kernel: Any, digest: str) -> None:
     """
     function = kernel.py_func
     # Of a closure the compiler would write down what it captures, which may be anything.
-    lasting = function.__closure__ is None and Path(function.__code__.co_filename).is_file()
-    if lasting or kernel.stats.cache_path is not None:
-        name = f"{OTHERS}{digest[:16]}"
-        with _caching(code_folder() / name):
+    if function.__closure__ is None and Path(function.__code__.co_filename).is_file():
+        folder = code_folder() / f"{OTHERS}{digest[:16]}"
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError:
+            return
+        with _caching(folder):
             kernel.enable_caching()
-        _remove_old(code_folder(), OTHERS, name)
+        _remove_old(code_folder(), OTHERS, folder.name)
 
 
 def _remove_old(parent: Path, prefix: str, name: str) -> None:
@@ -123,8 +126,8 @@ def fleeting_kernel(function: Function) -> Function:
 
 def remade(kernel: Any) -> Any:
     """A kernel with another's function and options, but none of its code."""
-    njit: Any = numba.njit
-    return njit(**kernel.targetoptions)(kernel.py_func)
+    jit: Any = numba.jit
+    return jit(**kernel.targetoptions)(kernel.py_func)
 
 
 def _compile(function: Function, options: dict[str, bool]) -> Function:

@@ -94,9 +94,8 @@ class Fingerprint:
     kernels: tuple[Any, ...]
     modules: tuple[ModuleType, ...]
 
-    @property
     def sources(self) -> str:
-        """Digest of the modules' files; it sees changes that cannot be followed, and comments too."""
+        """Digest of the modules' files as they are now: it sees what cannot be followed, and comments too."""
         digest = sha256()
         for module in sorted(self.modules, key=lambda module: module.__name__):
             # A module may be typed in without a file.
@@ -277,7 +276,7 @@ class _Walk:
 
 def _top(found: Any) -> str:
     """The top-level package of a function or class."""
-    return (found.__module__ or "").partition(".")[0]
+    return str(getattr(found, "__module__", "")).partition(".")[0]
 
 
 def _is_frozen(found: object) -> bool:
@@ -311,7 +310,8 @@ def _imported(code: CodeType, package: str) -> Iterator[ModuleType]:
     # Reading instructions takes far longer than looking whether there is such a one.
     steps = get_instructions(code) if _IMPORT in code.co_code[::2] else ()
     for name in [step.argval for step in steps if step.opcode == _IMPORT]:
-        for full in (name, f"{package}.{name}"):
+        # `import package.module` gives the package a name.
+        for full in (name, name.partition(".")[0], f"{package}.{name}"):
             # What is wrong with it is seen when it is run.
             with suppress(Exception):
                 yield import_module(full)

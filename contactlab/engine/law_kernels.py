@@ -24,7 +24,7 @@ OFTEN: Final = 8
 """Compilations of one function in a process that are worth a word."""
 
 _made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
-"""Fingerprints that compiled kernels were made from."""
+"""Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
 _kernels: dict[object, Any] = {}
 """Compiled kernels by fingerprint and signature; the obstacle, in words, where there is one."""
 _callbacks: dict[object, Callback] = {}
@@ -42,21 +42,21 @@ def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
     """
     if INTERPRETED:
         return function, None
-    if hasattr(function, "py_func") and is_own(function) and not function.py_func.__closure__:
+    plain = getattr(function, "py_func", function)
+    if plain is not function and is_own(plain) and not plain.__closure__:
         if function not in _made_from:
             _compile(function, signature)
             _made_from[function] = ""
         return function, None
-    callback = _callbacks.get((id(function), signature))
+    callback = _callbacks.get((id(plain), signature))
     if callback is not None:
         return callback.kernel, callback
-    digest = fingerprint(function).digest
-    made = _kernels.get((digest, signature))
-    if made is None or not (isinstance(made, str) or _made_from[made] == digest):
-        made = _make(function, signature)
-        _remember(_kernels, (digest, signature), made)
+    key = fingerprint(function).digest, signature
+    if key not in _kernels:
+        _remember(_kernels, key, _make(function, *key))
+    made = _kernels[key]
     if isinstance(made, str):
-        callback = _called_back(function, signature, made)
+        callback = _called_back(plain, signature, made)
         return callback.kernel, callback
     return made, None
 
@@ -67,14 +67,17 @@ def forget() -> None:
         memory.clear()
 
 
-def _make(function: Any, signature: Any) -> Any:
+def _make(function: Any, digest: str, signature: Any) -> Any:
     """The compiled function, or the obstacle in words.
 
     Raises:
         LawError: it writes to the law's parameters.
     """
     try:
-        return _machine_code(function, signature)
+        kernel = _without_code(function)
+        _renew_callees(kernel)
+        keep_code(kernel, digest)
+        _compile(kernel, signature)
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:
         reason = obstacle(error, function, signature)
@@ -84,47 +87,36 @@ def _make(function: Any, signature: Any) -> Any:
                 "run; let it write to variables of its own."
             ) from error
         return reason
-
-
-def _machine_code(function: Any, signature: Any) -> Any:
-    kernel = function if hasattr(function, "py_func") else _anew(function)
-    digests = [(each, fingerprint(each)) for each in fingerprint(kernel).kernels]
-    # What a kernel calls comes before it.
-    for each, found in sorted(digests, key=lambda pair: len(pair[1].kernels)):
-        _renew(each, found.digest)
-    try:
-        _compile(kernel, signature)
-    except RuntimeError:
-        # A kernel that takes no more signatures than its own.
-        kernel = _anew(kernel)
-        _compile(kernel, signature)
-    _made_from[kernel] = fingerprint(function).digest
     _count(function)
     return kernel
 
 
-def _anew(function: Any) -> Any:
-    """A kernel without any code yet."""
+def _without_code(function: Any) -> Any:
+    """A kernel that is nobody else's: whatever code a user's own has may be of other values."""
     return remade(function) if hasattr(function, "py_func") else fleeting_kernel(function)
+
+
+def _renew_callees(kernel: Any) -> None:
+    """See to it that the code of what a kernel calls is of the sources and values that stand now."""
+    callees = [(each, fingerprint(each)) for each in fingerprint(kernel).kernels]
+    # What another one calls comes before it.
+    for each, found in sorted(callees, key=lambda pair: len(pair[1].kernels)):
+        if _made_from.get(each) != found.digest:
+            # Of code that is kept by the compiler's own rules, this does away with the index.
+            if each.overloads or each.stats.cache_path is not None:
+                each.recompile()
+            _made_from[each] = found.digest
 
 
 def _writes(function: Any, signature: Any) -> bool:
     """Whether a function that cannot be compiled could be if its parameters were no constants."""
     *states, parameters = signature.args
     try:
-        _compile(_anew(function), signature.return_type(*states, parameters.copy(readonly=False)))
+        changing = parameters.copy(readonly=False)
+        _compile(_without_code(function), signature.return_type(*states, changing))
     except Exception:
         return False
     return True
-
-
-def _renew(kernel: Any, digest: str) -> None:
-    """See to it that no code of a kernel is of other sources or other values than those that stand."""
-    if _made_from.get(kernel) != digest:
-        keep_code(kernel, digest)
-        if kernel.overloads:
-            kernel.recompile()
-        _made_from[kernel] = digest
 
 
 def _compile(kernel: Any, signature: Any) -> None:
@@ -155,7 +147,9 @@ def _called_back(function: Any, signature: Any, reason: str) -> Callback:
 
 
 def _count(function: Any) -> None:
-    """Say it once if the same code is compiled again and again."""
+    """Say it once if the same code of a user's is compiled again and again."""
+    if is_own(getattr(function, "py_func", function)):
+        return
     code = _code(function)
     _compilations[code] += 1
     if _compilations[code] == OFTEN:

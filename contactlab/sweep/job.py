@@ -7,6 +7,7 @@ was killed is known by its state. It holds no times: the same run leaves the sam
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final, final
@@ -123,9 +124,10 @@ def size_of(folder: Path) -> int:
         return 0
 
 
+@cache
 def _foreign_code(law: type) -> tuple[str, ...]:
     """Digests of all that a law of another package is made of; `code_digest` covers one of this package."""
     if is_own(law):
         return ()
     found = fingerprint(law)
-    return found.digest, found.sources
+    return found.digest, found.sources()
