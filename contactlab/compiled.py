@@ -97,6 +97,8 @@ def is_compiled(name: str) -> bool:
 def kernel(function: Function) -> Function:
     """Compile a scalar or array function on first use and keep the code.
 
+    That of another package's kernel is kept when it is a law's: see `keep_code`.
+
     Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.

@@ -155,11 +155,12 @@ class _Walk:
                 self._say("again", met[key][0])
                 continue
             met[key] = len(met), found
-            waiting += reversed([*self._children(found)])
+            # An object may fail in any way when it is looked at; its kind is said by then.
+            with suppress(Exception):
+                waiting += reversed([*self._children(found)])
 
     def _say(self, *words: object) -> None:
-        text = "\0".join(str(word) for word in words)
-        self.digest.update(f"{len(text)}\0{text}".encode("utf-8", "surrogatepass"))
+        self.digest.update(repr(words).encode("utf-8", "surrogatepass"))
 
     def _children(self, found: object) -> Iterator[Any]:
         """Say what an object is; gives what it refers to."""
@@ -167,6 +168,9 @@ class _Walk:
         self._say(kind.__name__)
         if isinstance(found, _Mention):
             yield from self._of_module(found)
+        elif kind is bytes:
+            self._say(len(found))  # type: ignore[arg-type]
+            self.digest.update(found)  # type: ignore[arg-type]
         elif kind in _PLAIN or isinstance(found, Number | np.dtype):
             self._say(repr(found))
         elif isinstance(found, tuple):

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from contactlab.config import Setup
-from contactlab.fingerprint import fingerprint, is_own
 from contactlab.laws.registry import provenance
 from contactlab.output.files import whole_file
 from contactlab.output.provenance import code_digest, versions
@@ -127,6 +126,9 @@ def size_of(folder: Path) -> int:
 @cache
 def _foreign_code(law: type) -> tuple[str, ...]:
     """Digests of all that a law of another package is made of; `code_digest` covers one of this package."""
+    # Imported here: it brings the libraries of numbers, which --help does not need.
+    from contactlab.fingerprint import fingerprint, is_own
+
     if is_own(law):
         return ()
     found = fingerprint(law)
