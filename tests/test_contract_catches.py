@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
+from contactlab.laws import ContactLaw, LagrangeStick, LawError, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import MultiplierKernel, PenaltyKernel
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
@@ -105,7 +105,6 @@ CHEATS: dict[Callable[..., Forces], set[str]] = {
     leaves_the_cone: {"inside_the_cone", "kernel_is_consistent"},
     forgets_energy: {"kernel_is_consistent", "ledger_closes"},
     makes_energy: {"dissipates", "kernel_is_consistent"},
-    remembers_every_call: {"calls_leave_no_trace", "kernel_is_consistent"},
     knows_left_from_right: {"mirrors"},
 }
 PARAMETERS = {"declares_its_parameters"}
@@ -119,6 +118,11 @@ def test_a_law_that_cheats_fails_where_it_cheats(kernel: Callable[..., Forces]) 
     assert expected <= found
     # What is broken may upset what rests on it, but an honest law fails nothing.
     assert bool(found) == bool(expected)
+
+
+def test_a_law_that_remembers_its_calls_does_not_run() -> None:
+    with pytest.raises(LawError, match="writes to the law's parameters"):
+        failing(Cheat(0.3, fleeting_kernel(remembers_every_call)))
 
 
 def reverses(
