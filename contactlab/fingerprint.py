@@ -24,15 +24,7 @@ from importlib import import_module
 from numbers import Number
 from opcode import opmap
 from pathlib import Path
-from types import (
-    BuiltinFunctionType,
-    CodeType,
-    FunctionType,
-    MappingProxyType,
-    MethodType,
-    ModuleType,
-    SimpleNamespace,
-)
+from types import CodeType, FunctionType, MappingProxyType, MethodType, ModuleType, SimpleNamespace
 from typing import Any, Final, final
 
 import numpy as np
@@ -41,27 +33,22 @@ _PACKAGE: Final = __name__.partition(".")[0]
 _KNOWN: Final = {_PACKAGE, "numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}
 """Top-level names of what is not entered."""
 
-_CONSTANT: Final[tuple[tuple[Any, Callable[[Any], Iterable[Any]]], ...]] = (
+_Parts = tuple[tuple[Any, Callable[[Any], Iterable[Any]]], ...]
+
+_CONSTANT: Final[_Parts] = (
     (property, lambda found: (found.fget, found.fset)),
     (staticmethod | classmethod, lambda found: (found.__func__,)),
     (cached_property, lambda found: (found.func,)),
     (MethodType, lambda found: (found.__func__, found.__self__)),
     (partial, lambda found: (found.func, found.args, found.keywords)),
-    (BuiltinFunctionType, lambda found: (found.__module__, found.__name__)),
+    (type(len), lambda found: (found.__module__, found.__name__)),
     (np.ufunc, lambda found: (found.__name__,)),
     (np.generic, lambda found: (found.dtype.str, found.tobytes())),
     (Enum, lambda found: (type(found), found.name, found.value)),
     (frozenset, lambda found: sorted(found, key=lambda one: fingerprint(one).digest)),
 )
-_CHANGING: Final[tuple[tuple[Any, Callable[[Any], Iterable[Any]]], ...]] = (
-    (
-        np.ndarray,
-        lambda found: (
-            found.dtype.str,
-            found.shape,
-            found.tolist() if found.dtype.hasobject else found.tobytes(),
-        ),
-    ),
+_CHANGING: Final[_Parts] = (
+    (np.ndarray, lambda found: (found.dtype.str, found.shape, _content(found))),
     (bytearray | array, lambda found: (bytes(found),)),
     (list | deque, tuple),
     (set, lambda found: (frozenset(found),)),
@@ -120,11 +107,8 @@ def fingerprint(subject: object, *, identities: bool = False) -> Fingerprint:
             digest then holds for this process alone.
     """
     walk = _Walk(subject, identities)
-    return Fingerprint(
-        walk.digest.hexdigest(),
-        tuple(walk.kernels),
-        tuple({id(module): module for module in walk.modules}.values()),
-    )
+    modules = {id(module): module for module in walk.modules}
+    return Fingerprint(walk.digest.hexdigest(), tuple(walk.kernels), tuple(modules.values()))
 
 
 @dataclass(frozen=True)
@@ -254,11 +238,8 @@ class _Walk:
             if isinstance(found, kinds):
                 yield from parts(found)
                 return
-        if hasattr(found, "__wrapped__"):
-            yield found.__wrapped__
-            return
-        kind = type(found)
-        yield kind
+        yield getattr(found, "__wrapped__", None)
+        yield (kind := type(found))
         # What an object of a library holds inside is no value of the law's.
         if _is_frozen(found) or kind is SimpleNamespace or _top(kind) not in _KNOWN:
             slots = [name for base in kind.__mro__ for name in _slots(base)]
@@ -279,13 +260,15 @@ class _Walk:
 
 
 def _top(found: Any) -> str:
-    """The top-level package of a function or class."""
     return str(getattr(found, "__module__", "")).partition(".")[0]
 
 
 def _is_frozen(found: object) -> bool:
-    """Whether an object's values are those that it was made with."""
     return is_dataclass(found) and bool(getattr(found, "__dataclass_params__").frozen)  # noqa: B009
+
+
+def _content(values: Any) -> object:
+    return values.tolist() if values.dtype.hasobject else values.tobytes()
 
 
 def _slots(kind: type) -> tuple[str, ...]:
@@ -294,23 +277,18 @@ def _slots(kind: type) -> tuple[str, ...]:
 
 
 def _mentioned(value: object, names: tuple[str, ...]) -> object:
-    """A value that code with these names mentions."""
     return _Mention(value, names) if isinstance(value, ModuleType) else value
 
 
 def _names(code: CodeType) -> Iterator[str]:
-    """Names of globals and attributes in code and in what it defines."""
     yield from code.co_names
     for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _names(constant)
+        yield from _names(constant) if isinstance(constant, CodeType) else ()
 
 
 def _imported(code: CodeType, package: str) -> Iterator[ModuleType]:
-    """The modules that code imports when it runs."""
     for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _imported(constant, package)
+        yield from _imported(constant, package) if isinstance(constant, CodeType) else ()
     # Reading instructions takes far longer than looking whether there is such a one.
     steps = get_instructions(code) if _IMPORT in code.co_code[::2] else ()
     for name in [step.argval for step in steps if step.opcode == _IMPORT]:
