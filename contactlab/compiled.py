@@ -1,16 +1,18 @@
 """The one place that names the compiler: decorators for numeric kernels, and where their code is kept.
 
-Numba decides by a file's own date whether its machine code is still good, but a kernel holds the code
+Numba decides by a kernel's own file whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
 sources of kernels: a change anywhere compiles anew, and nothing stale is ever run. The folder lies
-in the package, or in the user's cache where the package cannot be written.
+in the package, or in the user's cache where the package cannot be written. The code of others' kernels
+is kept below it, by a fingerprint of all that it was made from.
 """
 
 import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -19,13 +21,18 @@ from typing import Any, TypeVar, cast
 import numba
 import numba.core.config
 
+from contactlab.fingerprint import is_own
+
 Function = TypeVar("Function", bound=Callable[..., object])
+
+INTERPRETED = bool(getattr(numba.core.config, "DISABLE_JIT"))  # noqa: B009
+"""Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
 PACKAGE = Path(__file__).parent
 SOURCES = ("compiled.py", "geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
 
-PREFIX = "kernels-"
+PREFIX, OTHERS = "kernels-", "others-"
 OLD = 30 * 86400.0
 """Age in seconds at which the code of other sources is given up."""
 
@@ -47,7 +54,7 @@ def code_folder() -> Path:
         try:
             (parent / name).mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=parent / name):
-                _remove_old(parent, name)
+                _remove_old(parent, PREFIX, name)
                 return parent / name
         except OSError:
             continue
@@ -55,20 +62,42 @@ def code_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix="contactlab-"))
 
 
-def _remove_old(parent: Path, name: str) -> None:
+def keep_code(kernel: Any, digest: str) -> None:
+    """Let a kernel of another package keep its code, and find what was kept.
+
+    Args:
+        kernel: not compiled yet.
+        digest: fingerprint of all that it is made from.
+    """
+    function = kernel.py_func
+    # Of a closure the compiler would write down what it captures, which may be anything.
+    if function.__closure__ is None and Path(function.__code__.co_filename).is_file():
+        folder = code_folder() / f"{OTHERS}{digest[:16]}"
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError:
+            return
+        with _caching(folder):
+            kernel.enable_caching()
+        _remove_old(code_folder(), OTHERS, folder.name)
+
+
+def _remove_old(parent: Path, prefix: str, name: str) -> None:
     """Remove the code of other sources that has not been added to for a month."""
-    for folder in parent.glob(f"{PREFIX}*"):
+    for folder in parent.glob(f"{prefix}*"):
         if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
             shutil.rmtree(folder, ignore_errors=True)
 
 
 def is_compiled(name: str) -> bool:
     """Whether the code of the kernel with this name is kept."""
-    return any(code_folder().rglob(f"*.{name}-*.nbi"))
+    return any(code_folder().glob(f"*/*.{name}-*.nbi"))
 
 
 def kernel(function: Function) -> Function:
     """Compile a scalar or array function on first use and keep the code.
+
+    That of another package's kernel is kept when it is a law's: see `keep_code`.
 
     Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
@@ -92,19 +121,35 @@ def part_kernel(function: Function) -> Function:
 
 
 def fleeting_kernel(function: Function) -> Function:
-    """A kernel that is made while the program runs, around another: its code is not kept."""
+    """A kernel that is made while the program runs, around another."""
     njit: Any = numba.njit
     return cast(Function, njit(error_model="numpy", _nrt=False)(function))
 
 
+def remade(kernel: Any) -> Any:
+    """A kernel with another's function and options, but none of its code."""
+    jit: Any = numba.jit
+    return jit(**kernel.targetoptions)(kernel.py_func)
+
+
 def _compile(function: Function, options: dict[str, bool]) -> Function:
-    # Numba reads the folder when it decorates, and only from its global configuration.
-    settings: Any = numba.core.config
     njit: Any = numba.njit
+    decorate = njit(error_model="numpy", _nrt=False, **options)
+    made: Any = decorate(function)
+    # What others' kernels refer to is not whole yet: their code is kept by `keep_code`.
+    if not INTERPRETED and is_own(function):
+        with _caching(code_folder()):
+            made.enable_caching()
+    return cast(Function, made)
+
+
+@contextmanager
+def _caching(folder: Path) -> Iterator[None]:
+    """Within, a kernel that is to keep its code keeps it here: numba reads this once, for each."""
+    settings: Any = numba.core.config
     before = settings.CACHE_DIR
-    settings.CACHE_DIR = str(code_folder())
+    settings.CACHE_DIR = str(folder)
     try:
-        decorate = njit(cache=True, error_model="numpy", _nrt=False, **options)
-        return cast(Function, decorate(function))
+        yield
     finally:
         settings.CACHE_DIR = before

@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, Newton, PenaltyLaw
+from contactlab.laws import (
+    ContactLaw,
+    LagrangeStick,
+    LawError,
+    MultiplierLaw,
+    Newton,
+    PenaltyLaw,
+)
 from contactlab.laws.base import MultiplierKernel, PenaltyKernel
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
@@ -108,7 +115,6 @@ CHEATS: dict[Callable[..., Forces], set[str]] = {
     leaves_the_cone: {"inside_the_cone", "kernel_is_consistent"},
     forgets_energy: {"kernel_is_consistent", "ledger_closes"},
     makes_energy: {"dissipates", "kernel_is_consistent"},
-    remembers_every_call: {"calls_leave_no_trace", "kernel_is_consistent"},
     knows_left_from_right: {"mirrors"},
 }
 PARAMETERS = {"declares_its_parameters"}
@@ -163,6 +169,11 @@ def test_a_law_that_carries_nothing_fails_with_a_sentence() -> None:
     (claim,) = check(Bench(Cheat(0.0, fleeting_kernel(soft))), "stick_is_exact")
     assert not claim.holds
     assert "does not carry 5 N at any penetration" in claim.statement
+
+
+def test_a_law_that_remembers_its_calls_does_not_run() -> None:
+    with pytest.raises(LawError, match="writes to the law's parameters"):
+        failing(Cheat(0.3, fleeting_kernel(remembers_every_call)))
 
 
 def reverses(

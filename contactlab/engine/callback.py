@@ -1,17 +1,13 @@
-"""A kernel that is an ordinary Python function: compiled where that can be done, else called back.
+"""A kernel that the Python interpreter runs, because the compiler does not take it.
 
-What the compiler does not take is run by the interpreter, at the cost of its speed: the loop calls a
-tiny compiled wrapper by address like any kernel, which leaves the arguments in memory, calls Python
-and reads the answer from there.
+The loop calls a tiny compiled wrapper by address like any kernel, which leaves the arguments in memory,
+calls Python and reads the answer from there, at the cost of speed.
 """
 
 import ctypes
 import signal
-import sys
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from time import perf_counter
 from traceback import extract_tb, walk_tb
 from typing import Any, final
@@ -25,27 +21,6 @@ from contactlab.laws.failure import LawError
 
 CALLS = 300
 """Calls that the slow-down is measured over."""
-
-
-@lru_cache(maxsize=64)
-def compiled(function: Any, signature: Any) -> tuple[Any, "Callback | None"]:
-    """A kernel with this signature, and the callback behind it where the function is interpreted.
-
-    Args:
-        function: a compiled kernel, which is given back, or any callable.
-        signature: what the engine calls it with.
-    """
-    made, reason = _compile(function, signature)
-    if made is not None:
-        return made, None
-    callback = Callback(getattr(function, "py_func", function), signature)
-    print(
-        f"contactlab: {callback.name} cannot be compiled ({reason}), so the Python interpreter runs "
-        f"it: a call takes {callback.slow_down()}.",
-        file=sys.stderr,
-        flush=True,
-    )
-    return callback.kernel, callback
 
 
 @contextmanager
@@ -85,7 +60,7 @@ class Callback:
     def __init__(self, function: Callable[..., Any], signature: Any) -> None:
         self.name = getattr(function, "__qualname__", None) or type(function).__qualname__
         self.failure: BaseException | None = None
-        self._function = function
+        self.function = function
         self._signature = signature
         self._given = len(signature.args) - 1
         self._answered = len(signature.return_type)
@@ -140,7 +115,7 @@ class Callback:
     def _answer(self, address: int, size: int) -> None:
         """Ask the function and leave its answer in the memory."""
         memory, given = self._memory, self._given
-        answer = self._function(*memory[:given].tolist(), self._view(address, size))
+        answer = self.function(*memory[:given].tolist(), self._view(address, size))
         if len(answer) != self._answered:
             raise TypeError(f"it gave {len(answer)} numbers, not {self._answered}")
         memory[given:] = answer
@@ -151,6 +126,7 @@ class Callback:
         if view is None:
             numbers = (ctypes.c_double * size).from_address(address)
             view = self._parameters[address, size] = np.ctypeslib.as_array(numbers)
+            view.flags.writeable = False
         return view
 
     def _wrapper(self) -> Any:
@@ -182,7 +158,9 @@ class Callback:
         repeat.compile((types.FunctionType(self._signature), *self._signature.args, types.int64))
         # A contact that approaches: every law answers to one.
         state = [-1e-6, *[1.0] * (self._given - 1)]
-        arguments = (kernel, *state, np.ones(32), CALLS)
+        parameters = np.ones(32)
+        parameters.flags.writeable = False
+        arguments = (kernel, *state, parameters, CALLS)
         repeat(*arguments)
         started = perf_counter()
         repeat(*arguments)
@@ -203,22 +181,6 @@ def _place(error: BaseException) -> str:
     if not frames or frames[-1].name == "simulate":
         return ""
     return f" ({frames[-1].filename}, line {frames[-1].lineno})"
-
-
-def _compile(function: Any, signature: Any) -> tuple[Any, str]:
-    """The compiled function, or None and the reason why there is none."""
-    try:
-        chosen = function if hasattr(function, "signatures") else fleeting_kernel(function)
-        # Asking for a compilation that is there already costs as much as a tenth of a short run.
-        if not chosen.signatures:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                chosen.compile(signature)
-    # The compiler lets errors of every kind through, the function's own language among them.
-    except Exception as error:
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        return None, f"{type(error).__name__}: {lines[-1] if lines else ''}".rstrip(": ")
-    return chosen, ""
 
 
 def _function(source: str, names: dict[str, Any]) -> Any:

@@ -3,15 +3,15 @@
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from functools import lru_cache
 from typing import Any
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import is_compiled, kernel
-from contactlab.engine.callback import Callback, compiled, law_errors
+from contactlab.compiled import INTERPRETED, is_compiled, kernel
+from contactlab.engine.callback import law_errors
+from contactlab.engine.law_kernels import compiled
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import Run
@@ -71,21 +71,13 @@ def kernels_of(
     force: Any = law.force if isinstance(law, PenaltyLaw) else no_force
     rub: Any = (law.rub if isinstance(law, PenaltyLaw) else None) or no_friction
     solve: Any = law.solve if isinstance(law, MultiplierLaw) else no_impulse
-    kernels, callbacks = _compiled(force, rub, solve)
-    return kernels, lambda: law_errors(law.name, callbacks)
-
-
-# A sweep asks for the same three again and again.
-@lru_cache(maxsize=64)
-def _compiled(force: Any, rub: Any, solve: Any) -> tuple[tuple[Any, ...], list[Callback]]:
-    """The three kernels, and what stands behind those that are interpreted."""
     chosen = [
         compiled(force, PENALTY_SIGNATURE),
         compiled(rub, FRICTION_SIGNATURE),
         compiled(solve, MULTIPLIER_SIGNATURE),
     ]
     callbacks = [callback for _, callback in chosen if callback is not None]
-    return tuple(kernel for kernel, _ in chosen), callbacks
+    return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, callbacks)
 
 
 def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
@@ -95,7 +87,7 @@ def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
     to itself the compiler would take each law for a type of its own.
     """
     loop: Any = advance
-    if loop.overloads:
+    if INTERPRETED or loop.overloads:
         return
     if not is_compiled("advance"):
         print(

@@ -37,7 +37,7 @@ LAW_WORDS = ("name", "equation", "source", "default_contact_step")
 """What every law says of itself."""
 
 _real = types.float64
-_parameters = types.Array(types.float64, 1, "C", readonly=False)
+_parameters = types.Array(types.float64, 1, "C", readonly=True)
 
 PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _parameters)
 FRICTION_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _real, _parameters)

@@ -6,10 +6,9 @@ was killed is known by its state. It holds no times: the same run leaves the sam
 
 import json
 from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
+from functools import cache
 from hashlib import sha256
-from inspect import getsourcefile
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -79,7 +78,7 @@ def code_of(law: type) -> tuple[str, ...]:
         versions()["contactlab_version"],
         code_digest(),
         provenance(law),
-        *_foreign_sources(law),
+        *_foreign_code(law),
     )
 
 
@@ -124,12 +123,13 @@ def size_of(folder: Path) -> int:
         return 0
 
 
-def _foreign_sources(law: type) -> list[str]:
-    """Digests of a law's modules that are no part of this package, which `code_digest` covers."""
-    digests = []
-    for base in law.__mro__:
-        if is_dataclass(base) and base.__module__.partition(".")[0] != "contactlab":
-            # A law may be typed in without a file.
-            with suppress(OSError, TypeError):
-                digests.append(sha256(Path(getsourcefile(base) or "").read_bytes()).hexdigest())
-    return digests
+@cache
+def _foreign_code(law: type) -> tuple[str, ...]:
+    """Digests of all that a law of another package is made of; `code_digest` covers one of this package."""
+    # Imported here: it brings the libraries of numbers, which --help does not need.
+    from contactlab.fingerprint import fingerprint, is_own
+
+    if is_own(law):
+        return ()
+    found = fingerprint(law)
+    return found.digest, found.sources()

@@ -1,0 +1,117 @@
+"""NUMBA_DISABLE_JIT: every kernel as the Python function that it was, for coverage and debuggers."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray
+
+from contactlab import fingerprint
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty, Stronge
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction import LuGre
+from contactlab.testing.contract.bench import paper_motor
+from contactlab.trajectory import Trajectory
+
+DURATION = 4e-4
+LAWS = (HertzPenalty(), Stronge(), Composed(friction=LuGre()))
+
+SCRIPT = """
+import sys
+from dataclasses import dataclass
+from typing import ClassVar
+import numpy as np
+from contactlab.compiled import kernel
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty, LawError, PenaltyLaw, Stronge
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction import LuGre
+from contactlab.testing.contract.bench import paper_motor
+
+@kernel
+def bound(normal, parameters):
+    return 0.3 * normal
+
+@dataclass(frozen=True)
+class Spring(PenaltyLaw):
+    name: ClassVar[str] = "spring"
+    equation: ClassVar[str] = "N = k d"
+    source: ClassVar[str] = "a test"
+    default_contact_step: ClassVar[float] = 4e-6
+    stiffness: float = 1e7
+
+    @property
+    def force(self):
+        def spring(gap, gap_rate, slip, approach, parameters):
+            normal = parameters[0] * max(-gap, 0.0)
+            return normal, bound(normal, parameters), -0.5 * normal * gap, 0.0
+        return spring
+
+class Writing(Spring):
+    @property
+    def force(self):
+        def spring(gap, gap_rate, slip, approach, parameters):
+            parameters[0] *= 0.5
+            return 0.0, 0.0, 0.0, 0.0
+        return spring
+
+saved = {}
+for number, law in enumerate([HertzPenalty(), Stronge(), Composed(friction=LuGre()), Spring()]):
+    found = simulate(paper_motor(), law, duration=float(sys.argv[2]), record_interval=1e-6)
+    for columns in (found.series, found.contacts):
+        saved |= {f"{number} {name}": column for name, column in columns.items()}
+np.savez(sys.argv[1], **saved)
+try:
+    simulate(paper_motor(), Writing(), duration=float(sys.argv[2]), record_interval=1e-6)
+except LawError as error:
+    assert "read-only" in str(error), error
+else:
+    raise AssertionError("parameters were written to")
+"""
+
+
+def python(folder: Path, *arguments: str, jit: bool = True) -> None:
+    """Run Python, with machine code or without; it must say nothing."""
+    path = str(Path(fingerprint.__file__).resolve().parents[1])
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": path, "NUMBA_DISABLE_JIT": "0" if jit else "1"},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def columns_of(found: Trajectory) -> dict[str, np.ndarray]:
+    return {**found.series, **found.contacts}
+
+
+def test_laws_of_both_families_give_the_same_bits_without_machine_code(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(SCRIPT)
+    python(tmp_path, "-W", "error", "script.py", "interpreted.npz", str(DURATION), jit=False)
+    python(tmp_path, "script.py", "compiled.npz", str(DURATION))
+    with np.load(tmp_path / "interpreted.npz") as found:
+        with np.load(tmp_path / "compiled.npz") as compiled:
+            assert {name.split()[0] for name in found} == set("0123")
+            for name in compiled:
+                np.testing.assert_array_equal(found[name], compiled[name], err_msg=name)
+        for number, law in enumerate(LAWS):
+            run = simulate(paper_motor(), law, duration=DURATION, record_interval=1e-6)
+            assert run.contacts["start_time"].size > 0
+            for name, column in columns_of(run).items():
+                np.testing.assert_array_equal(found[f"{number} {name}"], column, err_msg=name)
+
+
+def test_the_command_runs_without_machine_code(tmp_path: Path) -> None:
+    velocities = []
+    for jit in (False, True):
+        line = ["solver.duration=0.3 ms", "record.picture=false", f"hydra.run.dir={jit}"]
+        python(tmp_path, "-m", "contactlab", *line, jit=jit)
+        with xarray.open_dataset(tmp_path / f"{jit}/run.nc") as found:
+            velocities.append(found["rotor_velocity"].to_numpy())
+    np.testing.assert_array_equal(*velocities)
+    assert velocities[0][-1] != 0.0
