@@ -1,12 +1,12 @@
 """`contactlab verify`: every claim with what is expected, what is found, the tolerance and the verdict."""
 
-import argparse
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from textwrap import shorten
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 
 if TYPE_CHECKING:
@@ -25,8 +25,7 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 0 if every claim is as it should be.
     """
-    parser = argparse.ArgumentParser(prog="contactlab verify", description=_description())
-    parser.parse_args(arguments)
+    Parser("verify", _description()).read(arguments)
     started = perf_counter()
     width = min(max(shutil.get_terminal_size((140, 24)).columns - 58, 40), WIDEST_CLAIM)
     print(f"{'claim':<{width}}" + NUMBERS.format("expected", "found", "tolerance", "verdict"))
