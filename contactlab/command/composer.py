@@ -85,8 +85,8 @@ class Composer:
         value = None if override.is_sweep_override() else override.value()
         if override.is_hydra_override() and value == "":
             return (
-                f"{override.input_line} is empty, as of a shell variable that is not set; it must have a value. "
-                "Leave it out for the default."
+                f"{override.input_line} is empty, as of a shell variable that is not set; it must have a "
+                "value. Leave it out for the default."
             )
         return misplaced(str(override.input_line), override.key_or_group, value, self.options)
 
