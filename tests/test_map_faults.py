@@ -36,7 +36,7 @@ FAULTS = [
     (["sweep.drive.phase=linspace(0,1,1000000000)"], "at most 10000000"),
     (["sweep.drive.phase=linspace(0,1," + "9" * 5000 + ")"], "at most 10000000"),
     (["sweep.drive.phase=linspace(0,inf,3)"], "both ends must be finite"),
-    (["sweep.drive.phase=linspace(-1e308,1e308,3)"], "both ends must be finite"),
+    (["sweep.rotor.initial_velocity=linspace(-1e308,1e308,3)"], "both ends must be finite"),
     (
         ["sweep.drive.phase=linspace(0,1,10000)", "sweep.drive.voltage_1=linspace(0,1,10000)"],
         "10000 x 10000 = 1e+08 runs are asked for; a map must have at most 10000000",
