@@ -57,6 +57,8 @@ from command_line import Command, left_behind
         (["piezoceramic.constants=tensor"], "Choose one by piezoceramic=NAME"),
         (["hydra.sweeper=optuna"], "must be a choice, hydra/sweeper=NAME. Choose one of basic"),
         (["hydra.launcher=joblib"], "must be a choice, hydra/launcher=NAME"),
+        (["+hydra.foo=1"], "+hydra.foo=1 is no key of Hydra's"),
+        (["hydra.sweper.params={}"], "Did you mean sweeper?"),
         (["hydra.searchpath=[file:///nowhere]"], "path=/nowhere is not available"),
         (["hydra.output_subdir=/"], "must be a folder below that of the run"),
         (["hydra.output_subdir=../above"], "must be a folder below that of the run"),

@@ -7,10 +7,12 @@ values come out together. Where the command line is sound, the result is Hydra's
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import fields
 from math import prod
 from typing import final
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.conf import HydraConf
 from hydra.core.config_loader import ConfigLoader
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
@@ -28,6 +30,9 @@ from contactlab.config.suggestion import suggestion
 
 MOST_JOBS = 100_000
 """Jobs of a sweep; each leaves a folder, and takes a fifth of a second beside its run."""
+
+_OF_HYDRA = [field.name for field in fields(HydraConf)]
+"""Keys of Hydra's own part of the configuration."""
 
 BASIC_SWEEPER = f"{BasicSweeper.__module__}.{BasicSweeper.__qualname__}"
 """Hydra's own sweeper, all of whose jobs are known beforehand."""
@@ -88,6 +93,9 @@ class Composer:
                 f"{override.input_line} is empty, as of a shell variable that is not set; it must have a "
                 "value. Leave it out for the default."
             )
+        steps = override.key_or_group.split(".")
+        if override.is_hydra_override() and len(steps) > 1 and steps[1] not in _OF_HYDRA:
+            return f"{override.input_line} is no key of Hydra's. {suggestion(steps[1], _OF_HYDRA)}".strip()
         return misplaced(str(override.input_line), override.key_or_group, value, self.options)
 
     def refuse_sweeps(self, overrides: list[Override]) -> list[Override]:
