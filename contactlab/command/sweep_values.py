@@ -21,7 +21,7 @@ FORMS: Final = (
 )
 
 MOST_CELLS: Final = 10_000_000
-"""Runs of a map; its numbers are in memory at the end, about 300 bytes a run."""
+"""Runs of a map; its numbers are in memory at the end, about 200 bytes a run."""
 
 _SPACED: Final[dict[str, Callable[..., Any]]] = {"linspace": np.linspace, "geomspace": np.geomspace}
 _CALL = re.compile(rf"\s*(?P<name>{'|'.join(_SPACED)})\s*\((?P<arguments>.*)\)\s*")
