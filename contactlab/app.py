@@ -8,6 +8,7 @@ Exit status: 0; 1 for a run that did not reach its end; 2 for a fault of the use
 
 import gc
 import os
+import re
 import sys
 from argparse import Namespace
 from collections.abc import Iterable
@@ -15,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import hydra
+from hydra._internal.hydra import Hydra
 from hydra._internal.utils import get_args_parser
 from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException
@@ -23,12 +25,14 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.command import interrupts
+from contactlab.command.announcement import announce
 from contactlab.command.application import CONFIG_NAME, VERSION_BASE, conf_directory, started
 from contactlab.command.composition import check, check_composition, choices_of
 from contactlab.command.jobs import perform
 from contactlab.command.sweeping import sweep
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.config.suggestion import suggestion
 from contactlab.sweep.job import REFUSED as REFUSED_STATE
 from contactlab.sweep.job import Job, State, is_done, key_of, write_state
 
@@ -48,6 +52,10 @@ def main() -> int:
         return _refuse(error.faults)
     except (HydraException, OmegaConfBaseException) as error:
         return _refuse([one_line(error)])
+    except RecursionError:
+        return _refuse(
+            ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
+        )
     except KeyboardInterrupt as interrupt:
         print(str(interrupt) or interrupts.MESSAGE, file=sys.stderr)
         return interrupts.STATUS
@@ -88,7 +96,11 @@ def _dispatch() -> int:
     if "--version" in sys.argv[1:]:
         return _print_version()
     # Intermixed: -m may stand between the overrides.
-    arguments = parser.parse_intermixed_args()
+    arguments, unknown = parser.parse_known_intermixed_args()
+    if unknown:
+        flags = re.findall(r"--[a-z-]+", parser.format_usage())
+        hint = suggestion(unknown[0], flags, "contactlab --help lists what there is.")
+        return _refuse([f"unrecognized arguments: {' '.join(unknown)}. {hint}"])
     name = arguments.config_name or CONFIG_NAME
     if arguments.help or arguments.cfg or arguments.info:
         with started(arguments.config_path, arguments.config_dir) as application:
@@ -126,11 +138,22 @@ def _run(arguments: Namespace, name: str) -> int:
             gc.enable()
         plan = check(application.config_loader, name, arguments.overrides, arguments.multirun)
         if plan.mode is RunMode.RUN:
-            return int(application.run(name, run, arguments.overrides).return_value)
+            announce(job.job.configuration for job in plan.jobs)
+            return _performed(application, name, arguments.overrides)
         gc.enable()
         # Between the jobs an exception, at which a launcher ends the processes that it has begun.
         with interrupts.raising():
             return sweep(application, name, arguments.overrides, run, plan)
+
+
+def _performed(application: Hydra, name: str, lines: list[str]) -> int:
+    """The exit status of a single run; what Hydra does around it may fail in any way."""
+    try:
+        return int(application.run(name, run, lines).return_value)
+    except HydraException:
+        raise
+    except Exception as error:
+        return _refuse([f"The run could not be started: {one_line(error)}"])
 
 
 def _refuse(faults: Iterable[str]) -> int:

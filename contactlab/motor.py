@@ -22,7 +22,7 @@ class Rotor:
     Args:
         inertia: J [kg m^2].
         damping: viscous damping C_r [N m s/rad].
-        load_torque: tau [N m], positive against positive rotation.
+        load_torque: tau [N m], towards negative rotation: brakes where Omega is positive.
         initial_velocity: Omega(0) [rad/s].
     """
 

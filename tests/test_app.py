@@ -18,7 +18,6 @@ from conf_files import CONF, options
 from synthetic import synthetic_trajectory
 
 from contactlab import app, engine
-from contactlab.command import runner
 from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
 
@@ -297,18 +296,3 @@ def test_ctrl_c_ends_the_real_command_with_status_130(tmp_path: Path) -> None:
     if (tmp_path / "here/run.nc").exists():
         with xarray.open_dataset(tmp_path / "here/run.nc") as root:
             assert root.attrs["complete"] == 0
-
-
-def test_progress_shows_on_a_terminal_only_and_not_before_its_time(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with runner._progress_bar(0.02) as progress:
-        progress(0.01)
-    assert capsys.readouterr().err == ""
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    for delay, shown in ((60.0, False), (1e-9, True)):
-        monkeypatch.setattr(runner, "PROGRESS_AFTER", delay)
-        with runner._progress_bar(0.02) as progress:
-            time.sleep(0.2)
-            progress(0.01)
-        assert ("50 %" in capsys.readouterr().err) is shown

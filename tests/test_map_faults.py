@@ -24,6 +24,24 @@ FAULTS = [
     ),
     (["sweep.resonator.shapes=linspace(2,3,3)"], "resonator.shapes is 2.5"),
     (["sweep.law=hertz,newton"], "sweep.law has 'hertz'"),
+    (["sweep.law=hertz,newton"], "Did you mean hertz_penalty?"),
+    (["law=composed", "sweep.law.normal.name=linear,line"], "of one law/normal to another"),
+    (
+        ["law=composed", "law.normal.name=linear", "sweep.drive.phase=1,2"],
+        "of one law/normal to another",
+    ),
+    (["sweep.drive.phase=range(0,1,1e-9)"], "has 1e+09 values; it must have at most 10000000"),
+    (["sweep.drive.phase=range(0,inf,1)"], "does not end"),
+    (["sweep.drive.phase=range(0,nan,1)"], "does not end"),
+    (["sweep.drive.phase=linspace(0,1,1000000000)"], "at most 10000000"),
+    (["sweep.drive.phase=linspace(0,1," + "9" * 5000 + ")"], "at most 10000000"),
+    (["sweep.drive.phase=linspace(0,inf,3)"], "both ends must be finite"),
+    (["sweep.rotor.initial_velocity=linspace(-1e308,1e308,3)"], "both ends must be finite"),
+    (
+        ["sweep.drive.phase=linspace(0,1,10000)", "sweep.drive.voltage_1=linspace(0,1,10000)"],
+        "10000 x 10000 = 1e+08 runs are asked for; a map must have at most 10000000",
+    ),
+    (["sweep.drive.phase=1,2", "--workerz=2"], "Did you mean --workers?"),
     (["sweep.drive.phase=1,2", "drive.phase=3"], "given more than once"),
     (["sweep.drive.phase=1,2", "sweep.drive.phase=3"], "given more than once"),
     (["sweep.drive.phase=1,1"], "has a value twice"),
@@ -48,7 +66,7 @@ FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "words"), FAULTS, ids=[" ".join(f) for f, _ in FAULTS])
+@pytest.mark.parametrize(("arguments", "words"), FAULTS, ids=[" ".join(f)[:80] for f, _ in FAULTS])
 def test_a_faulty_map_is_refused_in_a_sentence_before_anything_runs(
     arguments: list[str], words: str, command: Command
 ) -> None:

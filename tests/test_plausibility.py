@@ -237,6 +237,10 @@ def test_a_load_is_driven_by_torque_at_an_efficiency() -> None:
     assert found["efficiency"] == pytest.approx(0.2)
 
 
+def test_a_load_that_drives_has_no_efficiency() -> None:
+    assert isnan(assess(tree({"load_work": -2.0 * TIME}))["efficiency"])
+
+
 def test_the_mean_velocity_is_of_whole_periods_in_the_last_quarter() -> None:
     # A run of three periods: the last one, though it is longer than a quarter.
     slow = CONFIGURATION | {"drive": {"frequency": 3.0}}

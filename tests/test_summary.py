@@ -4,8 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from motors import default_motor
 from synthetic import synthetic_trajectory
 
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty
 from contactlab.output.summary import summarise
 from contactlab.trajectory import Ending
 
@@ -51,6 +54,20 @@ def test_a_run_cut_short_ends_with_its_reason() -> None:
 
 def test_a_complete_run_has_no_reason() -> None:
     assert "incomplete" not in summarise(synthetic_trajectory(), wall_time=1e-3)
+
+
+@pytest.mark.parametrize("torque", [1e-3, -1e-3])
+def test_a_load_brakes_one_direction_and_drives_the_other(torque: float) -> None:
+    """J dOmega/dt = -tau, and the work of the rotor on the load is tau times the angle."""
+    motor = default_motor(clearance=1e-3, load_torque=torque, initial_velocity=-0.5)
+    law = HertzPenalty(stiffness=1e10, friction_coefficient=0.3)
+    run = simulate(motor, law, duration=5e-3, record_interval=1e-3)
+    change = run.series["rotor_velocity"][-1] - run.series["rotor_velocity"][0]
+    assert change == pytest.approx(-torque * 5e-3 / motor.rotor.inertia)
+    work = torque * run.series["rotor_angle"][-1]
+    assert run.series["load_work"][-1] == pytest.approx(work)
+    what = "drives the motor and works on it" if torque > 0.0 else "brakes the motor and takes"
+    assert lines_of(summarise(run, wall_time=1e-3))["load"] == f"{what}: {abs(work):.4g} J"
 
 
 @pytest.mark.parametrize("records", [1, 2])

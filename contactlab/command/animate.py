@@ -1,13 +1,14 @@
 """`contactlab animate RUN.nc`: tip, rotor and contact force of a run in slow motion, as GIF or MP4."""
 
-import argparse
 import re
 import sys
+from argparse import Namespace
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.command import interrupts
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 from contactlab.config.units import UnitError, to_si
 
@@ -44,7 +45,7 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 2 if it cannot be made, and nothing is left behind then.
     """
-    wanted = _parser().parse_args(list(_joined(arguments)))
+    wanted = _parser().read(list(_joined(arguments)))
     try:
         _animate(wanted)
     except KeyboardInterrupt:
@@ -74,10 +75,10 @@ def _joined(arguments: list[str]) -> Iterator[str]:
         yield waiting
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="contactlab animate",
-        description=f"{VERBS['animate'].replace('show', 'Show', 1)}. Tip and rotor have their true shape, "
+def _parser() -> Parser:
+    parser = Parser(
+        "animate",
+        f"{VERBS['animate'].replace('show', 'Show', 1)}. Tip and rotor have their true shape, "
         "their motion is magnified by a factor that the picture tells. "
         f"It lasts {FILM_TIME:g} s, whatever it shows.",
     )
@@ -102,10 +103,15 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _animate(wanted: argparse.Namespace) -> None:
+def _animate(wanted: Namespace) -> None:
     source = Path(wanted.run)
     if source.is_dir():
         source = source / "run.nc"
+    if not source.is_file():
+        raise RefusalError(
+            f"There is no file '{source}'; it must be a run.nc that contactlab wrote, or a folder with one. "
+            "`contactlab` without a verb makes a run."
+        )
     output = _output(wanted.output, source)
     fps = _number("--fps", wanted.fps, "1")
     if not SLOWEST <= fps <= FASTEST:
@@ -174,11 +180,6 @@ def _dataset(source: Path) -> "xarray.DataTree":
     """All of a dataset, the file closed."""
     import xarray
 
-    if not source.is_file():
-        raise RefusalError(
-            f"There is no file '{source}'; it must be a run.nc that contactlab wrote, or a folder with one. "
-            "`contactlab` without a verb makes a run."
-        )
     try:
         # Plain numbers as they were written: times in seconds are not to become dates.
         with xarray.open_datatree(source, engine="netcdf4", decode_cf=False) as tree:

@@ -1,11 +1,12 @@
 """`contactlab collect DIR`: the runs of a sweep as one dataset over their parameters."""
 
-import argparse
 import sys
+from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.command import interrupts
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 
 if TYPE_CHECKING:
@@ -21,9 +22,9 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 2 for a folder without runs and for a file that cannot be written.
     """
-    parser = argparse.ArgumentParser(
-        prog="contactlab collect",
-        description=f"{VERBS['collect'].capitalize()}, with a status and a reason where one is missing.",
+    parser = Parser(
+        "collect",
+        f"{VERBS['collect'].capitalize()}, with a status and a reason where one is missing.",
     )
     parser.add_argument("directory", metavar="DIR", help="a folder of runs, as -m leaves it")
     parser.add_argument(
@@ -35,7 +36,7 @@ def main(arguments: list[str]) -> int:
         metavar="NAME[,NAME]",
         help="time series that go into the group 'series'; the runs must be recorded at the same times",
     )
-    given = parser.parse_args(arguments)
+    given = parser.read(arguments)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.sweep.chunks import PLAN
     from contactlab.sweep.collecting import COLLECTED, collect
@@ -61,7 +62,7 @@ def main(arguments: list[str]) -> int:
     return DONE
 
 
-def _map(given: argparse.Namespace) -> int:
+def _map(given: Namespace) -> int:
     """Collect the chunks of a map that are finished so far."""
     from contactlab.command.map_summary import summary
     from contactlab.sweep.chunks import MAP, MapError, MapFolder

@@ -1,9 +1,9 @@
 """`contactlab compare DIR...`: the laws of several runs side by side, judged, drawn and reported."""
 
-import argparse
 import sys
 from pathlib import Path
 
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 
 DONE, REFUSED = 0, 2
@@ -18,7 +18,7 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 2 for runs that cannot be compared and for a folder that cannot be written to.
     """
-    parser = argparse.ArgumentParser(prog="contactlab compare", description=_description())
+    parser = Parser("compare", _description())
     parser.add_argument(
         "runs",
         nargs="+",
@@ -37,7 +37,7 @@ def main(arguments: list[str]) -> int:
         action="store_true",
         help="take the runs as they are: no numerical error, no sensitivities",
     )
-    given = parser.parse_args(arguments)
+    given = parser.read(arguments)
     # Imported here: they bring the compiler and the plotting, which --help does not need.
     from contactlab.comparison import ComparisonError, compare
     from contactlab.comparison.tables import as_text

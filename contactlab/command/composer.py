@@ -5,11 +5,14 @@ and a key that does not exist is left to the schema, so that unknown options, un
 values come out together. Where the command line is sound, the result is Hydra's own.
 """
 
+import warnings
 from collections.abc import Sequence
-from difflib import get_close_matches
+from dataclasses import fields
+from math import prod
 from typing import final
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.conf import HydraConf
 from hydra.core.config_loader import ConfigLoader
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
@@ -18,9 +21,18 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from contactlab.command.choices import misplaced
+from contactlab.command.sweep_values import SweepError, range_values
 from contactlab.command.verbs import VERBS
 from contactlab.config.faults import one_line
 from contactlab.config.quantity import describe
+from contactlab.config.suggestion import suggestion
+
+MOST_JOBS = 100_000
+"""Jobs of a sweep; each leaves a folder, and takes a fifth of a second beside its run."""
+
+_OF_HYDRA = [field.name for field in fields(HydraConf)]
+"""Keys of Hydra's own part of the configuration."""
 
 BASIC_SWEEPER = f"{BasicSweeper.__module__}.{BasicSweeper.__qualname__}"
 """Hydra's own sweeper, all of whose jobs are known beforehand."""
@@ -55,7 +67,8 @@ class Composer:
         for line in lines:
             try:
                 (override,) = self._parser.parse_overrides([line])
-            except HydraException:
+            # ValueError: a whole number of thousands of digits.
+            except (HydraException, ValueError):
                 self.faults.append(
                     f"{line} cannot be read; an argument must have the form KEY=VALUE or "
                     "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
@@ -63,11 +76,27 @@ class Composer:
                     f"{', '.join(VERBS)}."
                 )
                 continue
-            if override.key_or_group:
-                overrides.append(override)
-            else:
+            if not override.key_or_group:
                 self.faults.append(f"{line} has no key; it must have the form KEY=VALUE. Name one.")
+            elif fault := self._misplaced(override):
+                self.faults.append(fault)
+            else:
+                overrides.append(override)
         return overrides
+
+    def _misplaced(self, override: Override) -> str:
+        if override.is_delete():
+            return ""
+        value = None if override.is_sweep_override() else override.value()
+        if override.is_hydra_override() and value == "":
+            return (
+                f"{override.input_line} is empty, as of a shell variable that is not set; it must have a "
+                "value. Leave it out for the default."
+            )
+        steps = override.key_or_group.split(".")
+        if override.is_hydra_override() and len(steps) > 1 and steps[1] not in _OF_HYDRA:
+            return f"{override.input_line} is no key of Hydra's. {suggestion(steps[1], _OF_HYDRA)}".strip()
+        return misplaced(str(override.input_line), override.key_or_group, value, self.options)
 
     def refuse_sweeps(self, overrides: list[Override]) -> list[Override]:
         """The overrides that give one value; the others are faults of a single run."""
@@ -88,12 +117,53 @@ class Composer:
         swept = self.parse([f"{key}={value}" for key, value in parameters.items()])
         hydras = [override for override in shared if override.is_hydra_override()]
         swept += [override for override in overrides if override not in hydras]
+        swept = [listed for override in swept for listed in self._listed(override)]
+        if self._too_many(swept):
+            return [shared]
         try:
             (batch,) = BasicSweeper.split_arguments(swept, None)
         except HydraException as error:
             self.faults.append(f"{one_line(error)} Give a list of values or a range.")
             return [shared]
         return [hydras + self._parser.parse_overrides(list(job)) for job in batch]
+
+    def _listed(self, override: Override) -> list[Override]:
+        """An override with its range written out, since Hydra's own goes past its end."""
+        if not override.is_range_sweep():
+            return [override]
+        try:
+            values = range_values(override, MOST_JOBS)
+        except SweepError as error:
+            self.faults.append(str(error))
+            return []
+        if not values:
+            self.faults.append(
+                f"{override.input_line} has no values; a range ends before its STOP."
+            )
+            return []
+        key = str(override.input_line).partition("=")[0]
+        listed = ",".join(map(repr, values))
+        shuffled = override.value().shuffle  # type: ignore[union-attr]
+        return self._parser.parse_overrides(
+            [f"{key}={f'shuffle({listed})' if shuffled else listed}"]
+        )
+
+    def _too_many(self, overrides: Sequence[Override]) -> bool:
+        """Whether there are more jobs than a sweep can have; before any is made."""
+        swept = [override for override in overrides if override.is_discrete_sweep()]
+        counts = [sum(1 for _ in override.sweep_iterator()) for override in swept]
+        self.faults += [
+            f"{override.input_line} has no values; it must have one at least. Name one."
+            for override, count in zip(swept, counts, strict=True)
+            if not count
+        ]
+        if too_many := prod(counts) > MOST_JOBS:
+            self.faults.append(
+                f"{' x '.join(map(str, counts))} = {prod(counts):.4g} runs are asked for; a sweep of folders "
+                f"must have at most {MOST_JOBS}. Take fewer values, or `contactlab map`, which keeps numbers "
+                "alone."
+            )
+        return too_many
 
     def compose_whole(self, lines: Sequence[str]) -> DictConfig | None:
         """The configuration just as Hydra composes it, None where it refuses."""
@@ -153,14 +223,17 @@ class Composer:
             return None
 
     def _load(self, lines: tuple[str, ...]) -> DictConfig:
-        # Spelled as Hydra spells it, so that a loader can tell that it is the same.
-        return self._loader.load_configuration(
-            config_name=self._config_name,
-            overrides=list(lines),
-            run_mode=RunMode.RUN,
-            from_shell=True,
-            validate_sweep_overrides=True,
-        )
+        # Hydra warns of a folder of options that there is not, and goes on without.
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            # Spelled as Hydra spells it, so that a loader can tell that it is the same.
+            return self._loader.load_configuration(
+                config_name=self._config_name,
+                overrides=list(lines),
+                run_mode=RunMode.RUN,
+                from_shell=True,
+                validate_sweep_overrides=True,
+            )
 
     def _is_value(self, override: Override) -> bool:
         """Whether an override sets a key, rather than choose an option or concern Hydra."""
@@ -202,8 +275,7 @@ class Composer:
                     "what each is made of."
                 )
             return f"{line} cannot be composed: {one_line(error)}"
-        near = get_close_matches(str(value), options, n=1)
-        hint = f"Did you mean {near[0]}?" if near else "Choose one of them."
+        hint = suggestion(str(value), options, "Choose one of them.")
         return f"{group} is {describe(value)}; it must be one of {', '.join(options)}. {hint}"
 
 

@@ -20,6 +20,7 @@ from contactlab.command.directories import (
     sweep_directory,
     to_be_tried,
 )
+from contactlab.command.progress import progress
 from contactlab.command.runner import refusals
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
@@ -84,10 +85,12 @@ def check(loader: ConfigLoader, config_name: str, lines: Sequence[str], multirun
     checker = _Checker(composer.faults, lines)
     if multirun:
         checker.name_sweep(base, overrides)
-        planned = [
-            checker.check(composer.compose_job(job), job, number, multirun=True)
-            for number, job in enumerate(composer.jobs(overrides, base))
-        ]
+        planned = []
+        asked = composer.jobs(overrides, base)
+        with progress(len(asked), "runs", "Checking the sweep") as show:
+            for number, job in enumerate(asked):
+                planned.append(checker.check(composer.compose_job(job), job, number, multirun=True))
+                show(number + 1)
     else:
         job = composer.refuse_sweeps(overrides)
         planned = [checker.check(parted(whole) if whole else composer.compose_job(job), job, 0)]
@@ -195,12 +198,18 @@ class _Checker:
         # ${now:...} is one moment for all jobs, as it is for Hydra.
         OmegaConf.copy_cache(self._first or task, task)
         self._first = self._first or task
+        keys = "hydra.sweep.dir or hydra.sweep.subdir" if multirun else "hydra.run.dir"
         try:
-            return resolved_directory(task, hydra, tasks, number, multirun, self.directory)
+            folder = resolved_directory(task, hydra, tasks, number, multirun, self.directory)
         except OmegaConfBaseException as error:
-            keys = "hydra.sweep.dir or hydra.sweep.subdir" if multirun else "hydra.run.dir"
             self._faults.append(f"{keys} cannot be resolved: {one_line(error)} Name a directory.")
             return None
+        below = Path(hydra.output_subdir or "")
+        if below.is_absolute() or ".." in below.parts:
+            self._faults.append(
+                f"hydra.output_subdir is '{below}'; it must be a folder below that of the run. Leave it out."
+            )
+        return folder
 
 
 def _tasks(overrides: list[Override]) -> list[Override]:

@@ -1,13 +1,13 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
-import argparse
 import sys
 from collections.abc import Iterator
-from difflib import get_close_matches
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
+from contactlab.config.suggestion import suggestion
 from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
 from contactlab.laws.registry import Origin, law_class, origins
 
@@ -33,14 +33,13 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 2 for a name that no law or part has.
     """
-    parser = argparse.ArgumentParser(prog="contactlab laws", description=_description())
+    parser = Parser("laws", _description())
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
-    wanted = parser.parse_args(arguments).name
+    wanted = parser.read(arguments).name
     known = _names()
     if wanted is not None and not any(wanted in names for names in known):
         flat = [name for names in known for name in names]
-        near = get_close_matches(wanted, flat, 1)
-        hint = f"Did you mean {near[0]}?" if near else f"It must be one of {', '.join(flat)}."
+        hint = suggestion(wanted, flat, f"It must be one of {', '.join(flat)}.")
         print(f"There is no law or part '{wanted}'. {hint}", file=sys.stderr)
         return REFUSED
     print("\n\n".join(_listing(wanted)))

@@ -1,10 +1,10 @@
 """`contactlab map`: a law over many values of many parameters, in chunks that are kept when finished."""
 
-import argparse
 import sys
 from pathlib import Path
 
 from contactlab.command import interrupts
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 
 DONE, INCOMPLETE, REFUSED = 0, 1, 2
@@ -17,7 +17,7 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 2 for a faulty command line, 1 where chunks are missing at the end.
     """
-    wanted = _parser().parse_intermixed_args(arguments)
+    wanted = _parser().read(arguments)
     # Imported here: they bring Hydra and the compiler, which --help does not need.
     from contactlab.command.mapping import make_map
     from contactlab.config import ConfigurationError
@@ -45,10 +45,10 @@ def main(arguments: list[str]) -> int:
     return REFUSED
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="contactlab map",
-        description=f"{VERBS['map'].capitalize()}. Results are metrics, a number a run: "
+def _parser() -> Parser:
+    parser = Parser(
+        "map",
+        f"{VERBS['map'].capitalize()}. Results are metrics, a number a run: "
         "docs/plausibility.md says what they are. Finished chunks are kept: the same command goes on "
         "where it was stopped, and ends with the same bits.",
         epilog="example: contactlab map law=lagrange_stick 'sweep.contact.clearance=linspace(0,2e-6,100)' "
@@ -58,8 +58,8 @@ def _parser() -> argparse.ArgumentParser:
         "arguments",
         nargs="+",
         metavar="KEY=VALUE",
-        help="as for a run; sweep.KEY=VALUES sweeps a key or group: 1e-6,2e-6 or range(START,STOP,STEP) or "
-        "linspace(FIRST,LAST,COUNT) or geomspace(FIRST,LAST,COUNT)",
+        help="as for a run; sweep.KEY=VALUES sweeps a key or group: 1e-6,2e-6 or "
+        "range(START,STOP,STEP) without STOP or linspace(FIRST,LAST,COUNT) or geomspace(FIRST,LAST,COUNT)",
     )
     parser.add_argument(
         "--output",

@@ -10,12 +10,15 @@ from hydra.core.config_loader import ConfigLoader
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
+from contactlab.command.choices import misplaced
 from contactlab.command.composer import Composer
-from contactlab.command.sweep_values import FORMS, PREFIX, SweepError, Typed, typed
+from contactlab.command.progress import progress
+from contactlab.command.sweep_values import FORMS, MOST_CELLS, PREFIX, SweepError, Typed, typed
 from contactlab.config import ConfigurationError, build, validate
 from contactlab.config.idle import FRICTION, idle_friction
 from contactlab.config.keys import units_of
 from contactlab.config.quantity import describe
+from contactlab.config.suggestion import suggestion
 from contactlab.config.units import UnitError, from_cf, to_si
 from contactlab.sweep.cells import Axis, Value
 from contactlab.sweep.many import Wanted
@@ -112,6 +115,9 @@ class _Planner:
                 found.append(typed(line, self._parser))
             except SweepError as error:
                 self._faults.append(str(error))
+                continue
+            if fault := misplaced(f"{PREFIX}{line}", found[-1].key, None, self.options):
+                self._faults.append(fault)
         return found
 
     def refuse_clashes(self, fixed: Sequence[str], swept: Sequence[Typed], wanted: Wanted) -> None:
@@ -129,6 +135,11 @@ class _Planner:
                     f"{key} is given more than once; it must be either swept or set, and once. Leave "
                     "the others out."
                 )
+        if (cells := prod(map(len, swept))) > MOST_CELLS:
+            self._faults.append(
+                f"{' x '.join(str(len(one)) for one in swept)} = {cells:.4g} runs are asked for; a map "
+                f"must have at most {MOST_CELLS}, whose numbers fit into memory. Take fewer values."
+            )
         for one in swept:
             if len(set(one.listed)) < len(one.listed) and not one.spacing:
                 self._faults.append(f"{PREFIX}{one.key} has a value twice; give every value once.")
@@ -151,7 +162,8 @@ class _Planner:
             for value in group.listed:
                 if group.spacing or value not in options:
                     self._faults.append(
-                        f"{PREFIX}{group.key} has {describe(value)}; it must be of {', '.join(options)}."
+                        f"{PREFIX}{group.key} has {describe(value)}; it must be of {', '.join(options)}. "
+                        + suggestion(str(value), options, "Choose from them.")
                     )
         self._no_lists(fixed)
         self.stop()
@@ -186,9 +198,10 @@ class _Planner:
 
     def axes(self, bases: Sequence[Configuration], keys: Sequence[Typed]) -> list[Axis]:
         """The axes of swept keys, every value of which at least some combination admits."""
-        ends = [(one.listed[0], one.listed[-1]) for one in keys]
-        units = self._units(bases, keys, ends)
+        combinations = _trials(bases, keys)
+        units = self._units(combinations)
         self.stop()
+        trials = [_checked(trial) for trial in combinations]
         found = []
         for one in keys:
             unit = units.get(one.key, "")
@@ -200,25 +213,20 @@ class _Planner:
                 )
                 self._faults.append(said)
                 continue
-            place = keys.index(one)
-            resolved = [self._resolved(bases, keys, ends, place, value) for value in values]
+            resolved = []
+            with progress(len(values), "values", f"Checking {one.key}") as show:
+                for count, value in enumerate(values, 1):
+                    resolved.append(self._resolved(trials, one.key.split("."), value))
+                    show(count)
             if len(set(resolved)) < len(resolved) and None not in resolved:
                 self._faults.append(f"{PREFIX}{one.key} has a value twice; give every value once.")
             found.append(Axis(one.key, tuple(v for v in resolved if v is not None), unit))
         return found
 
-    def _units(
-        self,
-        bases: Sequence[Configuration],
-        keys: Sequence[Typed],
-        ends: Sequence[tuple[Value, Value]],
-    ) -> dict[str, str]:
+    def _units(self, trials: Sequence[Configuration]) -> dict[str, str]:
         """Units of all keys of some sound combination of values."""
         first: ConfigurationError | None = None
-        for base, side in product(bases, (0, 1)):
-            trial = base
-            for one, end in zip(keys, ends, strict=True):
-                trial = with_key(trial, one.key.split("."), end[side])
+        for trial in trials:
             try:
                 return units_of(validate(trial))
             except ConfigurationError as error:
@@ -229,21 +237,16 @@ class _Planner:
 
     def _resolved(
         self,
-        bases: Sequence[Configuration],
-        keys: Sequence[Typed],
-        ends: Sequence[tuple[Value, Value]],
-        place: int,
+        trials: Sequence[tuple[Configuration, Configuration]],
+        path: Sequence[str],
         value: Value,
     ) -> Value | None:
         """A value as it runs; a fault where none of the combinations tried admits it."""
         first: ConfigurationError | None = None
-        path = keys[place].key.split(".")
-        for base, side in product(bases, (0, 1)):
-            trial = base
-            for one, end in zip(keys, ends, strict=True):
-                trial = with_key(trial, one.key.split("."), end[side])
+        for trial, checked in trials:
+            section = with_key(trial, path, value)[path[0]]
             try:
-                found: Any = build(with_key(trial, path, value)).configuration
+                found: Any = build({**checked, path[0]: section}).configuration
             except ConfigurationError as error:
                 first = first or error
                 continue
@@ -254,6 +257,26 @@ class _Planner:
         assert first is not None
         self._faults += first.faults
         return None
+
+
+def _trials(bases: Sequence[Configuration], keys: Sequence[Typed]) -> list[Configuration]:
+    """Combinations that values are tried in: every base with the first and with the last values."""
+    found = []
+    for base, end in product(bases, (0, -1)):
+        trial = base
+        for one in keys:
+            trial = with_key(trial, one.key.split("."), one.listed[end])
+        found.append(trial)
+    return found
+
+
+def _checked(trial: Configuration) -> tuple[Configuration, Configuration]:
+    """A combination as it is, and with its sections checked once and for all if they are sound."""
+    try:
+        checked = validate(trial)
+    except ConfigurationError:
+        return trial, trial
+    return trial, {section: getattr(checked, section) for section in trial}
 
 
 def _number(value: Value, unit: str) -> float:

@@ -1,20 +1,19 @@
 """The work of `contactlab map`: plan, chunks by this machine or by a launcher, and the dataset at the end."""
 
-import sys
 from argparse import Namespace
 from hashlib import sha256
 from pathlib import Path
 
-from tqdm import tqdm
-
 from contactlab.command import interrupts
+from contactlab.command.announcement import announce_series
 from contactlab.command.application import CONFIG_NAME, started
 from contactlab.command.directories import folder_name
 from contactlab.command.map_launcher import launch, launcher_config
 from contactlab.command.map_plan import plan_of
 from contactlab.command.map_summary import summary
+from contactlab.command.progress import progress
 from contactlab.command.runner import refusals
-from contactlab.config import ConfigurationError
+from contactlab.config import ConfigurationError, build
 from contactlab.plausibility import METRICS
 from contactlab.sweep.chunks import MAP, MapFolder
 from contactlab.sweep.many import USUAL, Wanted, wanted_of
@@ -54,6 +53,9 @@ def make_map(given: Namespace) -> bool:
             return True
         missing = folder.missing()
         print(_outlook(plan, len(missing)), flush=True)
+        if wanted.series:
+            one = build(plan.configuration(plan.point(0))).configuration
+            announce_series(plan.cells, len(wanted.series), one)
         with interrupts.raising():
             if config is None:
                 _run_here(folder, missing, given.workers)
@@ -99,14 +101,16 @@ def _outlook(plan: Plan, missing: int) -> str:
 def _run_here(folder: MapFolder, missing: list[int], workers: int | None) -> None:
     """Run chunk after chunk on this machine."""
     runs = sum(len(folder.plan.cells_of(chunk)) for chunk in missing)
-    quiet = not sys.stderr.isatty()
+    done = 0
     with (
-        tqdm(total=runs, unit="run", leave=False, file=sys.stderr, disable=quiet) as bar,
+        progress(runs, "runs", "The map") as show,
         folder.pool(workers or processors()) as pool,
     ):
 
         def report(count: int) -> None:
-            bar.update(count)
+            nonlocal done
+            done += count
+            show(done)
 
         for chunk in missing:
             folder.run(chunk, pool, report)

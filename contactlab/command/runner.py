@@ -2,14 +2,15 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.command import interrupts
+from contactlab.command.progress import progress
 from contactlab.config import Setup
 from contactlab.sweep.job import DATASET
 
@@ -22,9 +23,6 @@ SET_ANOTHER = (
     "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
     "hydra.sweep.subdir=NAME for -m."
 )
-
-PROGRESS_AFTER = 1.5
-"""Seconds before a progress bar appears; most runs are over by then."""
 
 
 def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
@@ -43,19 +41,19 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
         KeyboardInterrupt: with a sentence, after what there was has been written.
         OSError: the directory is missing, not writable or full.
     """
-    # Imported here: they bring the compiler and the plotting with them, which a command that only
-    # has a fault to report does not need.
+    # Imported here: they bring the compiler with them, which a command that only has a fault to
+    # report does not need.
     from contactlab.engine import simulate
-    from contactlab.output import dataset, figures
+    from contactlab.output import dataset
     from contactlab.output.summary import summarise
     from contactlab.trajectory import Ending
 
     for name in (DATASET, PICTURE):
         (directory / name).unlink(missing_ok=True)
     started = perf_counter()
-    with _progress_bar(setup.duration) as show, interrupts.waiting() as look:
+    with progress(setup.duration, "s", "The run") as show, interrupts.waiting() as look:
 
-        def progress(time: float) -> None:
+        def report(time: float) -> None:
             nonlocal started
             # The engine reports 0 once it is compiled; a compiler's time says nothing of a run's.
             started = perf_counter() if time == 0.0 else started
@@ -69,13 +67,16 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
             record_interval=setup.record_interval,
             contact_step=setup.contact_step,
             tolerance=setup.tolerance,
-            progress=progress,
+            progress=report,
         )
     wall_time = perf_counter() - started
     with interrupts.raising():
         tree = dataset.write(trajectory, setup.configuration, directory / DATASET)
         beside = "."
         if setup.configuration["record"]["picture"]:
+            # It brings the plotting.
+            from contactlab.output import figures
+
             figures.overview(tree, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
     print(summarise(trajectory, wall_time))
@@ -98,35 +99,14 @@ def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:
         # The netCDF library takes it for a separator, whatever the system says.
         if os.sep == "/" and "\\" in str(directory.absolute()):
             raise OSError(None, "netCDF files cannot lie in a path with a backslash")
-    except OSError as error:
+    # A ValueError: a null character, or one that the locale cannot spell.
+    except (OSError, ValueError) as error:
         yield (
             f"The output directory is '{directory}' and cannot be written to "
-            f"({error.strerror or error}); it must be a directory, or a place for one, with write "
-            f"permission. {way_out}"
+            f"({getattr(error, 'strerror', None) or error}); it must be a directory, or a place for one, "
+            f"with write permission. {way_out}"
         )
     finally:
         for path in created:
             with suppress(OSError):
                 path.rmdir()
-
-
-@contextmanager
-def _progress_bar(duration: float) -> Iterator[Callable[[float], None]]:
-    """A bar over the simulated time [s] on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from tqdm import tqdm
-
-    with tqdm(
-        total=duration,
-        delay=PROGRESS_AFTER,
-        leave=False,
-        file=sys.stderr,
-        bar_format="{percentage:3.0f} %|{bar}| {n:.3g} of {total:.3g} s, {remaining} left",
-    ) as bar:
-
-        def advance(time: float) -> None:
-            bar.update(time - bar.n)
-
-        yield advance

@@ -20,6 +20,7 @@ from hydra.types import HydraContext, RunMode, TaskFunction
 from omegaconf import DictConfig, OmegaConf
 
 from contactlab.command import interrupts
+from contactlab.command.announcement import announce
 from contactlab.command.composition import Plan
 from contactlab.command.directories import quoted
 from contactlab.command.jobs import write_log
@@ -104,6 +105,7 @@ def _launched(
     ]
     if all(done):
         return
+    announce(job.job.configuration for job, there in zip(plan.jobs, done, strict=True) if not there)
     OmegaConf.save(config, directory / "multirun.yaml")
     callbacks = Callbacks(config)
     callbacks.on_multirun_start(config=config, config_name=name)

@@ -1,6 +1,5 @@
 """`contactlab verify [RUN ...]`: every claim with what is expected, what is found, tolerance and verdict."""
 
-import argparse
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -10,6 +9,7 @@ from textwrap import shorten
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 
 if TYPE_CHECKING:
@@ -28,14 +28,14 @@ def main(arguments: list[str]) -> int:
     Returns:
         The exit status: 0 if every claim is as it should be, 2 for what is no run.
     """
-    parser = argparse.ArgumentParser(prog="contactlab verify", description=_description())
+    parser = Parser("verify", _description())
     parser.add_argument(
         "runs",
         metavar="RUN",
         nargs="*",
         help="a folder with run.nc, or a dataset in its layout: checked alone, by its numbers",
     )
-    wanted = parser.parse_args(arguments)
+    wanted = parser.read(arguments)
     try:
         groups = list(_of_runs(wanted.runs)) if wanted.runs else _groups()
     except ValueError as fault:

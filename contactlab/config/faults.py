@@ -63,7 +63,7 @@ def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
                 return f"The configuration is {value}; it must be a mapping of groups of keys."
             return (
                 f"{key} is {value}; it must be a group of keys. "
-                f"Set a single one by {key}.KEY=VALUE or choose a file by {key}=NAME."
+                f"Set a single one by {key}.KEY=VALUE or choose a file by {key.replace('.', '/')}=NAME."
             )
 
 

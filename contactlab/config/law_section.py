@@ -9,7 +9,7 @@ from functools import cache
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, final
 
-from pydantic import create_model
+from pydantic import ValidationInfo, create_model, field_validator
 
 from contactlab.config.quantity import Quantity, describe
 from contactlab.config.section import Section
@@ -65,6 +65,12 @@ class _Unchosen(LawSection):
     model_config = LawSection.model_config | {"extra": "ignore"}
 
     name: Any = None
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _remember(cls, value: object, _info: ValidationInfo) -> object:
+        """Remember nothing: a name that nothing is known of is no sound value."""
+        return value
 
 
 _WRITTEN: dict[str, type[LawSection]] = {"hertz_penalty": HertzPenaltySection}

@@ -23,6 +23,15 @@ MOST_KEPT_MODES = 40
 MOST_FRICTION = 5.0
 """Dry solids slide on each other at 0.05 to 1.5; beyond 5 a slip of the pen is likelier."""
 
+MOST_VOLTAGE = 1e5
+"""Over patches of a millimetre; ceramics break down at some 1e3 V."""
+
+MOST_TIME_SCALES = 1e9
+"""Between the tones, and between a tone and a second, which a double tells apart within a run."""
+
+MOST_PHASE = 1e6
+"""Beyond it, a double has fewer than ten digits of the angle within a turn."""
+
 _PAPER = "The paper's motor has {}.".format
 
 
@@ -129,20 +138,53 @@ class PlacementSection(Section):
     end: Annotated[float, Quantity("m", above=0.0, hint="It is measured from the same clamp.")]
 
 
+_Voltage = Annotated[
+    float,
+    Quantity(
+        "V",
+        at_least=-MOST_VOLTAGE,
+        at_most=MOST_VOLTAGE,
+        hint=_PAPER("100 V"),
+    ),
+]
+
+
 @final
 class DriveSection(Section):
     """Two tones."""
 
     path: ClassVar[str] = "drive."
 
-    voltage_1: Annotated[float, Quantity("V")]
-    voltage_2: Annotated[float, Quantity("V")]
+    voltage_1: _Voltage
+    voltage_2: _Voltage
     frequency: Annotated[
         float | None,
-        Quantity("Hz", above=0.0, none=True, hint="Leave it out for the first natural frequency."),
+        Quantity(
+            "Hz",
+            at_least=1.0 / MOST_TIME_SCALES,
+            at_most=MOST_TIME_SCALES,
+            none=True,
+            hint="Leave it out for the first natural frequency.",
+        ),
     ]
-    frequency_ratio: Annotated[float, Quantity("1", above=0.0, hint="The paper takes 2.")]
-    phase: Annotated[float, Quantity("rad")]
+    frequency_ratio: Annotated[
+        float,
+        Quantity(
+            "1",
+            at_least=1.0 / MOST_TIME_SCALES,
+            at_most=MOST_TIME_SCALES,
+            hint="The paper takes 2.",
+        ),
+    ]
+    phase: Annotated[
+        float,
+        Quantity(
+            "rad",
+            at_least=-MOST_PHASE,
+            at_most=MOST_PHASE,
+            hint="Whole turns change nothing but the last digits.",
+        ),
+    ]
 
 
 @final
@@ -176,7 +218,13 @@ class RotorSection(Section):
     radius: Annotated[float, Quantity("m", above=0.0, hint=_PAPER("0.025 m"))]
     inertia: Annotated[float, Quantity("kg m^2", above=0.0, hint=_PAPER("4.8e-05 kg m^2"))]
     damping: Annotated[float, Quantity("N m s/rad", at_least=0.0, hint="0 switches it off.")]
-    load_torque: Annotated[float, Quantity("N m")]
+    load_torque: Annotated[
+        float,
+        Quantity(
+            "N m",
+            hint="It acts towards negative rotation: a positive one brakes positive rotation.",
+        ),
+    ]
     initial_velocity: Annotated[float, Quantity("rad/s")]
 
 
@@ -232,6 +280,13 @@ class Configuration(Section):
 KINDS = {"resonator": "basis", "piezoceramic": "constants"}
 """The groups whose keys depend on a choice, and the key that tells which was made; that of the law
 is told by its name, and made from its declarations."""
+
+
+def group_told_by(key: str) -> str:
+    """The group whose choice a key tells, 'law/normal' for 'law.normal.name'; empty for other keys."""
+    section, _, last = key.rpartition(".")
+    told_by = "name" if section.partition(".")[0] == "law" else KINDS.get(section)
+    return section.replace(".", "/") if last == told_by else ""
 
 
 @cache

@@ -79,7 +79,10 @@ def to_si(text: str, unit: str) -> float:
     if units not in [found[1] for found in spelled if found]:
         expected = "a pure number" if unit == "1" else unit
         raise UnitError(f"whose unit '{parts['unit'].strip()}' cannot be converted to {expected}")
-    return float(Decimal(parts["number"]) * factor / wanted[0])
+    try:
+        return float(Decimal(parts["number"]) * factor / wanted[0])
+    except ArithmeticError:
+        raise UnitError("which is too large") from None
 
 
 @cache

@@ -25,6 +25,7 @@ def summarise(trajectory: Trajectory, wall_time: float) -> str:
         "contacts": _contacts(trajectory),
         "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(simulated, 's')}",
         "peak normal force": f"{peak:.4g} N",
+        **_load(trajectory),
         "normal impulse": f"{np.sum(trajectory.contacts['normal_impulse']):.6g} N s in all",
         "ledger residual": _residual(trajectory),
         "speed": _speed(simulated, wall_time),
@@ -51,6 +52,15 @@ def _contacts(trajectory: Trajectory) -> str:
     touching = prefixed(float(np.sum(trajectory.contacts["duration"])), "s")
     sticking = prefixed(float(np.sum(trajectory.contacts["stick_duration"])), "s")
     return f"{count}, {touching} in contact, {sticking} of it sticking"
+
+
+def _load(trajectory: Trajectory) -> dict[str, str]:
+    """A line on the load where there is one: whether it brakes the motor or drives it."""
+    if trajectory.motor.rotor.load_torque == 0.0:
+        return {}
+    work = float(trajectory.series["load_work"][-1])
+    what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
+    return {"load": f"{what}: {abs(work):.4g} J"}
 
 
 def _residual(trajectory: Trajectory) -> str:

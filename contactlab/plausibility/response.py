@@ -47,8 +47,10 @@ def _efficiency(record: Record) -> float:
     span = record.last_periods()
     load, drive = record.series("load_work")[span], record.series("drive_work")[span]
     given = float(drive[-1] - drive[0])
-    needed(given > 0.0)
-    return float(load[-1] - load[0]) / given
+    done = float(load[-1] - load[0])
+    # A load that drives is no load: what it gives is no share of what the drive gives.
+    needed(given > 0.0 <= done)
+    return done / given
 
 
 def _share_of_work(record: Record, name: str) -> float:
@@ -197,7 +199,8 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
             "efficiency",
             "dW_l / dW_d",
             "1",
-            "work on the load over work of the drive in the last whole drive periods",
+            "work on the load over work of the drive in the last whole drive periods; none where the load "
+            "drives the motor",
         ),
         _efficiency,
     ),

@@ -6,7 +6,6 @@ last bit wherever and after whatever it runs.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from time import monotonic
 from typing import Final, final
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, Setup
+from contactlab.config.suggestion import suggestion
 from contactlab.engine import simulate
 from contactlab.engine.callback import is_of_a_signal
 from contactlab.engine.workspace import Workspace
@@ -89,8 +89,7 @@ def wanted_of(metrics: Iterable[str], series: Iterable[str]) -> Wanted:
     for kind, names in asked.items():
         for name in names:
             if name not in known[kind]:
-                near = get_close_matches(name, known[kind], 1)
-                hint = f"Did you mean {near[0]}?" if near else f"One is {known[kind][0]}."
+                hint = suggestion(name, known[kind], f"One is {known[kind][0]}.")
                 raise ValueError(
                     f"There is no {kind} '{name}'; it must be one of {', '.join(known[kind])}. {hint}"
                 )

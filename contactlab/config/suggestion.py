@@ -1,0 +1,19 @@
+"""What somebody who made a slip of the pen may have meant."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+def suggestion(word: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Ask for the names that are near a word, or that begin with it.
+
+    Args:
+        word: what there is not.
+        known: what there is.
+        otherwise: a sentence for a word that nothing is near to.
+    """
+    names = list(known)
+    typed = word.lower()
+    begun = [name for name in names if typed and name.lower().startswith(typed)]
+    near = begun or get_close_matches(typed, names, 1)
+    return f"Did you mean {' or '.join(near)}?" if near else otherwise
