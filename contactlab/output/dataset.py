@@ -177,6 +177,8 @@ def _write_variable(group: netCDF4.Dataset, name: str, variable: xarray.Variable
         compression="zlib",
         complevel=1,
         shuffle=True,
+        # A chunk is written once it is full; the library would keep 64 MiB of every variable.
+        chunk_cache=8 * _CHUNK,
         # An empty dimension still wants a chunk of at least one value.
         chunksizes=[min(max(size, 1), _CHUNK) for size in variable.shape],
         # A missing value is a NaN, which needs no fill value; every value is written below.

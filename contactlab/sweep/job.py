@@ -7,7 +7,7 @@ was killed is known by its state. It holds no times: the same run leaves the sam
 import json
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, is_dataclass
 from hashlib import sha256
 from inspect import getsourcefile
 from pathlib import Path
@@ -95,11 +95,23 @@ def read_state(folder: Path) -> State | None:
     """The state of a run; None where there is none that can be read."""
     try:
         read = json.loads((folder / STATE).read_text(encoding="utf-8"))
-        job = Job(**read.pop("job"))
-        return State(job=replace(job, overrides=tuple(job.overrides)), **read)
+        job = read["job"]
+        return State(
+            str(read["state"]), job_of(job, str(job["key"])), str(read["reason"]), str(read["digest"])
+        )
     # Somebody else's file of that name may be anything.
     except (OSError, ValueError, TypeError, AttributeError, KeyError):
         return None
+
+
+def job_of(read: Mapping[str, Any], key: str = "") -> Job:
+    """A job as a file holds it, its configuration apart from others.
+
+    Raises:
+        ValueError, TypeError, LookupError: it is something else.
+    """
+    choices = {str(group): option and str(option) for group, option in read["choices"].items()}
+    return Job(key, tuple(map(str, read["overrides"])), choices, dict(read["configuration"]))
 
 
 def is_done(folder: Path, key: str) -> bool:
