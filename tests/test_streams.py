@@ -16,7 +16,9 @@ RUN = "solver.duration=0.2 ms"
 
 
 def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {words}"
+    command = (
+        f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {words}"
+    )
     return subprocess.run(
         ["/bin/sh", "-c", command], cwd=folder, capture_output=True, text=True, check=False
     )

@@ -97,7 +97,10 @@ def read_state(folder: Path) -> State | None:
         read = json.loads((folder / STATE).read_text(encoding="utf-8"))
         job = read["job"]
         return State(
-            str(read["state"]), job_of(job, str(job["key"])), str(read["reason"]), str(read["digest"])
+            str(read["state"]),
+            job_of(job, str(job["key"])),
+            str(read["reason"]),
+            str(read["digest"]),
         )
     # Somebody else's file of that name may be anything.
     except (OSError, ValueError, TypeError, AttributeError, KeyError):
