@@ -63,14 +63,18 @@ def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
 
 @contextmanager
 def whole_netcdf(path: Path) -> Iterator[Path]:
-    """Do as `whole_file` for what the netCDF library writes, which never says why it could not."""
+    """Do as `whole_file` for what the netCDF library writes, which does not say why it could not."""
     with whole_file(path) as partial:
         try:
             yield partial
-        except RuntimeError as fault:
-            if not str(fault).startswith("NetCDF"):
+        except (OSError, RuntimeError) as fault:
+            if isinstance(fault, RuntimeError) and not str(fault).startswith("NetCDF"):
                 raise
-            raise _cause_of_failure(partial, fault) from fault
+            if cause := _cause_of_failure(partial):
+                raise cause from fault
+            if isinstance(fault, OSError):
+                raise
+            raise OSError(errno.EIO, f"the netCDF library says: {fault}") from fault
 
 
 def told(error: OSError) -> str:
@@ -89,8 +93,8 @@ def digest_of_file(path: Path) -> str:
         return file_digest(stream, "sha256").hexdigest()
 
 
-def _cause_of_failure(partial: Path, fault: Exception) -> OSError:
-    """What the system says if a little more is written to a file that could not be."""
+def _cause_of_failure(partial: Path) -> OSError | None:
+    """What the system says where a little more cannot be written to a file either."""
     try:
         with partial.open("ab") as stream:
             stream.write(bytes(2**20))
@@ -98,7 +102,7 @@ def _cause_of_failure(partial: Path, fault: Exception) -> OSError:
             os.fsync(stream.fileno())
     except OSError as cause:
         return cause
-    return OSError(errno.EIO, f"the netCDF library says: {fault}")
+    return None
 
 
 def _link(partial: Path, path: Path) -> None:
