@@ -34,7 +34,7 @@ def test_no_damage_of_a_dataset_comes_through(tmp_path: Path) -> None:
         damaged = bytearray(sound)
         damaged[chance.randrange(20_000)] ^= 1 << chance.randrange(8)
         file.write_bytes(damaged)
-        with pytest.raises(ValueError, match="is not as its run left it.*Run it again"):
+        with pytest.raises(ValueError, match=r"is not as its run left it.*Run it again"):
             read_run(file)
         assert not is_done(file.parent, "key")
     file.write_bytes(sound)

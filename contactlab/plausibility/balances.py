@@ -91,9 +91,9 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
             "<=",
             ROUND_OFF,
             "action equals reaction at any step: both sides add up the same impulses, only round-off "
-            "(seven digits in single precision) is between them. A rigid law that projects corrects the angle "
-            "too, by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of its "
-            "impulses, where that is less than one",
+            "(seven digits in single precision) is between them. A rigid law that projects corrects the "
+            "angle too, by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of "
+            "its impulses, where that is less than one",
             "Newton's third law; paper, eq. 48 with the radius",
         ),
         _rotor_momentum,
