@@ -95,3 +95,20 @@ def test_who_says_that_a_run_is_complete_may_say_it_in_any_number(
         tree.attrs["complete"] = said
     assert isinstance(tree, xarray.DataTree)
     assert is_complete(read_run(tree)) is meant
+
+
+def test_units_come_from_the_runs_whose_configurations_can_be_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left_run(tmp_path / "1", sound(1e-6), {})
+    left_run(tmp_path / "2", sound(2e-6), {})
+    asked: list[object] = []
+
+    def check(configuration: object) -> object:
+        asked.append(configuration)
+        raise ValueError("There is no law 'gone'.")
+
+    monkeypatch.setattr("contactlab.sweep.layout.validate", check)
+    assert (collect(tmp_path)["status"] == Status.COMPLETE).all()
+    # The second is asked for what the first could not tell.
+    assert len(asked) == 2
