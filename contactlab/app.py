@@ -7,7 +7,6 @@ Exit status: 0; 1 for a run that did not reach its end; 2 for a fault of the use
 """
 
 import gc
-import os
 import re
 import sys
 from argparse import Namespace
@@ -24,7 +23,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.command import interrupts
+from contactlab.command import interrupts, streams
 from contactlab.command.announcement import announce
 from contactlab.command.application import CONFIG_NAME, VERSION_BASE, conf_directory, started
 from contactlab.command.composition import check, check_composition, choices_of
@@ -60,8 +59,8 @@ def main() -> int:
         print(str(interrupt) or interrupts.MESSAGE, file=sys.stderr)
         return interrupts.STATUS
     except BrokenPipeError:
-        # Whoever read the output has had enough of it; Python's own last flush must not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read the output has had enough of it.
+        streams.silence(sys.stdout)
         return INCOMPLETE
     finally:
         gc.enable()

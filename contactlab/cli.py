@@ -6,7 +6,7 @@ import sys
 from importlib import import_module
 from io import TextIOWrapper
 
-from contactlab.command import interrupts
+from contactlab.command import interrupts, streams
 from contactlab.command.verbs import VERBS
 
 REFUSED = 2
@@ -15,6 +15,7 @@ REFUSED = 2
 
 def main() -> int:
     """Entry point of the command; gives the exit status."""
+    streams.open_closed()
     sys.argv[1:] = map(_decoded, sys.argv[1:])
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
@@ -32,7 +33,7 @@ def main() -> int:
 def _dispatch(arguments: list[str]) -> int:
     verb = arguments[0] if arguments else ""
     if verb in VERBS:
-        return _do(verb, arguments[1:])
+        return streams.flushed(_do(verb, arguments[1:]))
     if verb.isalpha() and (hint := _near(verb)):
         return _refuse(f"There is no verb '{verb}'; it must be one of {', '.join(VERBS)}. {hint}")
     if odd := [argument for argument in arguments if re.search("[\\0\ud800-\udfff]", argument)]:
@@ -40,7 +41,7 @@ def _dispatch(arguments: list[str]) -> int:
     # Imported here: it brings Hydra, which no verb needs.
     from contactlab import app
 
-    return app.main()
+    return streams.flushed(app.main())
 
 
 def _decoded(argument: str) -> str:
@@ -65,6 +66,6 @@ def _do(verb: str, arguments: list[str]) -> int:
         with interrupts.ending_at_once():
             return int(import_module(f"contactlab.command.{verb}").main(arguments))
     except BrokenPipeError:
-        # Whoever read the output has had enough of it; Python's own last flush must not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read the output has had enough of it.
+        streams.silence(sys.stdout)
         return 1

@@ -16,7 +16,8 @@ from command_line import Command
 from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.plausibility import METRICS
-from contactlab.sweep.chunks import CHUNKS, MAP, PLAN, MapError, MapFolder
+from contactlab.sweep.chunks import CHUNKS, DIGEST, MAP, PLAN, UNFINISHED, MapFolder
+from contactlab.sweep.faults import MapError
 from contactlab.sweep.many import USUAL
 from contactlab.sweep.plan import with_key
 from contactlab.sweep.status import Status
@@ -24,8 +25,8 @@ from contactlab.sweep.status import Status
 SHORT = "solver.duration=1 ms"
 
 
-def opened(path: Path) -> xarray.Dataset:
-    with xarray.open_dataset(path / MAP, decode_times=False) as found:
+def opened(path: Path, name: str = MAP) -> xarray.Dataset:
+    with xarray.open_dataset(path / name, decode_times=False) as found:
         return found.load()
 
 
@@ -107,7 +108,7 @@ def test_a_map_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
             check=True,
         )
         assert ("are finished already" in done.stdout) == (folder == "cut")
-        assert [path.name for path in sorted((tmp_path / folder).iterdir())] == [MAP, PLAN]
+        assert [path.name for path in sorted((tmp_path / folder).iterdir())] == [MAP, DIGEST, PLAN]
     assert (tmp_path / "cut" / MAP).read_bytes() == (tmp_path / "whole" / MAP).read_bytes()
 
 
@@ -230,7 +231,9 @@ def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
     status, out, _ = command("collect", "here")
     assert status == 0
     assert "2 absent" in out
-    part = opened(Path("here"))
+    assert f"Written to {Path('here') / UNFINISHED}" in out
+    assert not (Path("here") / MAP).exists()
+    part = opened(Path("here"), UNFINISHED)
     assert [Status(code) for code in part["status"].values] == [
         Status.ABSENT,
         Status.COMPLETE,
@@ -240,6 +243,7 @@ def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
     assert part.attrs["complete"] == 0
     assert command(*arguments)[0] == 0
     assert opened(Path("here")).identical(whole)
+    assert not (Path("here") / UNFINISHED).exists()
 
 
 def test_a_folder_without_a_plan_is_no_map(tmp_path: Path) -> None:

@@ -56,8 +56,8 @@ def test_what_failed_is_run_again_and_the_others_are_not(
     assert "3 runs: 1 is complete and skipped; 1 failed and 1 ended early: these run." in out
     assert simulations.seen == [1.0, 2.0, 3.0, 2.0, 3.0]
     assert not (failed / "run.log").exists()
-    assert state_of(failed) | {"size": 0, "job": 0} == {
-        "state": "complete", "reason": "", "size": 0, "job": 0,
+    assert state_of(failed) | {"digest": 0, "job": 0} == {
+        "state": "complete", "reason": "", "digest": 0, "job": 0,
     }  # fmt: skip
 
 

@@ -38,6 +38,7 @@ def main(arguments: list[str]) -> int:
     )
     given = parser.read(arguments)
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.output.files import told
     from contactlab.sweep.chunks import PLAN
     from contactlab.sweep.collecting import COLLECTED, collect
     from contactlab.sweep.faults import CollectingError
@@ -53,7 +54,7 @@ def main(arguments: list[str]) -> int:
         print(error, file=sys.stderr)
         return REFUSED
     except OSError as error:
-        print(f"The runs could not be collected: {error}", file=sys.stderr)
+        print(f"The runs could not be collected: {told(error)}", file=sys.stderr)
         return REFUSED
     except KeyboardInterrupt:
         print("Interrupted before the runs were collected; nothing was written.", file=sys.stderr)
@@ -65,7 +66,9 @@ def main(arguments: list[str]) -> int:
 def _map(given: Namespace) -> int:
     """Collect the chunks of a map that are finished so far."""
     from contactlab.command.map_summary import summary
-    from contactlab.sweep.chunks import MAP, MapError, MapFolder
+    from contactlab.output.files import told
+    from contactlab.sweep.chunks import MAP, MapFolder
+    from contactlab.sweep.faults import MapError
 
     if given.output or given.series:
         print(
@@ -76,10 +79,18 @@ def _map(given: Namespace) -> int:
         return REFUSED
     try:
         folder = MapFolder.opened(Path(given.directory))
-        print(summary(folder.merge(), folder.path / MAP))
-    except (MapError, OSError) as error:
+        with interrupts.raising():
+            dataset = folder.merge()
+    except MapError as error:
         print(error, file=sys.stderr)
         return REFUSED
+    except OSError as error:
+        print(f"The map could not be collected: {told(error)}", file=sys.stderr)
+        return REFUSED
+    except KeyboardInterrupt:
+        print("Interrupted before the map was collected; nothing was written.", file=sys.stderr)
+        return interrupts.STATUS
+    print(summary(dataset, folder.file))
     return DONE
 
 

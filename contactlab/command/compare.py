@@ -42,6 +42,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.comparison import ComparisonError, compare
     from contactlab.comparison.tables import as_text
     from contactlab.comparison.words import conclusion, differences
+    from contactlab.output.files import told
 
     output: Path = given.output
     if fault := _refusal(output):
@@ -53,10 +54,7 @@ def main(arguments: list[str]) -> int:
         print(*error.faults, sep="\n", file=sys.stderr)
         return REFUSED
     except OSError as error:
-        print(
-            f"Nothing more can be written to '{output}': {error.strerror or error}.",
-            file=sys.stderr,
-        )
+        print(f"Nothing more can be written to '{output}': {told(error)}", file=sys.stderr)
         return REFUSED
     print(as_text(data))
     print()

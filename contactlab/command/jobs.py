@@ -7,10 +7,13 @@ from pathlib import Path
 
 from contactlab.command import interrupts
 from contactlab.command.runner import execute
+from contactlab.command.streams import tell
 from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
-from contactlab.sweep.job import COMPLETE, FAILED, LOG, RUNNING, Job, State, size_of, write_state
+from contactlab.output.files import told
+from contactlab.output.run_folder import LOG
+from contactlab.sweep.job import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
 _MOST_CHARACTERS = 500
 """Of a reason; a compiler says more than anybody reads in a table, and the log has it all."""
@@ -34,23 +37,30 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
     try:
         (directory / LOG).unlink(missing_ok=True)
         write_state(directory, State(RUNNING, job))
-        ending, message = execute(setup, directory)
-        state = ending.name.lower()
-        write_state(directory, State(state, job, message, size_of(directory)))
-        return state == COMPLETE
+        outcome = execute(setup, directory)
+        state = outcome.ending.name.lower()
+        write_state(directory, State(state, job, outcome.message, outcome.digest))
     except KeyboardInterrupt as interrupt:
         reason = str(interrupt) or interrupts.MESSAGE
         with suppress(OSError):
-            write_state(directory, State("interrupted", job, reason, size_of(directory)))
+            write_state(directory, State(INTERRUPTED, job, reason))
         raise
     # A law of another package may end in any way, and the other jobs of a sweep go on.
     except (Exception, SystemExit) as error:
         reason = _reason(error)
-        print(reason, file=sys.stderr)
+        tell(reason, sys.stderr)
         with suppress(OSError):
-            write_state(directory, State(FAILED, job, reason, size_of(directory)))
+            write_state(directory, State(FAILED, job, reason))
+        with suppress(OSError):
             write_log(directory / LOG, error)
         return False
+    # Only now: what cannot be printed is no fault of the run.
+    tell(outcome.summary, sys.stdout)
+    if state == INTERRUPTED:
+        raise KeyboardInterrupt(outcome.message)
+    if outcome.message:
+        tell(outcome.message, sys.stderr)
+    return state == COMPLETE
 
 
 def write_log(path: Path, error: BaseException) -> None:
@@ -60,14 +70,14 @@ def write_log(path: Path, error: BaseException) -> None:
         OSError: the folder is missing, not writable or full.
     """
     path.write_text("".join(traceback.format_exception(error)), encoding="utf-8")
-    print(f"The traceback is in {path}.", file=sys.stderr)
+    tell(f"The traceback is in {path}.", sys.stderr)
 
 
 def _reason(error: BaseException) -> str:
     if isinstance(error, LawError):
         said = one_line(LawError(*error.args))
     elif isinstance(error, OSError):
-        said = f"The run could not be written: {one_line(error)}"
+        said = f"The run could not be written: {told(error)}"
     else:
         said = f"The run raised {type(error).__name__}: {one_line(error)}"
     return said if len(said) <= _MOST_CHARACTERS else f"{said[:_MOST_CHARACTERS]} ..."

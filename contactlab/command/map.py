@@ -21,7 +21,8 @@ def main(arguments: list[str]) -> int:
     # Imported here: they bring Hydra and the compiler, which --help does not need.
     from contactlab.command.mapping import make_map
     from contactlab.config import ConfigurationError
-    from contactlab.sweep.chunks import MapError
+    from contactlab.output.files import told
+    from contactlab.sweep.faults import MapError
     from contactlab.sweep.workers import WorkerError
 
     try:
@@ -34,7 +35,7 @@ def main(arguments: list[str]) -> int:
         print(error, file=sys.stderr)
         return INCOMPLETE
     except OSError as error:
-        print(f"The map could not be written: {error}", file=sys.stderr)
+        print(f"The map could not be written: {told(error)}", file=sys.stderr)
         return INCOMPLETE
     except KeyboardInterrupt:
         print(

@@ -19,7 +19,8 @@ from omegaconf import DictConfig
 from contactlab.command.application import CONFIG_NAME
 from contactlab.command.directories import quoted
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.sweep.chunks import CHUNKS, MapError, MapFolder
+from contactlab.sweep.chunks import CHUNKS, MapFolder
+from contactlab.sweep.faults import MapError
 from contactlab.sweep.plan import code_digest_of
 from contactlab.sweep.workers import processors
 

@@ -15,7 +15,7 @@ from contactlab.command.progress import progress
 from contactlab.command.runner import refusals
 from contactlab.config import ConfigurationError, build
 from contactlab.plausibility import METRICS
-from contactlab.sweep.chunks import MAP, MapFolder
+from contactlab.sweep.chunks import MapFolder
 from contactlab.sweep.many import USUAL, Wanted, wanted_of
 from contactlab.sweep.plan import Plan
 from contactlab.sweep.workers import processors
@@ -49,7 +49,7 @@ def make_map(given: Namespace) -> bool:
         folder.begin()
         if folder.complete:
             folder.merge()
-            print(f"The map is complete already: {folder.path / MAP}")
+            print(f"The map is complete already: {folder.file}")
             return True
         missing = folder.missing()
         print(_outlook(plan, len(missing)), flush=True)
@@ -62,7 +62,7 @@ def make_map(given: Namespace) -> bool:
             else:
                 launch(hydra, config, folder, missing, given.workers)
             dataset = folder.merge()
-    print(summary(dataset, folder.path / MAP))
+    print(summary(dataset, folder.file))
     return bool(dataset.attrs["runs_absent"] == 0)
 
 

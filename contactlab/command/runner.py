@@ -1,18 +1,18 @@
 """One run from its setup to the files it leaves: run.nc, run.png and a summary on the terminal."""
 
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, final
 
 from contactlab.command import interrupts
 from contactlab.command.progress import progress
 from contactlab.config import Setup
-from contactlab.sweep.job import DATASET
+from contactlab.output.run_folder import DATASET
 
 if TYPE_CHECKING:
     from contactlab.trajectory import Ending
@@ -25,8 +25,26 @@ SET_ANOTHER = (
 )
 
 
-def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
-    """Simulate a motor, write the dataset and the picture, print a summary.
+@final
+@dataclass(frozen=True)
+class Outcome:
+    """What a run left.
+
+    Args:
+        ending: how it ended.
+        message: a sentence on that, empty for a complete one.
+        digest: of its dataset.
+        summary: for the terminal.
+    """
+
+    ending: "Ending"
+    message: str
+    digest: str
+    summary: str
+
+
+def execute(setup: Setup, directory: Path) -> Outcome:
+    """Simulate a motor, write the dataset and the picture.
 
     Args:
         setup: what runs.
@@ -34,11 +52,9 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
             removed first, so that a run that is cut short leaves none that seems to be its own.
 
     Returns:
-        How the run ended, and a sentence on it, empty for a complete one; a run that did not reach its
-        end is written too, marked as incomplete.
+        How the run ended; one that did not reach its end is written too, marked as incomplete.
 
     Raises:
-        KeyboardInterrupt: with a sentence, after what there was has been written.
         OSError: the directory is missing, not writable or full.
     """
     # Imported here: they bring the compiler with them, which a command that only has a fault to
@@ -46,7 +62,6 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
     from contactlab.engine import simulate
     from contactlab.output import dataset
     from contactlab.output.summary import summarise
-    from contactlab.trajectory import Ending
 
     for name in (DATASET, PICTURE):
         (directory / name).unlink(missing_ok=True)
@@ -71,7 +86,8 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
         )
     wall_time = perf_counter() - started
     with interrupts.raising():
-        tree = dataset.write(trajectory, setup.configuration, directory / DATASET)
+        tree = dataset.to_datatree(trajectory, setup.configuration)
+        digest = dataset.write_tree(tree, directory / DATASET)
         beside = "."
         if setup.configuration["record"]["picture"]:
             # It brings the plotting.
@@ -79,13 +95,8 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
 
             figures.overview(tree, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
-    print(summarise(trajectory, wall_time))
-    print(f"Written to {directory / DATASET}{beside}", flush=True)
-    if trajectory.ending is Ending.INTERRUPTED:
-        raise KeyboardInterrupt(trajectory.message)
-    if not trajectory.complete:
-        print(trajectory.message, file=sys.stderr)
-    return trajectory.ending, trajectory.message
+    summary = f"{summarise(trajectory, wall_time)}\nWritten to {directory / DATASET}{beside}"
+    return Outcome(trajectory.ending, trajectory.message, digest, summary)
 
 
 def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:

@@ -25,7 +25,8 @@ from contactlab.command.composition import Plan
 from contactlab.command.directories import quoted
 from contactlab.command.jobs import write_log
 from contactlab.config.faults import one_line
-from contactlab.sweep.job import LOG
+from contactlab.output.files import told
+from contactlab.output.run_folder import LOG
 from contactlab.sweep.outlook import outlook
 from contactlab.sweep.roster import extend_roster
 
@@ -130,8 +131,10 @@ def _collect(directory: Path) -> None:
     try:
         with interrupts.raising():
             print(report(collect(directory), directory / COLLECTED))
-    except (CollectingError, OSError) as error:
-        print(f"The runs could not be collected: {one_line(error)}", file=sys.stderr)
+    except CollectingError as error:
+        print(f"The runs could not be collected: {error}", file=sys.stderr)
+    except OSError as error:
+        print(f"The runs could not be collected: {told(error)}", file=sys.stderr)
 
 
 def _status(returned: Any) -> int:

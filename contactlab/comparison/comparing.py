@@ -12,7 +12,7 @@ from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Run, Source, collect
 from contactlab.comparison.scorecard import scorecard
 from contactlab.comparison.tables import as_csv, as_latex
-from contactlab.output.files import whole_file
+from contactlab.output.files import whole_file, whole_netcdf
 
 TEXT: Final = {"scorecard.csv": as_csv, "scorecard.tex": as_latex}
 DATASET: Final = "metrics.nc"
@@ -66,7 +66,7 @@ def _write(data: xarray.Dataset, laws: list[Refined], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, of in TEXT.items():
         _write_text(of(data), folder / name)
-    with whole_file(folder / DATASET) as partial:
+    with whole_netcdf(folder / DATASET) as partial:
         data.to_netcdf(partial, engine="netcdf4")
     figures = draw_all(laws, data)
     write_all(figures, folder)

@@ -49,16 +49,25 @@ def record_times(run: Run, records: int) -> Array:
     return np.asarray(time, dtype=np.float64)
 
 
-def read_series(run: Run, records: int) -> tuple[dict[str, Array], NDArray[np.int8]]:
-    """The recorded columns by name: mean forces out of impulses, and the ledger's residual."""
-    table = run.series[:records]
-    series = {v.name: table[:, column].copy() for column, v in enumerate(SERIES)}
-    interval = np.diff(record_times(run, records))
+def take_series(run: Run, time: Array) -> tuple[dict[str, Array], NDArray[np.int8]]:
+    """Take the recorded columns out of a run, by name: its memory, of which a long run has no second one.
+
+    Impulses become mean forces, and the ledger has its residual.
+
+    Args:
+        run: what ran; its records are to be taken once.
+        time: of the records [s], see `record_times`.
+    """
+    table = run.series[: time.size]
+    series = {v.name: table[:, column] for column, v in enumerate(SERIES)}
+    interval = np.diff(time)
     for name in ("normal_force", "friction_force"):
-        series[name] = np.concatenate([[0.0], np.diff(series[name]) / interval])
+        impulse = series[name]
+        impulse[1:] = np.diff(impulse) / interval
+        impulse[:1] = 0.0
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
     losses = sum(
         series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
     )
-    series["energy_residual"] = energy - energy[0] - (series["drive_work"] - losses)
-    return series, run.modes[:records].copy()
+    series["energy_residual"][:] = energy - energy[0] - (series["drive_work"] - losses)
+    return series, run.modes[: time.size]

@@ -126,7 +126,8 @@ def run_for(records: int, contact_rows: int = 512) -> Run:
         step_terms=np.zeros(len(TERMS)),
         part_terms=np.zeros(len(TERMS)),
         contact=np.zeros(len(CONTACTS)),
-        series=np.zeros((records, len(SERIES))),
+        # By columns, which leave the run one by one, without a copy.
+        series=np.zeros((records, len(SERIES)), order="F"),
         modes=np.zeros(records, dtype=np.int8),
         contacts=np.zeros((contact_rows, len(CONTACTS))),
         stack=np.zeros((96, 3)),

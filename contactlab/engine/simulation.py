@@ -11,7 +11,7 @@ from contactlab.checks import check_kind, check_number
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant, plant_of
-from contactlab.engine.readout import explain, read_series, record_times
+from contactlab.engine.readout import explain, record_times, take_series
 from contactlab.engine.run import (
     COUNTS,
     END,
@@ -149,8 +149,8 @@ def simulate(
         run.contact[SEPARATION] = np.nan
         run.contact[LOSS] -= run.real[HELD_ENERGY]
         finished.append(run.contact[np.newaxis])
-    records = int(run.whole[RECORDED])
-    series, modes = read_series(run, records)
+    time = record_times(run, int(run.whole[RECORDED]))
+    series, modes = take_series(run, time)
     rows = np.vstack(finished)
     return Trajectory(
         motor=motor,
@@ -158,7 +158,7 @@ def simulate(
         duration=duration,
         contact_step=contact_step,
         record_interval=record_interval,
-        time=record_times(run, records),
+        time=time,
         series=series,
         contact_mode=modes,
         contacts={v.name: rows[:, column].copy() for column, v in enumerate(CONTACTS)},

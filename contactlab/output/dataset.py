@@ -6,7 +6,6 @@ ran and with which code. Nothing in the file depends on when, where or on which 
 written, so the same run leaves the same bytes.
 """
 
-import errno
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -19,7 +18,7 @@ import yaml
 
 from contactlab import variables
 from contactlab.laws.registry import provenance
-from contactlab.output.files import whole_file
+from contactlab.output.files import digest_of_file, whole_netcdf
 from contactlab.output.provenance import checkout_state, code_digest, versions
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import Variable
@@ -67,8 +66,7 @@ def write(
 ) -> xarray.DataTree:
     """Write a run to a netCDF-4 file, whole or not at all.
 
-    See `contactlab.output.files.whole_file`. A run that did not reach its end is written too, with
-    `complete = 0`.
+    A run that did not reach its end is written too, with `complete = 0`.
 
     Args:
         trajectory: what the simulation gave back.
@@ -82,13 +80,26 @@ def write(
         OSError: the folder is missing, not writable or full.
     """
     tree = to_datatree(trajectory, configuration)
-    with whole_file(path) as partial:
-        try:
-            _write_file(tree, partial)
-        except RuntimeError as fault:
-            # The netCDF library reports a full disk in this way.
-            raise OSError(errno.EIO, str(fault)) from fault
+    write_tree(tree, path)
     return tree
+
+
+def write_tree(tree: xarray.DataTree, path: Path) -> str:
+    """Write what `to_datatree` gives to a netCDF-4 file, whole or not at all.
+
+    Args:
+        tree: the run.
+        path: the file's name, in a folder that exists.
+
+    Returns:
+        Digest of the file, see `contactlab.output.files.digest_of_file`.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    with whole_netcdf(path) as partial:
+        _write_file(tree, partial)
+        return digest_of_file(partial)
 
 
 def _columns(
@@ -166,6 +177,8 @@ def _write_variable(group: netCDF4.Dataset, name: str, variable: xarray.Variable
         compression="zlib",
         complevel=1,
         shuffle=True,
+        # A chunk is written once it is full; the library would keep 64 MiB of every variable.
+        chunk_cache=8 * _CHUNK,
         # An empty dimension still wants a chunk of at least one value.
         chunksizes=[min(max(size, 1), _CHUNK) for size in variable.shape],
         # A missing value is a NaN, which needs no fill value; every value is written below.

@@ -10,7 +10,7 @@ from contactlab.plausibility.assessment import (
     assess_variants,
 )
 from contactlab.plausibility.metric import FAIL, NOT_APPLICABLE, PASS, REPORTED, Metric
-from contactlab.plausibility.reading import configuration_of, read_run
+from contactlab.plausibility.reading import configuration_of, is_complete, read_run
 from contactlab.plausibility.record import Record
 
 __all__ = [
@@ -28,5 +28,6 @@ __all__ = [
     "assess_steps",
     "assess_variants",
     "configuration_of",
+    "is_complete",
     "read_run",
 ]

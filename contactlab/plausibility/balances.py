@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.plausibility.declared import corrects_displacements
 from contactlab.plausibility.measure import Measure
 from contactlab.plausibility.metric import Metric
 from contactlab.plausibility.record import Record, needed
@@ -38,10 +39,17 @@ def _rotor_momentum(record: Record) -> float:
     push = record.contacts("friction_impulse")
     given = radius * float(np.abs(push).sum())
     needed(given > 0.0)
-    load = float(torque * (record.time[-1] - record.time[0]) + damping * (angle[-1] - angle[0]))
-    missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load)
+    load = float(torque * (record.time[-1] - record.time[0]))
+    damped = float(damping * (angle[-1] - angle[0]))
+    missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
+    # A rigid law that puts displacements back onto the closed gap at the end of a step h has an angle that
+    # follows the velocity to within h times what friction changes of it, R sum|p_t| / J. What damping
+    # makes of that must stay below what is to be seen.
+    corrected = damping * record.contact_step / inertia if corrects_displacements(record) else 0.0
+    needed(corrected < 1.0)
     # Where friction is the least of the terms, the others round off more than it weighs.
-    return abs(missing) / max(given, inertia * float(np.abs(velocity).max()), abs(load))
+    scale = max(given, inertia * float(np.abs(velocity).max()), abs(load), abs(damped))
+    return abs(missing) / max(scale, corrected * given / ROUND_OFF)
 
 
 def _impulse_balance(record: Record) -> float:
@@ -76,13 +84,16 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "rotor_momentum",
-            "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, load)",
+            "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, "
+            "|C_r dalpha|)",
             "1",
             "angular momentum of the rotor that friction impulses, load and damping do not explain",
             "<=",
             ROUND_OFF,
             "action equals reaction at any step: both sides add up the same impulses, only round-off "
-            "(seven digits in single precision) is between them",
+            "(seven digits in single precision) is between them. A rigid law that projects corrects the "
+            "angle too, by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of "
+            "its impulses, where that is less than one",
             "Newton's third law; paper, eq. 48 with the radius",
         ),
         _rotor_momentum,

@@ -30,6 +30,14 @@ def has_tangential_spring(record: Record) -> bool:
     return any(getattr(owner, "friction_kind", None) == SPRING_AND_SLIDER for owner in owners)
 
 
+def corrects_displacements(record: Record) -> bool:
+    """Whether the law's steps put displacements back onto the gap; of one that is not installed, no."""
+    try:
+        return bool(getattr(law_class(record.law), "projects", False))
+    except ValueError:
+        return False
+
+
 def _parts(record: Record) -> dict[str, Any]:
     """Classes of the law's parts by family."""
     section = record.configuration.get("law")

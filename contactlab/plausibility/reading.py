@@ -8,6 +8,7 @@ import xarray
 import yaml
 
 from contactlab import variables
+from contactlab.output.run_folder import damage
 from contactlab.variables import Variable
 
 _ROOT: Final = {v.name: v for v in (*variables.SERIES, variables.CONTACT_MODE)}
@@ -31,8 +32,8 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
         layout's dimensions and units.
 
     Raises:
-        ValueError: the file cannot be read, or is laid out otherwise: what is missing, what it must
-            be, and what to do.
+        ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise: what
+            is missing, what it must be, and what to do.
     """
     if isinstance(source, xarray.DataTree):
         _check(source, "The dataset")
@@ -44,16 +45,30 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
             "name, or run contactlab to make one."
         )
     try:
+        damaged = damage(path)
+    except OSError as fault:
+        raise ValueError(
+            f"'{path}' cannot be read ({fault.strerror or fault}); it must be a file that may be read. "
+            "Check its permissions and the disk."
+        ) from fault
+    if damaged:
+        raise ValueError(damaged)
+    try:
         # Seconds are numbers here, not dates.
         with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
             tree = opened.load()
-    except (OSError, ValueError, KeyError, RuntimeError, UnicodeDecodeError) as fault:
+    except (OSError, ValueError, LookupError, RuntimeError, AttributeError, TypeError) as fault:
         raise ValueError(
             f"'{path}' cannot be read as netCDF-4; it must be a file in the layout of a run.nc. Check "
             "that it is one, and whole: `ncdump -h` shows what is in it."
         ) from fault
     _check(tree, f"'{path}'")
     return tree
+
+
+def is_complete(tree: xarray.DataTree) -> bool:
+    """Whether a dataset is of a run that reached its end; one of one's own need not say so."""
+    return bool(tree.attrs.get("complete", 1))
 
 
 def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
@@ -85,6 +100,12 @@ def _check(tree: xarray.DataTree, words: str) -> None:
         raise ValueError(
             f"{words} has none of the time series; it must have at least one of "
             f"{', '.join(_ROOT)}. {_WAY_OUT}"
+        )
+    said = tree.attrs.get("complete", 1)
+    if np.size(said) != 1 or np.asarray(said).dtype.kind not in "biuf" or said not in (0, 1):
+        raise ValueError(
+            f"{words} has the attribute complete = {said!r}; it must be 1 for a run that reached its end "
+            "and 0 for another. Correct it, or leave it out."
         )
     if "contacts" in tree.children:
         group = tree.children["contacts"].to_dataset(inherit=False)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from contactlab.output.files import whole_file
+from contactlab.output.files import whole_netcdf
 from contactlab.plausibility import METRICS
 from contactlab.sweep.status import Status
 
@@ -119,7 +119,7 @@ def write(dataset: xarray.Dataset, path: Path, more: Callable[[Path], None] | No
         for name, variable in dataset.data_vars.items()
         if variable.dtype.kind in "fi" and variable.size
     }
-    with whole_file(path) as partial:
+    with whole_netcdf(path) as partial:
         dataset.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encoding)
         if more is not None:
             more(partial)

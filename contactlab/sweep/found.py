@@ -6,19 +6,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final, final
+from typing import Any, Final, final
 
 from contactlab.config.faults import one_line
-from contactlab.plausibility import assess, configuration_of, read_run
+from contactlab.output.partials import remove_left
+from contactlab.output.run_folder import DATASET, STATE
+from contactlab.plausibility import assess, configuration_of, is_complete, read_run
 from contactlab.sweep.cells import REASONS
-from contactlab.sweep.job import DATASET, RUNNING, STATE, Job, State, read_state, size_of
+from contactlab.sweep.job import RUNNING, Job, State, read_state
 from contactlab.sweep.roster import ROSTER, read_roster
 from contactlab.sweep.status import Status
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
-
-_UNREADABLE: Final = (ValueError, OSError, KeyError, RuntimeError, AttributeError)
-"""What reading a file may raise that can be anything."""
 
 
 @final
@@ -50,6 +49,7 @@ def found_runs(directory: Path) -> Iterator[FoundRun]:
     folders: set[Path] = set()
     for place, below, files in os.walk(directory):
         below[:] = [name for name in below if not name.startswith(".")]
+        remove_left(Path(place))
         if DATASET in files or STATE in files:
             folders.add(Path(place))
         if ROSTER in files:
@@ -72,23 +72,24 @@ def _of_state(name: str, folder: Path, state: State) -> FoundRun:
     reason = state.reason or REASONS.get(status, f"The run is {state.state}.")
     metrics: dict[str, float] = {}
     if status is Status.COMPLETE:
-        status, reason, metrics = _assessed(folder, state)
+        _, status, reason, metrics = _assessed(folder)
     return FoundRun(name, folder, state.job, status, reason, True, metrics)
 
 
-def _assessed(folder: Path, state: State) -> tuple[Status, str, dict[str, float]]:
-    """Status, reason and metrics of a run whose state is complete."""
-    if size_of(folder) != state.size:
-        return (
-            Status.FAILED,
-            f"{DATASET} has {size_of(folder)} bytes, and the run left {state.size}: it was removed or "
-            "replaced. Run it again.",
-            {},
-        )
+def _assessed(folder: Path) -> tuple[dict[str, Any], Status, str, dict[str, float]]:
+    """What the dataset of a run tells: its configuration, its status with the reason, its metrics."""
+    configuration: dict[str, Any] = {}
     try:
-        return Status.COMPLETE, "", assess(read_run(folder / DATASET))
-    except _UNREADABLE as error:
-        return Status.FAILED, one_line(error), {}
+        tree = read_run(folder / DATASET)
+        configuration = configuration_of(tree)
+        if is_complete(tree):
+            return configuration, Status.COMPLETE, "", assess(tree)
+    # A file can be anything, and the other runs shall not suffer from it.
+    except Exception as error:
+        return configuration, Status.FAILED, one_line(error), {}
+    status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)
+    reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
+    return configuration, Status.FAILED if status is Status.COMPLETE else status, reason, {}
 
 
 def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
@@ -98,18 +99,9 @@ def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
     if not (folder / DATASET).is_file():
         reason = f"{STATE} cannot be read, and there is no {DATASET}. Run it again."
         return FoundRun(name, folder, job, Status.FAILED, reason, told, {})
-    try:
-        tree = read_run(folder / DATASET)
-    except _UNREADABLE as error:
-        return FoundRun(name, folder, job, Status.FAILED, one_line(error), told, {})
-    job = job if told else Job(configuration=configuration_of(tree))
-    # A dataset of one's own need not say that it is complete.
-    if int(tree.attrs.get("complete", 1)):
-        return FoundRun(name, folder, job, Status.COMPLETE, "", told, assess(tree))
-    ending = str(tree.attrs.get("ending", ""))
-    status = _OF_STATE.get(ending, Status.FAILED)
-    reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
-    return FoundRun(name, folder, job, status, reason, told, {})
+    configuration, status, reason, metrics = _assessed(folder)
+    job = job if told else Job(configuration=configuration)
+    return FoundRun(name, folder, job, status, reason, told, metrics)
 
 
 def _in_order(directory: Path, folder: Path) -> list[tuple[int, str]]:

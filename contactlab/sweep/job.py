@@ -6,7 +6,7 @@ was killed is known by its state. It holds no times: the same run leaves the sam
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -14,16 +14,13 @@ from typing import Any, Final, final
 
 from contactlab.config import Setup
 from contactlab.laws.registry import provenance
-from contactlab.output.files import whole_file
+from contactlab.output.files import digest_of_file, whole_file
 from contactlab.output.provenance import code_digest, versions
-
-STATE: Final = "state.json"
-DATASET: Final = "run.nc"
-LOG: Final = "run.log"
-"""Files of a run's folder; the log is there for a run that raised an exception."""
+from contactlab.output.run_folder import DATASET, STATE
 
 RUNNING, COMPLETE, FAILED, REFUSED = "running", "complete", "failed", "refused"
-"""States beside the names of `contactlab.trajectory.Ending` in small letters."""
+INTERRUPTED: Final = "interrupted"
+"""States beside the other names of `contactlab.trajectory.Ending` in small letters."""
 
 
 @final
@@ -53,13 +50,13 @@ class State:
         state: `RUNNING`, `COMPLETE`, ...
         job: what it was asked for.
         reason: a sentence where it is not complete.
-        size: of its dataset [bytes], so that one that is cut or replaced is noticed; 0 without.
+        digest: of its dataset, so that one that is damaged or replaced is noticed; empty without.
     """
 
     state: str
     job: Job
     reason: str = ""
-    size: int = 0
+    digest: str = ""
 
 
 def key_of(setup: Setup) -> str:
@@ -97,11 +94,26 @@ def read_state(folder: Path) -> State | None:
     """The state of a run; None where there is none that can be read."""
     try:
         read = json.loads((folder / STATE).read_text(encoding="utf-8"))
-        job = Job(**read.pop("job"))
-        return State(job=replace(job, overrides=tuple(job.overrides)), **read)
+        job = read["job"]
+        return State(
+            str(read["state"]),
+            job_of(job, str(job["key"])),
+            str(read["reason"]),
+            str(read["digest"]),
+        )
     # Somebody else's file of that name may be anything.
     except (OSError, ValueError, TypeError, AttributeError, KeyError):
         return None
+
+
+def job_of(read: Mapping[str, Any], key: str = "") -> Job:
+    """A job as a file holds it, its configuration apart from others.
+
+    Raises:
+        ValueError, TypeError, LookupError: it is something else.
+    """
+    choices = {str(group): option and str(option) for group, option in read["choices"].items()}
+    return Job(key, tuple(map(str, read["overrides"])), choices, dict(read["configuration"]))
 
 
 def is_done(folder: Path, key: str) -> bool:
@@ -111,16 +123,15 @@ def is_done(folder: Path, key: str) -> bool:
         state is not None
         and state.state == COMPLETE
         and state.job.key == key
-        and size_of(folder) == state.size > 0
+        and _is_sound(folder / DATASET, state.digest)
     )
 
 
-def size_of(folder: Path) -> int:
-    """Size of a run's dataset [bytes]; 0 where there is none."""
+def _is_sound(dataset: Path, digest: str) -> bool:
     try:
-        return (folder / DATASET).stat().st_size
+        return digest_of_file(dataset) == digest
     except OSError:
-        return 0
+        return False
 
 
 @cache

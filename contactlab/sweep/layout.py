@@ -1,5 +1,7 @@
 """How runs lie over their parameters: as a grid where they form one, else one after the other."""
 
+import re
+import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -9,7 +11,7 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.config import ConfigurationError, validate
+from contactlab.config import validate
 from contactlab.config.keys import units_of
 from contactlab.config.nesting import flat
 from contactlab.sweep.cells import Axis
@@ -17,6 +19,10 @@ from contactlab.sweep.found import FoundRun
 
 RUN: Final = "run"
 """The dimension of runs that form no grid."""
+
+_KEY: Final = re.compile(r"\w+(\.\w+)+")
+_GROUP: Final = re.compile(r"\w+(/\w+)*")
+"""What can be a key or a group; a configuration of one's own may be anything."""
 
 MOST_EMPTY: Final = 2
 """Cells of a grid over runs; a sweep that was cut or extended still is one."""
@@ -111,11 +117,16 @@ def _tuples(axes: Sequence[Axis]) -> set[tuple[Any, ...]]:
 
 def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     """What differs between runs, of what they were asked for or else of what they recorded."""
-    settings = [flat(run.job.configuration) for run in runs]
+    settings = [
+        {key: value for key, value in flat(run.job.configuration).items() if _KEY.fullmatch(key)}
+        for run in runs
+    ]
     columns: dict[str, list[Any]] = {}
     if all(run.told for run in runs):
         for group in dict.fromkeys(group for run in runs for group in run.job.choices):
-            columns[group.replace("/", ".")] = [run.job.choices.get(group) or "" for run in runs]
+            if _GROUP.fullmatch(group):
+                named = [run.job.choices.get(group) or "" for run in runs]
+                columns[group.replace("/", ".")] = named
         keys = _asked(runs, settings)
     else:
         keys = list(dict.fromkeys(key for setting in settings for key in setting))
@@ -151,10 +162,10 @@ def _units(
     missing = set(keys)
     for run, setting in zip(runs, settings, strict=True):
         if missing & setting.keys():
-            missing -= setting.keys()
-            # A configuration of one's own may be anything.
-            with suppress(ConfigurationError):
+            # A configuration of one's own may be anything, and a law may no longer be installed.
+            with suppress(Exception):
                 units |= units_of(validate(run.job.configuration))
+                missing -= setting.keys()
         if not missing:
             break
     return units
@@ -167,7 +178,9 @@ def _axis(name: str, values: Sequence[Any], units: str) -> Axis:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    if isinstance(value, int):
+        return not isinstance(value, bool) and abs(value) < 2**sys.float_info.max_exp
+    return isinstance(value, float)
 
 
 def _text(value: Any) -> str:

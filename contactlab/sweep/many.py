@@ -153,7 +153,8 @@ def answers(
         run, code, sentence = _run(setup_at, cell, wanted, workspace, metrics[place])
         status[place], reason[place] = code, sentence
         if wanted.series:
-            kept.append({} if run is None else {n: run.series[n] for n in wanted.series})
+            # A series alone, not the memory of all that the run has recorded.
+            kept.append({} if run is None else {n: run.series[n].copy() for n in wanted.series})
             time = time if run is None else max(time, run.time, key=len)
         if report and (monotonic() - last > BETWEEN_REPORTS or place == len(cells) - 1):
             report(place + 1 - reported)

@@ -5,7 +5,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from contactlab.sweep.job import COMPLETE, FAILED, REFUSED, RUNNING, is_done, read_state
+from contactlab.sweep.job import (
+    COMPLETE,
+    FAILED,
+    INTERRUPTED,
+    REFUSED,
+    RUNNING,
+    is_done,
+    read_state,
+)
 
 _WHY: Final = {
     "failed": ("failed", "failed"),
@@ -48,7 +56,7 @@ def _why(folder: Path, key: str) -> str:
         return "new"
     if state.state in (FAILED, REFUSED):
         return "failed"
-    if state.state in (RUNNING, "interrupted"):
+    if state.state in (RUNNING, INTERRUPTED):
         return "cut"
     if state.job.key != key:
         return "changed"

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from contactlab.config.nesting import flat, nested
 from contactlab.output.files import whole_file
-from contactlab.sweep.job import Job
+from contactlab.sweep.job import Job, job_of
 
 ROSTER: Final = "sweep.json"
 
@@ -49,10 +49,8 @@ def read_roster(folder: Path) -> dict[str, Job]:
     try:
         read = json.loads((folder / ROSTER).read_text(encoding="utf-8"))
         return {
-            str(name): Job(
-                overrides=tuple(job["overrides"]),
-                choices=dict(job["choices"]),
-                configuration=nested(read["common"] | job["configuration"]),
+            str(name): job_of(
+                job | {"configuration": nested(read["common"] | job["configuration"])}
             )
             for name, job in read["jobs"].items()
         }

@@ -9,10 +9,10 @@ import numpy as np
 
 from contactlab import variables
 from contactlab.output.dataset import cf_attributes
+from contactlab.output.run_folder import DATASET
 from contactlab.plausibility import read_run
 from contactlab.sweep.faults import CollectingError
 from contactlab.sweep.found import FoundRun
-from contactlab.sweep.job import DATASET
 from contactlab.sweep.layout import Layout
 from contactlab.sweep.status import Status
 
@@ -60,7 +60,10 @@ class Series:
         with netCDF4.Dataset(path, "a") as file:
             group, time = None, np.empty(0)
             for place, run in self._runs:
-                tree = read_run(run.folder / DATASET)
+                try:
+                    tree = read_run(run.folder / DATASET)
+                except ValueError as error:
+                    raise CollectingError(str(error)) from error
                 mine = np.asarray(tree["time"].values, dtype=np.float64)
                 if group is None:
                     group, time = series_group(file, self._layout.dims, self._names, mine), mine
