@@ -1,0 +1,113 @@
+"""The step in contact where none is asked for: the law's own, less where the tip has fast modes."""
+
+import numpy as np
+import pytest
+from conf_files import composed
+from motors import case_a, default_motor, default_resonator, hertz, run
+
+from contactlab.config import build
+from contactlab.engine.contact_step import LARGEST_TURN, default_contact_step
+from contactlab.laws import (
+    LagrangeSlip,
+    LagrangeStick,
+    MoreauJean,
+    MultiplierLaw,
+    Newton,
+    Poisson,
+    Stronge,
+)
+from contactlab.motor import Motor
+from contactlab.resonator import FiniteElementResonator, NormalModes, RitzResonator
+from contactlab.trajectory import Trajectory
+
+PROJECTING = (LagrangeStick(), LagrangeSlip(), Newton(), Poisson(), Stronge())
+
+laws = pytest.mark.parametrize("law", PROJECTING, ids=lambda law: law.name)
+
+RINGING = {
+    "shapes": 35,
+    "tip_mass": 4.7e-5,
+    "tip_inertia": 7e-10,
+    "stiffness_damping": 2.3e-11,
+    "mass_damping": 0.41,
+}
+"""A resonator with a light tip and hardly any damping: all of its modes take part in an impact."""
+
+
+def ringing_motor() -> Motor:
+    return default_motor(
+        **RINGING,
+        voltage_1=470.0,
+        voltage_2=160.0,
+        frequency=2500.0,
+        frequency_ratio=8.0,
+        phase=2.4,
+        rotor_radius=3.1e-3,
+        rotor_inertia=6.1e-8,
+        tip_length=5.1e-3,
+        clearance=1.4e-6,
+    )
+
+
+def openness(trajectory: Trajectory) -> float:
+    """Of the ledger, over the work of the drive [1]."""
+    series = trajectory.series
+    return float(np.abs(series["energy_residual"]).max() / np.abs(series["drive_work"]).max())
+
+
+@laws
+def test_the_papers_motor_keeps_the_step_of_the_law(law: MultiplierLaw) -> None:
+    bases = [RitzResonator(shapes=shapes) for shapes in (1, 4, 12, 40)]
+    for resonator in (*bases, FiniteElementResonator(), default_resonator(tip_inertia=0.0)):
+        assert default_contact_step(resonator.modes, law) == law.default_contact_step
+    assert run(case_a(), law, 2e-4).contact_step == law.default_contact_step
+
+
+def test_the_step_is_a_share_of_the_mean_rate_of_the_tips_modes() -> None:
+    rates = np.array([1e6, 3e6, 4e6])
+    row = np.array([1.0, 2.0, 0.5])
+    # The last mode is overdamped, and its slow root is k/c.
+    modes = NormalModes(
+        stiffness=rates**2,
+        damping=np.array([0.0, 1e3, 16e6]),
+        coupling=np.zeros((3, 2)),
+        tip_displacement=row,
+        tip_slope=np.zeros(3),
+        shape_coupling=np.zeros((3, 2)),
+    )
+    mean = np.sqrt((row**2 @ np.array([1e6, 3e6, 1e6]) ** 2) / (row @ row))
+    assert default_contact_step(modes, LagrangeStick()) == pytest.approx(
+        LARGEST_TURN / mean, rel=1e-12
+    )
+
+
+def test_no_step_but_that_of_a_law_that_projects_follows_the_motor() -> None:
+    modes = default_resonator(**RINGING).modes
+    for law in (MoreauJean(), hertz()):
+        assert default_contact_step(modes, law) == law.default_contact_step
+    for law in PROJECTING:
+        assert default_contact_step(modes, law) < 0.2 * law.default_contact_step
+
+
+def test_a_configuration_runs_with_the_step_that_it_records_and_with_its_own_where_it_has_one() -> None:
+    for given in (None, 5e-8):
+        sections = composed(law="poisson")
+        sections["resonator"] |= RINGING
+        sections["solver"] |= {"duration": 1e-4, "contact_step": given}
+        setup = build(sections)
+        expected = given or default_contact_step(setup.motor.modes, setup.law)
+        assert setup.contact_step == setup.configuration["solver"]["contact_step"] == expected
+
+
+@pytest.mark.parametrize("law", [Poisson(0.29, 0.9), LagrangeStick(0.29)], ids=lambda x: x.name)
+def test_the_ledger_of_a_ringing_motor_closes(law: MultiplierLaw) -> None:
+    motor = ringing_motor()
+    found = run(motor, law, 1e-3)
+    coarse = run(motor, law, 1e-3, contact_step=law.default_contact_step)
+    # The way that is put back costs energy, so without that there is nothing to close.
+    free = run(motor, MoreauJean(0.29, 0.9), 1e-3, contact_step=law.default_contact_step)
+    print("open by", openness(found), "at the law's own step", openness(coarse), openness(free))
+    assert found.contacts["duration"].size > 20
+    assert openness(free) < 1e-8
+    assert openness(coarse) > 5e-3
+    assert openness(found) < 2e-3
