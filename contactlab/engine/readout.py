@@ -3,13 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.engine.inconsistency import inconsistency
 from contactlab.engine.run import (
     CHATTERED,
-    CRITICAL_FRICTION,
     END,
     ENDING,
     EVENT_LIMIT,
-    FRICTION_LIMIT,
     INCONSISTENT,
     INTERVAL,
     TIME,
@@ -38,29 +37,11 @@ def explain(run: Run, contact_step: float) -> tuple[Ending, str]:
             "Check the law's parameters, or loosen the tolerance."
         )
     if run.whole[ENDING] == INCONSISTENT:
-        return Ending.INCONSISTENT, _inconsistency(run)
+        return Ending.INCONSISTENT, inconsistency(run)
     return Ending.DIVERGED, (
         f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deeper in the rotor "
         "than a tenth of its radius, or it moves too fast to be followed. Check the drive and the "
         f"law's parameters, or shorten the contact step, {contact_step:.3g} s."
-    )
-
-
-def _inconsistency(run: Run) -> str:
-    """Sentences on a rigid contact that closes and for which the law has no impulse."""
-    time = float(run.real[TIME])
-    friction, critical = run.real[FRICTION_LIMIT], run.real[CRITICAL_FRICTION]
-    if friction < critical:
-        return (
-            f"The run ends at {time:.6g} s: the contact closes, and the law has no normal impulse that "
-            "stops it. Check the law: an approach must be answered."
-        )
-    return (
-        f"The run ends at {time:.6g} s in Painleve's paradox: the friction coefficient {friction:.6g} is "
-        f"not below the critical {critical:.6g}, d_nn/|d_nt| of the contact there, so that the friction of "
-        "its slip presses the bodies together more than the normal impulse parts them, and the law has no "
-        "impulse that stops the approach. Lower the friction coefficient, or take a law that may stick or "
-        "a compliant one."
     )
 
 
