@@ -20,6 +20,7 @@ class Ending(IntEnum):
     DIVERGED = 1
     CHATTERED = 2
     INTERRUPTED = 3
+    INCONSISTENT = 6
 
 
 @final

@@ -10,6 +10,7 @@ from motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
+from contactlab.sweep.status import status_of
 from contactlab.testing.plants import block
 from contactlab.trajectory import Ending
 
@@ -154,3 +155,7 @@ def test_an_undamped_mode_that_a_tone_meets_is_refused() -> None:
     motor = default_motor(mass_damping=0.0, stiffness_damping=0.0, frequency=frequency)
     with pytest.raises(ValueError, match=r"meets mode 1 at .* Hz, which has no damping"):
         run(motor, hertz())
+
+
+def test_a_sweep_has_a_status_for_every_ending() -> None:
+    assert [status_of(ending).name for ending in Ending] == [ending.name for ending in Ending]

@@ -53,7 +53,7 @@ class Setup:
         motor, law: what runs.
         duration: simulated time [s].
         record_interval: time between records [s].
-        contact_step: largest step in contact [s], the law's own default where none was given.
+        contact_step: largest step in contact [s], the default of law and motor where none was given.
         tolerance: relative tolerance in contact [1]; None for a law that takes none.
         configuration: the numbers that run, in SI, with nothing left to be resolved: building it
             again gives the same setup.
@@ -89,7 +89,7 @@ def build(configuration: Mapping[str, object]) -> Setup:
     law, computed = _law(checked.law, checked.contact.friction_coefficient, checked.rotor.radius)
     resolved["law"] |= computed
     if checked.solver.contact_step is None:
-        resolved["solver"]["contact_step"] = min(law.default_contact_step, checked.solver.duration)
+        resolved["solver"]["contact_step"] = _default_step(modes, law, checked.solver.duration)
     if checked.law.takes_tolerance and checked.solver.tolerance is None:
         resolved["solver"]["tolerance"] = _default_tolerance()
     drive = _drive(checked.drive, resolved["drive"]["frequency"])
@@ -223,6 +223,12 @@ def _geometry(checked: Configuration) -> "ContactGeometry":
 
     contact = checked.contact
     return ContactGeometry(contact.tip_length, checked.rotor.radius, contact.clearance)
+
+
+def _default_step(modes: "NormalModes", law: "ContactLaw", duration: float) -> float:
+    from contactlab.engine.contact_step import default_contact_step
+
+    return min(default_contact_step(modes, law), duration)
 
 
 def _default_tolerance() -> float:

@@ -105,13 +105,16 @@ def plant_of(motor: Motor) -> Plant:
 
 
 def resolved_rate(plant: Plant) -> float:
-    """Fastest rate that persists [rad/s]: tones and modes, an overdamped mode by its slow root k/c.
+    """Fastest rate that persists [rad/s] of tones and modes; zero where nothing vibrates."""
+    rates = persisting_rates(plant.stiffness[:-1], plant.damping[:-1])
+    return float(max(rates.max(initial=0.0), plant.omega.max(initial=0.0)))
 
-    Zero where nothing vibrates: rigid bodies without drive.
-    """
-    k, c = plant.stiffness[:-1], plant.damping[:-1]
-    slow = np.divide(k, c, out=np.full_like(k, np.inf), where=c > 0.0)
-    return float(max(np.minimum(np.sqrt(k), slow).max(initial=0.0), plant.omega.max(initial=0.0)))
+
+def persisting_rates(stiffness: Array, damping: Array) -> Array:
+    """Rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
+    slow = np.full_like(stiffness, np.inf)
+    np.divide(stiffness, damping, out=slow, where=damping > 0.0)
+    return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
 
 
 def fastest_rate(plant: Plant) -> float:

@@ -3,11 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.engine.inconsistency import inconsistency
 from contactlab.engine.run import (
     CHATTERED,
     END,
     ENDING,
     EVENT_LIMIT,
+    INCONSISTENT,
     INTERVAL,
     TIME,
     UNSOLVED,
@@ -34,6 +36,8 @@ def explain(run: Run, contact_step: float) -> tuple[Ending, str]:
             f"The run ends at {time:.6g} s: no step in contact, however short, satisfies the law. "
             "Check the law's parameters, or loosen the tolerance."
         )
+    if run.whole[ENDING] == INCONSISTENT:
+        return Ending.INCONSISTENT, inconsistency(run)
     return Ending.DIVERGED, (
         f"The run diverges at {time:.6g} s: the state is not finite, the tip lies deeper in the rotor "
         "than a tenth of its radius, or it moves too fast to be followed. Check the drive and the "

@@ -13,6 +13,8 @@ the law's at the place that the step would reach without contact, and a contact 
 impulse until the gap is open.
 """
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,15 +24,20 @@ from contactlab.engine.nodes import add_held, add_held_rates, free_response
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
     CONTACT_STEPS,
+    CRITICAL_FRICTION,
     DEPTH,
     DURATION,
     END,
+    ENDING,
     FRICTION_BEFORE,
+    FRICTION_LIMIT,
+    INCONSISTENT,
     LEVEL,
     NORMAL_BEFORE,
     PEAK,
     PROJECTS,
     TIME,
+    WEDGED,
     Run,
 )
 from contactlab.engine.step import (
@@ -50,8 +57,15 @@ from contactlab.engine.step import (
 from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import SLIP, MultiplierKernel
+from contactlab.laws.lagrange_stick import wedges
 
 Array = NDArray[np.float64]
+
+NONE, ONE, SEVERAL = range(3)
+"""How many answers the step of a law has; what is none and what are several see `wedges`."""
+
+ROUND_OFF = 1e-12
+"""Of a gap rate, relative to the rates at the contact."""
 
 
 @part_kernel
@@ -63,7 +77,10 @@ def hold_contact(
     solve: MultiplierKernel,
     parameters: Array,
 ) -> int:
-    """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING."""
+    """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING.
+
+    A contact that approaches and for which the law has no impulse ends the run as INCONSISTENT.
+    """
     level = run.whole[LEVEL]
     projects = run.whole[PROJECTS] != 0
     step.whole[KIND] = HELD
@@ -71,11 +88,17 @@ def hold_contact(
     run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
     impact = run.contact[DURATION] == 0.0
     rates = (gap_rate, slip)
-    p_n, p_t, mode = _attempt(plant, tables, step, level, projects, rates, solve, parameters)
+    p_n, p_t, mode, count = _attempt(plant, tables, step, run, level, rates, solve, parameters)
     # Over a long step a graze seems to open by itself; the approach it began with must still be met.
     while impact and gap_rate < 0.0 and p_n <= 0.0 and level < FINEST - 1:
         level += 1
-        p_n, p_t, mode = _attempt(plant, tables, step, level, projects, rates, solve, parameters)
+        p_n, p_t, mode, count = _attempt(plant, tables, step, run, level, rates, solve, parameters)
+    if count == NONE:
+        run.whole[ENDING] = INCONSISTENT
+        _hold(step, 0.0, 0.0)
+        step.real[TAKEN] = 0.0
+        return NOTHING
+    run.whole[WEDGED] += 1 if count == SEVERAL else 0
     h = step.real[LENGTH]
     if p_n <= 0.0 and (projects or gap > 0.0):
         _shorten_to_release(step, run, p_n / h)
@@ -104,17 +127,17 @@ def _attempt(
     plant: Plant,
     tables: Tables,
     step: Step,
+    run: Run,
     level: int,
-    projects: bool,
     start: tuple[float, float],
     solve: MultiplierKernel,
     parameters: Array,
-) -> tuple[float, float, int]:
-    """Predict and correct a step of a level; the law's impulses and mode at the corrected place.
+) -> tuple[float, float, int, int]:
+    """Predict and correct a step of a level; impulses, mode and how many there are at the corrected place.
 
     Args:
-        plant, tables, step, level: the step; its displacements end corrected, its rates without contact.
-        projects: whether to correct; else the displacements end without contact, too.
+        plant, tables, step, run, level: the step; its displacements end corrected, where the law
+            projects, its rates without contact.
         start: gap rate and slip of its start [m/s].
         solve, parameters: the law.
     """
@@ -126,15 +149,15 @@ def _attempt(
     free_response(plant, tables, step, level, last)
     _, _, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[last], step.node_v[last])
     rates = (u_rate, th_rate, rotor, start[0], start[1])
-    if not projects:
+    if run.whole[PROJECTS] == 0:
         _turn_frame(plant, step, step.node_q[last], step.v)
-        return _impulse(plant, tables, step, level, rates, solve, parameters)
-    p_n, p_t, _ = _impulse(plant, tables, step, level, rates, solve, parameters)
+        return _impulse(plant, tables, step, run, level, rates, solve, parameters)
+    p_n, p_t, _, _ = _impulse(plant, tables, step, run, level, rates, solve, parameters)
     _hold(step, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
     add_held(plant, tables, step, level, last)
     _project(plant, step, step.node_q[last])
     _turn_frame(plant, step, step.node_q[last], step.v)
-    return _impulse(plant, tables, step, level, rates, solve, parameters)
+    return _impulse(plant, tables, step, run, level, rates, solve, parameters)
 
 
 @inner_kernel
@@ -157,15 +180,16 @@ def _impulse(
     plant: Plant,
     tables: Tables,
     step: Step,
+    run: Run,
     level: int,
     rates: tuple[float, float, float, float, float],
     solve: MultiplierKernel,
     parameters: Array,
-) -> tuple[float, float, int]:
-    """The law's impulses in the step's directions.
+) -> tuple[float, float, int, int]:
+    """The law's impulses in the step's directions, their mode, and whether they are the only ones.
 
     Args:
-        plant, tables, step, level: the step.
+        plant, tables, step, run, level: the step.
         rates: those of u, th and the rotor at its end without contact, gap rate and slip at its start.
         solve, parameters: the law.
 
@@ -184,7 +208,16 @@ def _impulse(
         tt += mobility * tangential * tangential
     normal_rate = n_u * u_rate + n_th * th_rate
     tangential_rate = t_u * u_rate + t_th * th_rate + rotor
-    return solve(normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, parameters)
+    p_n, p_t, mode = solve(normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, parameters)
+    limit = run.real[FRICTION_LIMIT]
+    run.real[CRITICAL_FRICTION] = nn / abs(nt) if nt != 0.0 else inf
+    round_off = ROUND_OFF * max(abs(gap_rate), abs(slip), abs(tangential_rate))
+    count = ONE
+    if p_n <= 0.0 and normal_rate < -round_off:
+        count = NONE
+    elif wedges(normal_rate, tangential_rate, nn, nt, tt, limit):
+        count = SEVERAL
+    return p_n, p_t, mode, count
 
 
 @inner_kernel

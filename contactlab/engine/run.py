@@ -48,17 +48,20 @@ Array = NDArray[np.float64]
     FRICTION_BEFORE,
     TOLERANCE,
     HELD_ENERGY,
-) = range(10)
+    FRICTION_LIMIT,
+    CRITICAL_FRICTION,
+) = range(12)
 """Places in `Run.real`: time, its end, record interval, the chatter window and its start [s], the
 contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1], what a
-spring of the friction holds at the last record [J]."""
+spring of the friction holds at the last record [J], largest |F|/N that the law allows and the one from
+which on a rigid contact may have several solutions or none, d_nn/|d_nt| of the last step [1]."""
 
 PHASE, SIGN, LEVEL, LEVEL_BEFORE, RECORDED, STORED, ENDING, EVENTS, IDLE, PROJECTS = range(10)
 """Places in `Run.whole`: phase, slip direction, level of the next step and of the one before, records
 and contacts written, ending, events in the window, steps without progress, whether a rigid law puts
 displacements back onto the closed gap; the counts follow."""
 
-FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES = range(10, 16)
+FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES, WEDGED = range(10, 17)
 COUNTS = (
     "flight_steps",
     "contact_steps",
@@ -66,13 +69,14 @@ COUNTS = (
     "sweeps",
     "touchdowns",
     "friction_switches",
+    "wedged_steps",
 )
 
 RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
 start in contact, or on the point of it."""
 
-RUNNING, DIVERGED, UNSOLVED, CHATTERED = range(4)
+RUNNING, DIVERGED, UNSOLVED, CHATTERED, INCONSISTENT = range(5)
 """Endings as the kernels know them."""
 
 START, DURATION, STUCK, IMPULSE, FRICTIONAL_IMPULSE, PEAK, DEPTH, APPROACH, SEPARATION, LOSS = (
@@ -120,7 +124,7 @@ class Run(NamedTuple):
 def run_for(records: int, contact_rows: int = 512) -> Run:
     """Zeroed memory for a number of records, and for the contacts between two calls of the loop."""
     return Run(
-        real=np.zeros(10),
+        real=np.zeros(12),
         whole=np.zeros(10 + len(COUNTS), dtype=np.int64),
         total=np.zeros(len(TERMS)),
         step_terms=np.zeros(len(TERMS)),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from contactlab.checks import check_kind, check_number
 from contactlab.engine.compilation import compile_loop, kernels_of
+from contactlab.engine.contact_step import default_contact_step
 from contactlab.engine.loop import advance
 from contactlab.engine.plant import Plant, plant_of
 from contactlab.engine.readout import explain, record_times, take_series
@@ -17,6 +18,7 @@ from contactlab.engine.run import (
     END,
     ENDING,
     EVENT_LIMIT,
+    FRICTION_LIMIT,
     HELD_ENERGY,
     INTERVAL,
     LEVEL,
@@ -81,7 +83,7 @@ def simulate(
         duration: [s], positive.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
-            law's default.
+            law's default, or less, see `contactlab.engine.contact_step.default_contact_step`.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
         workspace: what runs that follow each other can share; it changes no bit of any.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
@@ -96,7 +98,8 @@ def simulate(
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     _check_kinds(motor, law)
-    contact_step = law.default_contact_step if contact_step is None else contact_step
+    if contact_step is None:
+        contact_step = default_contact_step(motor.modes, law)
     _check(law, duration, record_interval, contact_step, tolerance)
     parameters, (force, rub, solve), law_errors = _taken_in(law)
     plant = plant_of(motor)
@@ -107,6 +110,7 @@ def simulate(
     run.real[END] = duration
     run.real[INTERVAL] = record_interval
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    run.real[FRICTION_LIMIT] = law.friction_limit
     run.real[WINDOW] = _chatter_window(plant, contact_step)
     run.whole[LEVEL] = tables.fresh_level
     if isinstance(law, PenaltyLaw):

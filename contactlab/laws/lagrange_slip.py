@@ -25,8 +25,10 @@ class LagrangeSlip(MultiplierLaw):
     The sign is that of the slip when the step begins, in the impact step as well, whatever the
     friction impulse then does to it. It reverses the slip in nearly every impact of the paper's
     motor, and where the bodies would stick it chatters at the step: there is no slip-only
-    solution there. The impact is one step, so the peak force is impulse / step and grows without
-    bound as the step shrinks; the impulse converges.
+    solution there. Where the friction of that slip presses the bodies together more than the normal
+    impulse parts them, d_nn <= mu |d_nt|, nothing stops an approach (Painleve), and the run ends. The
+    impact is one step, so the peak force is impulse / step and grows without bound as the step
+    shrinks; the impulse converges.
 
     Source: Andersen, Blanke and Helbo (2001), eqs. 49-59.
 
@@ -69,5 +71,8 @@ def slip_impulse(
     """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
     mu = parameters[0]
     s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
+    if d_nn <= s * mu * d_nt:
+        # No slip meets an approach; what opens by itself is released.
+        return -abs(normal_rate) / d_nn, 0.0, SLIP
     p_n = -normal_rate / (d_nn - s * mu * d_nt)
     return p_n, -s * mu * p_n, SLIP

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, final
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import kernel
+from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK, MultiplierKernel, MultiplierLaw
 from contactlab.laws.parameter import FRICTION_COEFFICIENT
 
@@ -21,10 +21,12 @@ class LagrangeStick(MultiplierLaw):
         g = 0,  N >= 0,  |F| <= mu N,  slip != 0 => F = -mu N sign(slip)
 
     Each step tries stick, p = -D^-1 (normal rate, tangential rate), and keeps it inside the cone;
-    otherwise it slips in the direction that is left at the end of the step. The rotor is part of
-    the Delassus matrix, which is what eliminating it into M_stick = M + (J/R^2) G_t' G_t does,
-    and the stick force carries load torque and rotor damping (eqs. 62-63 drop them; the
-    sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the stick create energy).
+    otherwise it slips in the direction that is left at the end of the step. An approach has exactly one
+    such answer; where friction may hold together what opens (`wedges`) it releases what slides and
+    holds what stuck. The rotor is part of the Delassus matrix, which is what eliminating it into
+    M_stick = M + (J/R^2) G_t' G_t does, and the stick force carries load torque and rotor damping
+    (eqs. 62-63 drop them; the sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the
+    stick create energy).
     The impact is one step and may stick; its peak force is impulse / step.
 
     Source: Andersen, Blanke and Helbo (2001), eqs. 60-66, in the consistent form above.
@@ -57,23 +59,53 @@ def stick_or_slip_impulse(
     d_tt: float,
     parameters: Array,
 ) -> tuple[float, float, int]:
-    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
+    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
+
+    One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and
+    any mu: with p = -D^-1 (normal rate, tangential rate) of stick outside of the cone,
+
+        slip s = +-1:  p_n = -normal rate / (d_nn - s mu d_nt),  p_t = -s mu p_n
+        leaves a slip of sign s where  d_nn > s mu d_nt  and  -s p_t >= mu p_n of stick.
+
+    So s opposes the friction that stick would take; where slip that way would press the bodies together
+    ever more (d_nn <= s mu d_nt), it is the other one. One that opens by itself (normal rate >= 0) is
+    released, p_n <= 0, unless stick is consistent, too: see `wedges`.
+    """
     mu = parameters[0]
-    determinant = d_nn * d_tt - d_nt * d_nt
-    p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant
-    p_t = (d_nt * normal_rate - d_nn * tangential_rate) / determinant
+    p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
     # Not strict: on the cone's surface the contact still sticks.
-    if p_n >= 0.0 and abs(p_t) <= mu * p_n:
+    if abs(p_t) <= mu * p_n and (normal_rate < 0.0 or abs(slip) <= abs(tangential_rate - slip)):
         return p_n, p_t, STICK
-    # The slip that the frictionless impact would leave names the direction; where friction
-    # couples back into the normal direction strongly the other one may be the consistent one.
-    p_free = -normal_rate / d_nn
-    s = 1.0 if tangential_rate + d_nt * p_free >= 0.0 else -1.0
-    for _ in range(2):
-        p_n = -normal_rate / (d_nn - s * mu * d_nt)
-        p_t = -s * mu * p_n
-        if s * (tangential_rate + d_nt * p_n + d_tt * p_t) >= 0.0:
-            return p_n, p_t, SLIP
+    s = -1.0 if p_t > 0.0 else 1.0 if p_t < 0.0 else 0.0
+    if d_nn <= s * mu * d_nt:
         s = -s
     p_n = -normal_rate / (d_nn - s * mu * d_nt)
     return p_n, -s * mu * p_n, SLIP
+
+
+@inner_kernel
+def stick_impulse(
+    normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float
+) -> tuple[float, float]:
+    """Impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
+    determinant = d_nn * d_tt - d_nt * d_nt
+    p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant
+    return p_n, (d_nt * normal_rate - d_nn * tangential_rate) / determinant
+
+
+@inner_kernel
+def wedges(
+    normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float, mu: float
+) -> bool:
+    """Whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
+
+    Friction presses the bodies together more than the normal impulse parts them, mu |d_nt| > d_nn, and
+    release, stick and a slip between the two all obey the law. None of them creates energy. The slip is no
+    limit of a compliant contact: a little more force presses more, a little less releases. Release is the
+    limit of one that slides, for it touches with no force; stick is that of one that stuck. The kernel
+    knows which by the slip of the step's start: what the forces of this one step outweigh is none.
+
+    Source: Painleve (1895), C. R. Acad. Sci. 121, 112; Genot and Brogliato (1999), Eur. J. Mech. A 18, 653.
+    """
+    p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
+    return normal_rate >= 0.0 and p_n > 0.0 and abs(p_t) <= mu * p_n

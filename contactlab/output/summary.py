@@ -30,6 +30,10 @@ def summarise(trajectory: Trajectory, wall_time: float) -> str:
         "ledger residual": _residual(trajectory),
         "speed": _speed(simulated, wall_time),
     }
+    if wedged := trajectory.statistics.get("wedged_steps", 0):
+        lines["Painleve's paradox"] = (
+            f"{wedged} steps in contact with several solutions: what slid was released, what stuck was held"
+        )
     if not trajectory.complete:
         lines["incomplete"] = trajectory.message or trajectory.ending.name.lower()
     width = max(map(len, lines)) + 2

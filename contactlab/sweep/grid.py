@@ -11,6 +11,7 @@ import xarray
 
 from contactlab.checks import check_kind
 from contactlab.config import Setup
+from contactlab.engine.contact_step import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.output.dataset import cf_attributes
@@ -133,7 +134,9 @@ def simulate_many(
             law=acting,
             duration=duration,
             record_interval=record_interval or duration,
-            contact_step=acting.default_contact_step if contact_step is None else contact_step,
+            contact_step=default_contact_step(motor.modes, acting)
+            if contact_step is None
+            else contact_step,
             tolerance=tolerance,
             configuration=_facts(motor, acting),
         )

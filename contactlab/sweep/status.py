@@ -23,6 +23,8 @@ class Status(IntEnum):
     """Its configuration is faulty, though each of its values alone is not."""
     ABSENT = 7
     """It has not begun."""
+    INCONSISTENT = 10
+    """Its law had no impulse for a contact that closes."""
 
 
 def status_of(ending: Ending) -> Status:
