@@ -36,8 +36,8 @@ def execute(setup: Setup, directory: Path) -> "tuple[Ending, str]":
             removed first, so that a run that is cut short leaves none that seems to be its own.
 
     Returns:
-        How the run ended, and a sentence on it, empty for a complete one; a run that did not reach its
-        end is written too, marked as incomplete.
+        How the run ended, and a sentence on it, empty for a complete one; any other is written too,
+        marked as incomplete.
 
     Raises:
         KeyboardInterrupt: with a sentence, after what there was has been written.

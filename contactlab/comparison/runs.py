@@ -12,6 +12,7 @@ import xarray
 from contactlab.comparison.arrays import series
 from contactlab.comparison.faults import ComparisonError
 from contactlab.comparison.sameness import differences, law_keys, shown
+from contactlab.output.dataset import reached_end
 from contactlab.plausibility import configuration_of, read_run
 
 DATASET = "run.nc"
@@ -134,7 +135,7 @@ def _read(name: str, found: Path | xarray.DataTree, faults: list[str]) -> xarray
         )
         return None
     # A dataset of one's own need not say so.
-    if not int(tree.attrs.get("complete", 1)):
+    if not reached_end(tree.attrs):
         time = float(series(tree, "time")[-1])
         faults.append(
             f"The run '{name}' of {tree.attrs.get('law', 'some law')} is incomplete: it ended at "

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.engine.compilation import compile_loop, kernels_of
+from contactlab.engine.diagnosis import Witness
+from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.loop import advance
-from contactlab.engine.plant import Plant, plant_of
-from contactlab.engine.readout import explain, read_series, record_times
+from contactlab.engine.plant import Plant, motion_rate, plant_of
+from contactlab.engine.readout import read_series, record_times
 from contactlab.engine.run import (
     COUNTS,
     END,
@@ -16,8 +18,11 @@ from contactlab.engine.run import (
     EVENT_LIMIT,
     HELD_ENERGY,
     INTERVAL,
+    LEAST_OPEN,
     LEVEL,
     LOSS,
+    MOST_OPEN,
+    MOST_STEPS,
     OPEN,
     PHASE,
     PRESSED,
@@ -35,6 +40,7 @@ from contactlab.engine.run import (
     run_for,
 )
 from contactlab.engine.step import RUBBING, Step, step_for
+from contactlab.engine.tables import step_length
 from contactlab.engine.workspace import Workspace
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -47,6 +53,10 @@ Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
 itself is far better: its end converges with nearly twice the order of this estimate."""
+
+STEP_LIMIT = 200_000
+"""Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
+of twice those of the contact step: see `_window`."""
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
@@ -99,7 +109,9 @@ def simulate(
     run.real[END] = duration
     run.real[INTERVAL] = record_interval
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    run.real[WINDOW] = _chatter_window(plant, contact_step)
+    run.real[WINDOW] = _window(plant, contact_step, compliant)
+    run.real[LEAST_OPEN], run.real[MOST_OPEN] = np.inf, -np.inf
+    run.whole[MOST_STEPS] = STEP_LIMIT + 2 * int(np.ceil(run.real[WINDOW] / contact_step))
     run.whole[LEVEL] = tables.fresh_level
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
@@ -107,7 +119,8 @@ def simulate(
         run.whole[PROJECTS] = law.projects
     _start(motor, plant, step, run, compliant)
     parameters = law.parameters()
-    (force, rub, solve), law_errors = kernels_of(law)
+    kernels, law_errors = kernels_of(law)
+    force, rub, solve = kernels
     compile_loop(plant, tables, step, run)
 
     if progress is not None:
@@ -135,7 +148,10 @@ def simulate(
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
     if run.whole[ENDING] != RUNNING:
-        ending, message = explain(run, contact_step)
+        reach = step_length(tables, tables.contact_level)
+        witness = Witness(plant, step, run, reach, compliant, kernels, parameters)
+        with law_errors():
+            ending, message = explain(plant, step, run, witness, contact_step)
     finished.append(_collect(run))
     if run.whole[PHASE] == TOUCHING:
         # The end of the run cut this contact: it has no separation.
@@ -144,6 +160,8 @@ def simulate(
         finished.append(run.contact[np.newaxis])
     records = int(run.whole[RECORDED])
     series, modes = read_series(run, records)
+    if ending is Ending.COMPLETE:
+        ending, message = balanced(run, series, compliant, contact_step)
     rows = np.vstack(finished)
     return Trajectory(
         motor=motor,
@@ -208,12 +226,17 @@ def _count_records(duration: float, interval: float) -> int:
     return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
 
 
-def _chatter_window(plant: Plant, contact_step: float) -> float:
-    """Slowest period [s]; where nothing has one, the time of an event every other step."""
-    rates = np.concatenate([np.sqrt(plant.stiffness), plant.omega])
-    if not np.any(rates > 0.0):
-        return 2.0 * EVENT_LIMIT * contact_step
-    return float(2.0 * np.pi / rates[rates > 0.0].min())
+def _window(plant: Plant, contact_step: float, compliant: bool) -> float:
+    """Time that the pace of a run is watched over [s]: a period of what makes its contacts.
+
+    A rigid contact lasts a step at least: its window is long enough for an event every other step to be
+    seen, and so is that of a law where nothing has a period.
+    """
+    rate = motion_rate(plant)
+    period = 2.0 * np.pi / rate if rate > 0.0 else 0.0
+    if compliant and period > 0.0:
+        return period
+    return float(max(period, 2.0 * EVENT_LIMIT * contact_step))
 
 
 def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) -> None:

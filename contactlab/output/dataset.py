@@ -10,7 +10,7 @@ import errno
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import netCDF4
 import numpy as np
@@ -42,7 +42,7 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
 
     Returns:
         The time series and the resonator's quantities at the root and the group `contacts`. The
-        attribute `complete` is 1 for a run that reached its end and 0 otherwise.
+        attribute `complete` is 1 for a run that reached its end with a closed ledger and 0 otherwise.
     """
     modes = trajectory.motor.modes
     resonator = {
@@ -67,7 +67,7 @@ def write(
 ) -> xarray.DataTree:
     """Write a run to a netCDF-4 file, whole or not at all.
 
-    See `contactlab.output.files.whole_file`. A run that did not reach its end is written too, with
+    See `contactlab.output.files.whole_file`. A run that is not complete is written too, with
     `complete = 0`.
 
     Args:
@@ -89,6 +89,16 @@ def write(
             # The netCDF library reports a full disk in this way.
             raise OSError(errno.EIO, str(fault)) from fault
     return tree
+
+
+def reached_end(attributes: Mapping[Any, Any]) -> bool:
+    """Whether the run of a dataset reached its end; one of one's own need not say so.
+
+    Args:
+        attributes: of its root.
+    """
+    endings = {ending.name.lower(): ending.reached_end for ending in Ending}
+    return bool(attributes.get("complete", 1)) or endings.get(attributes.get("ending", ""), False)
 
 
 def _columns(

@@ -13,9 +13,12 @@ from contactlab.plausibility import assess, configuration_of, read_run
 from contactlab.sweep.cells import REASONS
 from contactlab.sweep.job import DATASET, RUNNING, STATE, Job, State, read_state, size_of
 from contactlab.sweep.roster import ROSTER, read_roster
-from contactlab.sweep.status import Status
+from contactlab.sweep.status import Status, status_of
+from contactlab.trajectory import Ending
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
+
+_WITH_NUMBERS: Final = {status_of(ending) for ending in Ending if ending.reached_end}
 
 _UNREADABLE: Final = (ValueError, OSError, KeyError, RuntimeError, AttributeError)
 """What reading a file may raise that can be anything."""
@@ -32,7 +35,7 @@ class FoundRun:
         job: what it was asked for; without overrides where nothing but its dataset tells of it.
         status, reason: what became of it.
         told: whether overrides and choices are known.
-        metrics: by key, empty where it is not complete.
+        metrics: by key, empty where it did not reach its end.
     """
 
     name: str
@@ -71,13 +74,13 @@ def _of_state(name: str, folder: Path, state: State) -> FoundRun:
     status = _OF_STATE.get(state.state, Status.FAILED)
     reason = state.reason or REASONS.get(status, f"The run is {state.state}.")
     metrics: dict[str, float] = {}
-    if status is Status.COMPLETE:
+    if status in _WITH_NUMBERS:
         status, reason, metrics = _assessed(folder, state)
     return FoundRun(name, folder, state.job, status, reason, True, metrics)
 
 
 def _assessed(folder: Path, state: State) -> tuple[Status, str, dict[str, float]]:
-    """Status, reason and metrics of a run whose state is complete."""
+    """Status, reason and metrics of a run whose state says that it reached its end."""
     if size_of(folder) != state.size:
         return (
             Status.FAILED,
@@ -86,7 +89,7 @@ def _assessed(folder: Path, state: State) -> tuple[Status, str, dict[str, float]
             {},
         )
     try:
-        return Status.COMPLETE, "", assess(read_run(folder / DATASET))
+        return _OF_STATE[state.state], state.reason, assess(read_run(folder / DATASET))
     except _UNREADABLE as error:
         return Status.FAILED, one_line(error), {}
 
@@ -109,7 +112,8 @@ def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
     ending = str(tree.attrs.get("ending", ""))
     status = _OF_STATE.get(ending, Status.FAILED)
     reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
-    return FoundRun(name, folder, job, status, reason, told, {})
+    metrics = assess(tree) if status in _WITH_NUMBERS else {}
+    return FoundRun(name, folder, job, status, reason, told, metrics)
 
 
 def _in_order(directory: Path, folder: Path) -> list[tuple[int, str]]:

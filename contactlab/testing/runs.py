@@ -27,7 +27,7 @@ def run(
         contact_step=contact_step,
         tolerance=tolerance,
     )
-    if not trajectory.complete:
+    if not trajectory.ending.reached_end:
         raise RuntimeError(f"{law.name}: {trajectory.message}")
     return trajectory
 
