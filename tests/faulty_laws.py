@@ -53,7 +53,7 @@ def no_loss(gap: float, rate: float, slip: float, approach: float, p: np.ndarray
 @kernel
 def dashpot(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
     # What the dashpot takes is kept from the ledger.
-    force = max(-STIFFNESS * gap - 3.0 * rate, 0.0)
+    force = max(-STIFFNESS * gap - 60.0 * rate, 0.0)
     return force, p[0] * force, 0.5 * STIFFNESS * gap * gap, 0.0
 
 
@@ -100,12 +100,12 @@ def rebound(
     d_tt: float,
     p: np.ndarray,
 ) -> Any:
-    # Whatever arrives leaves at a micrometre a second, and so arrives again.
-    return max((1e-6 - normal_rate) / d_nn, 0.0), 0.0, SLIP
+    # Whatever arrives leaves at 60 um/s, and so arrives again.
+    return (6e-5 - normal_rate) / d_nn if gap_rate < 0.0 else 0.0, 0.0, SLIP
 
 
 def _penalty(
-    title: str, force: PenaltyKernel, rub: FrictionKernel | None = None
+    title: str, normal: PenaltyKernel, friction: FrictionKernel | None = None
 ) -> type[PenaltyLaw]:
     """A law of these kernels."""
 
@@ -113,21 +113,21 @@ def _penalty(
     @dataclass(frozen=True)
     class Law(Spring):
         name: ClassVar[str] = title
-        friction_kind: ClassVar[int] = Spring.friction_kind if rub is None else CREEPING
+        friction_kind: ClassVar[int] = Spring.friction_kind if friction is None else CREEPING
         friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
         @property
         def force(self) -> PenaltyKernel:
-            return force
+            return normal
 
         @property
         def rub(self) -> FrictionKernel | None:
-            return rub
+            return friction
 
     return Law
 
 
-def _multiplier(title: str, solve: MultiplierKernel) -> type[MultiplierLaw]:
+def _multiplier(title: str, impulse: MultiplierKernel) -> type[MultiplierLaw]:
     """A law of this kernel."""
 
     @final
@@ -140,7 +140,7 @@ def _multiplier(title: str, solve: MultiplierKernel) -> type[MultiplierLaw]:
 
         @property
         def solve(self) -> MultiplierKernel:
-            return solve
+            return impulse
 
     return Law
 

@@ -114,13 +114,13 @@ def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(
     assert all(np.isfinite(series).all() for series in result.series.values())
 
 
-def test_a_run_that_drowns_is_told_by_its_depth() -> None:
+def test_a_run_that_drowns_is_told_by_where_the_tip_is() -> None:
     with np.errstate(all="ignore"):
         motor = default_motor(voltage_1=1e6, voltage_2=1e6)
         result = simulate(motor, hertz(), duration=1e-3, record_interval=1e-5)
     assert result.ending is Ending.DIVERGED
-    assert "deep in the rotor" in result.message
-    assert "0.0025 m, is the most" in result.message
+    assert "the tip leans by" in result.message
+    assert "1 rad is the most" in result.message
     assert "not finite" not in result.message
 
 

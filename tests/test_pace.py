@@ -26,10 +26,10 @@ def ran(motor: Motor, law: ContactLaw, duration: float) -> Trajectory:
 def test_a_slow_tone_is_no_chatter_whether_it_moves_anything_or_not(voltage: float) -> None:
     # A second tone of 3 Hz: in one of its periods the first one makes a thousand contacts.
     motor = default_motor(frequency_ratio=1e-3, voltage_2=voltage)
-    trajectory = ran(motor, hertz(), 0.15)
+    trajectory = ran(motor, hertz(), 0.3)
     assert trajectory.complete, trajectory.message
     assert trajectory.statistics["touchdowns"] > 0.4 * EVENT_LIMIT
-    assert trajectory.statistics["friction_switches"] > 0.8 * EVENT_LIMIT
+    assert trajectory.statistics["friction_switches"] > 0.4 * EVENT_LIMIT
 
 
 def test_the_window_is_that_of_what_drives() -> None:
@@ -51,7 +51,7 @@ def test_a_contact_that_never_comes_to_rest_chatters(
     frequency: float, steps: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(STEPS_PER_CALL, steps)
-    # Pressed on by a weight, it is back within nanoseconds, however slow or fast the drive.
+    # Pressed on by a weight, it is back within 120 ns, however slow or fast the drive.
     motor = block(2e-3, gap_rate=-0.1, weight=2.0, push_amplitude=1e-3, push_frequency=frequency)
     trajectory = ran(motor, Rebound(), 5e-3)
     assert trajectory.ending is Ending.CHATTERED

@@ -1,4 +1,4 @@
-"""Whether the ledger of a run is closed, looked at after every step: no matter how coarse the records are."""
+"""Whether the ledger of a run is closed: looked at after every step, however coarse its records are."""
 
 import numpy as np
 

@@ -22,6 +22,7 @@ from contactlab.engine.run import (
     STORED,
     TIME,
     TOUCHING,
+    UNSOLVED,
     Run,
     commit,
 )
@@ -101,8 +102,9 @@ def _touch(
     else:
         event = hold_contact(plant, tables, step, run, solve, parameters)
     if run.whole[ENDING] == RUNNING and not is_finite(step):
-        # The state stays as it is, so that it can be told what the law was asked.
         run.whole[ENDING] = NOT_FINITE
+    if run.whole[ENDING] in (NOT_FINITE, UNSOLVED):
+        # The state stays as it is, so that it can be told what the law was asked.
         step.whole[KIND] = FLIGHT
         step.real[TAKEN] = 0.0
         return NOTHING

@@ -40,7 +40,6 @@ from contactlab.engine.run import (
     run_for,
 )
 from contactlab.engine.step import RUBBING, Step, step_for
-from contactlab.engine.tables import step_length
 from contactlab.engine.workspace import Workspace
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -148,7 +147,7 @@ def simulate(
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
     if run.whole[ENDING] != RUNNING:
-        reach = step_length(tables, tables.contact_level)
+        reach = tables.longest * 0.5**tables.contact_level
         witness = Witness(plant, step, run, reach, compliant, kernels, parameters)
         with law_errors():
             ending, message = explain(plant, step, run, witness, contact_step)
@@ -229,14 +228,16 @@ def _count_records(duration: float, interval: float) -> int:
 def _window(plant: Plant, contact_step: float, compliant: bool) -> float:
     """Time that the pace of a run is watched over [s]: a period of what makes its contacts.
 
-    A rigid contact lasts a step at least: its window is long enough for an event every other step to be
-    seen, and so is that of a law where nothing has a period.
+    A rigid contact lasts a step at least, and the flight after it longer: its window is long enough for an
+    event every fifth step to be chatter, if that is far from what a few periods bring. Where nothing has a
+    period, the step alone says what is often.
     """
     rate = motion_rate(plant)
-    period = 2.0 * np.pi / rate if rate > 0.0 else 0.0
-    if compliant and period > 0.0:
-        return period
-    return float(max(period, 2.0 * EVENT_LIMIT * contact_step))
+    often = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
+    if rate == 0.0:
+        return often
+    period = 2.0 * np.pi / rate
+    return period if compliant else max(period, min(often, 5.0 * period))
 
 
 def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) -> None:

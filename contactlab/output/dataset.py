@@ -97,8 +97,8 @@ def reached_end(attributes: Mapping[Any, Any]) -> bool:
     Args:
         attributes: of its root.
     """
-    endings = {ending.name.lower(): ending.reached_end for ending in Ending}
-    return bool(attributes.get("complete", 1)) or endings.get(attributes.get("ending", ""), False)
+    unbalanced = attributes.get("ending") == Ending.UNBALANCED.name.lower()
+    return bool(attributes.get("complete", 1)) or unbalanced
 
 
 def _columns(
