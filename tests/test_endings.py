@@ -74,7 +74,8 @@ for law in every_law():
 for stiffness in (1e20, 1e100, 1e300):
     motor, law = default_motor(), hertz(stiffness=stiffness)
     result = simulate(motor, law, duration=1e-3, record_interval=1e-5)
-    print(law.name, stiffness, result.complete or result.ending is Ending.DIVERGED, "diverges")
+    ended = result.ending in (Ending.COMPLETE, Ending.DIVERGED, Ending.STALLED)
+    print(law.name, stiffness, ended, "diverges")
 """
 
 

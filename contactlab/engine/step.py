@@ -258,7 +258,7 @@ def flow_to(plant: Plant, step: Step, s: float) -> None:
 
 @inner_kernel
 def is_finite(step: Step) -> bool:
-    """Whether all that the law has answered for a step are numbers."""
+    """Whether all that the law has answered for a step are numbers, and so is the motion that answers it."""
     if step.whole[KIND] == FLIGHT:
         return True
     total = 0.0
@@ -266,6 +266,8 @@ def is_finite(step: Step) -> bool:
         total += abs(step.force[NORMAL, i]) + abs(step.force[FRICTION, i])
         if step.whole[KIND] == COLLOCATED:
             total += abs(step.force[BOUND, i]) + abs(step.force[MEMORY_RATE, i]) + abs(step.loss[i])
+            # A force that is no number leaves a gap that is none, at which the law is not asked again.
+            total += abs(step.gap[i]) + abs(step.slip[i])
     return bool(np.isfinite(total))
 
 
