@@ -3,7 +3,7 @@
 Hydra creates the output directory before it calls the application. Therefore the configuration is
 composed and checked first, every job of a sweep included, and a faulty one leaves nothing behind.
 
-Exit status: 0; 1 for a run that did not reach its end; 2 for a fault of the user's; 130 for Ctrl-C.
+Exit status: 0; 1 for a run that is not complete; 2 for a fault of the user's; 130 for Ctrl-C.
 """
 
 import gc

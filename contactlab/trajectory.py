@@ -20,7 +20,17 @@ class Ending(IntEnum):
     DIVERGED = 1
     CHATTERED = 2
     INTERRUPTED = 3
+    UNBALANCED = 4
+    """It reached its end, but its energy ledger is open by more than `contactlab.energy.LEDGER_LIMIT`."""
+    STALLED = 5
+    """Its steps in contact became too many, or too short."""
     INCONSISTENT = 6
+    """Its rigid contact closed, and the law had no impulse for it."""
+
+    @property
+    def reached_end(self) -> bool:
+        """Whether the run reached its end, so that its numbers are those of the whole run."""
+        return self in (Ending.COMPLETE, Ending.UNBALANCED)
 
 
 @final
@@ -57,5 +67,5 @@ class Trajectory:
 
     @property
     def complete(self) -> bool:
-        """Whether the run reached its end."""
+        """Whether the run reached its end with a closed ledger."""
         return self.ending is Ending.COMPLETE

@@ -24,7 +24,6 @@ from scipy.optimize import brentq
 
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import simulate
-from contactlab.engine.plant import plant_of
 from contactlab.trajectory import Ending
 
 BELT = 1e9
@@ -187,5 +186,8 @@ def _estimate(pushes: dict[float, float]) -> float:
 
 def tip_speed(setup: Setup) -> float:
     """Largest velocity of the tip along the rotor in steady vibration without contact [m/s], or above."""
-    plant = plant_of(setup.motor)
-    return float(plant.tip_length * plant.omega @ plant.steady_th)
+    modes, drive = setup.motor.modes, setup.motor.drive
+    tones = 1j * drive.angular_frequency
+    dynamic = modes.stiffness[:, None] + modes.damping[:, None] * tones + tones**2
+    slope = modes.tip_slope @ (modes.coupling @ drive.phasors / dynamic)
+    return float(setup.motor.geometry.tip_length * drive.angular_frequency @ np.abs(slope))

@@ -211,8 +211,10 @@ def test_task_can_be_sent_to_another_process() -> None:
 # How it ends
 
 
-@pytest.mark.parametrize("how", [Ending.DIVERGED, Ending.CHATTERED])
-def test_run_that_ends_early_is_written_as_incomplete_with_status_1(
+@pytest.mark.parametrize(
+    "how", [Ending.DIVERGED, Ending.CHATTERED, Ending.UNBALANCED, Ending.STALLED]
+)
+def test_run_that_is_not_complete_is_written_as_such_with_status_1(
     command: Command, ending: Callable[[Ending], None], how: Ending
 ) -> None:
     ending(how)

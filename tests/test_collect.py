@@ -1,5 +1,6 @@
 """Runs as one dataset: every run in its cell, what is missing with a reason, from the folders alone."""
 
+import json
 import shutil
 import sys
 from pathlib import Path
@@ -96,6 +97,30 @@ def test_what_is_not_complete_is_missing_with_a_reason(
         xarray.testing.assert_identical(read.load(), found)
         meanings = read["status"].attrs["flag_meanings"].split()
         assert [meanings[code] for code in read["status"].values[:2]] == ["complete", "failed"]
+
+
+def test_a_run_with_an_open_ledger_keeps_its_numbers_and_says_so(
+    command: Command, simulations: Simulations
+) -> None:
+    simulations.endings = {2.0: Ending.UNBALANCED, 3.0: Ending.STALLED}
+    status, out, err = command("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
+    assert status == 1
+    assert "It ended too early." in err
+    assert "1 unbalanced" in out
+    states = [json.loads((folder(f"{n}e-06") / "state.json").read_text()) for n in (1, 2, 3)]
+    assert [state["state"] for state in states] == ["complete", "unbalanced", "stalled"]
+    found = collect("sweep")
+    expected = [Status.COMPLETE, Status.UNBALANCED, Status.STALLED]
+    assert found["status"].values.tolist() == expected
+    assert found["reason"].values.tolist() == ["", *["It ended too early."] * 2]
+    assert np.isfinite(found["peak_force"].values).tolist() == [True, True, False]
+    assert (found.attrs["complete"], found.attrs["runs_unbalanced"]) == (0, 1)
+    # The datasets alone tell the same.
+    for number in (1, 2, 3):
+        (folder(f"{number}e-06") / "state.json").unlink()
+    again = collect("sweep")
+    assert again["status"].values.tolist() == expected
+    np.testing.assert_array_equal(again["peak_force"], found["peak_force"])
 
 
 def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Simulations) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from faulty_laws import NoImpulse, NoNumber
 from motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
@@ -74,7 +75,8 @@ for law in every_law():
 for stiffness in (1e20, 1e100, 1e300):
     motor, law = default_motor(), hertz(stiffness=stiffness)
     result = simulate(motor, law, duration=1e-3, record_interval=1e-5)
-    print(law.name, stiffness, result.complete or result.ending is Ending.DIVERGED, "diverges")
+    ended = result.ending in (Ending.COMPLETE, Ending.DIVERGED, Ending.STALLED)
+    print(law.name, stiffness, ended, "diverges")
 """
 
 
@@ -91,6 +93,37 @@ def test_absurd_voltages_and_stiffnesses_end_with_a_sentence_and_never_hang() ->
         _, _, as_stated, message = line.split(maxsplit=3)
         assert as_stated == "True", line
         assert "diverges" in message
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (NoNumber(), "normal force nan at a gap of -1."),
+        (NoImpulse(), "friction impulse nan at a gap of"),
+    ],
+    ids=["compliant", "rigid"],
+)
+def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(
+    law: ContactLaw, words: str
+) -> None:
+    result = simulate(case_a(), law, duration=1e-3, record_interval=1e-5)
+    assert result.ending is Ending.DIVERGED
+    assert words in result.message
+    assert "a slip of" in result.message
+    assert "mend the law" in result.message
+    assert "drive" not in result.message
+    # What there was is kept, and is finite to the end.
+    assert all(np.isfinite(series).all() for series in result.series.values())
+
+
+def test_a_run_that_drowns_is_told_by_where_the_tip_is() -> None:
+    with np.errstate(all="ignore"):
+        motor = default_motor(voltage_1=1e6, voltage_2=1e6)
+        result = simulate(motor, hertz(), duration=1e-3, record_interval=1e-5)
+    assert result.ending is Ending.DIVERGED
+    assert "the tip leans by" in result.message
+    assert "1 rad is the most" in result.message
+    assert "not finite" not in result.message
 
 
 def test_a_diverged_run_holds_what_it_had() -> None:

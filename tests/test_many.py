@@ -106,6 +106,24 @@ def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
     assert found["gap_series"].attrs["units"] == "m"
 
 
+def test_a_cell_with_an_open_ledger_keeps_its_numbers_and_says_so() -> None:
+    found = simulate_many(
+        MotorGrid(
+            {"voltage": [10.0, 400.0]},
+            lambda voltage: default_motor(voltage_1=voltage, voltage_2=voltage),
+        ),
+        LagrangeStick(0.8),
+        duration=5e-3,
+        record_interval=5e-3,
+        contact_step=1e-5,
+        workers=1,
+    )
+    codes = [Status(code) for code in found["status"].values]
+    assert codes[1] is Status.UNBALANCED
+    assert "ledger is open by" in found["reason"].values[1]
+    assert np.isfinite(found["peak_force"].values[1])
+
+
 def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() -> None:
     def motor(voltage: float) -> Motor:
         if voltage < 0.0:

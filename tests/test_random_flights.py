@@ -44,9 +44,9 @@ def test_every_kind_of_flight_comes() -> None:
 
 def test_grazes_are_within_a_nanometre_of_touching() -> None:
     depths = []
-    for number in range(60):
+    for number in range(80):
         kind, flight = random_flight(0, number)
-        if kind != "any clearance":
+        if kind not in ("any clearance", "resonance"):
             _, gaps = flight.minima(1e-3)
             depths.append(float(abs(gaps).min()))
     assert len(depths) > 20

@@ -9,6 +9,7 @@ from synthetic import synthetic_trajectory
 
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
+from contactlab.output.prefixes import prefixed
 from contactlab.output.summary import summarise
 from contactlab.trajectory import Ending
 
@@ -41,8 +42,13 @@ def test_values_are_aligned_and_plain() -> None:
 
 
 def test_a_run_without_contact_says_so() -> None:
-    lines = lines_of(summarise(synthetic_trajectory(contact=False), wall_time=1e-3))
-    assert lines["contacts"] == "none"
+    trajectory = synthetic_trajectory(contact=False)
+    lines = lines_of(summarise(trajectory, wall_time=1e-3))
+    way = trajectory.motor.geometry.clearance - float(trajectory.series["gap"].min())
+    assert lines["contacts"] == (
+        f"none: of the clearance, 1 um, the tip bridged at most {prefixed(way, 'm')}. "
+        "Lower contact.clearance or raise the drive's voltages.".replace("µ", "u")
+    )
     assert lines["peak normal force"] == "0 N"
 
 
@@ -50,6 +56,13 @@ def test_a_run_cut_short_ends_with_its_reason() -> None:
     trajectory = synthetic_trajectory(ending=Ending.DIVERGED, message="The gap is no number.")
     lines = summarise(trajectory, wall_time=1e-3).splitlines()
     assert lines[-1].split(maxsplit=1) == ["incomplete", "The gap is no number."]
+
+
+def test_a_run_with_an_open_ledger_is_not_called_incomplete() -> None:
+    trajectory = synthetic_trajectory(ending=Ending.UNBALANCED, message="The ledger is open.")
+    lines = summarise(trajectory, wall_time=1e-3).splitlines()
+    assert lines[-1].split(maxsplit=1) == ["unbalanced", "The ledger is open."]
+    assert not any(line.startswith("incomplete") for line in lines)
 
 
 def test_a_complete_run_has_no_reason() -> None:

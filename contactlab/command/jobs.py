@@ -28,7 +28,7 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
         job: what is asked for.
 
     Returns:
-        Whether the run reached its end. Where it did not, a sentence has said why; where it raised an
+        Whether the run is complete. Where it is not, a sentence has said why; where it raised an
         exception of whatever kind, the traceback is in `run.log`.
 
     Raises:

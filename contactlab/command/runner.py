@@ -52,7 +52,7 @@ def execute(setup: Setup, directory: Path) -> Outcome:
             removed first, so that a run that is cut short leaves none that seems to be its own.
 
     Returns:
-        How the run ended; one that did not reach its end is written too, marked as incomplete.
+        How the run ended; one that is not complete is written too, and marked so.
 
     Raises:
         OSError: the directory is missing, not writable or full.

@@ -162,7 +162,7 @@ def _run(
     except Exception as error:
         notes.append(f"{run.label} fails {words}: {error}")
         return None
-    if not trajectory.complete:
+    if not trajectory.ending.reached_end:
         notes.append(f"{run.label} does not reach its end {words}: {trajectory.message}")
         return None
     return to_datatree(trajectory, setup.configuration)

@@ -23,8 +23,6 @@ from contactlab.engine.run import (
     TIME,
     TOUCHDOWNS,
     TOUCHING,
-    WINDOW,
-    WINDOW_START,
     Run,
 )
 from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_motion
@@ -37,10 +35,7 @@ from contactlab.laws.base import CREEPING, FREE, SLIP, STICK
 def count_event(run: Run) -> None:
     """Count a touch-down or friction switch; too many in one window is chattering."""
     run.whole[EVENTS] += 1
-    if run.real[TIME] - run.real[WINDOW_START] > run.real[WINDOW]:
-        run.real[WINDOW_START] = run.real[TIME]
-        run.whole[EVENTS] = 0
-    elif run.whole[EVENTS] > EVENT_LIMIT:
+    if run.whole[EVENTS] > EVENT_LIMIT:
         run.whole[ENDING] = CHATTERED
 
 

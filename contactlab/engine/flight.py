@@ -5,7 +5,6 @@ from contactlab.engine.events import NOTHING, TOUCH
 from contactlab.engine.nodes import free_response
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import (
-    DIVERGED,
     END,
     ENDING,
     FLIGHT_STEPS,
@@ -15,6 +14,7 @@ from contactlab.engine.run import (
     RELEASED,
     SEPARATING,
     TIME,
+    UNFOLLOWED,
     Run,
 )
 from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to
@@ -23,13 +23,15 @@ from contactlab.engine.touchdown import (
     LOST,
     NO_TOUCH,
     certain_opening,
+    coarseness,
     curvature_bound,
     first_touch,
     gap_and_rate,
 )
 
 CLEAR = 1e-18
-"""Gap [m] that no round-off after a release amounts to: that of u and of the clearance is 1e-21."""
+"""Gap [m] that no round-off after a release amounts to: that of u and of the clearance is 1e-21, and more
+for a tip that moves far, see `coarseness`."""
 
 REFINEMENT = 15
 """Levels that a flight begins finer where its gap opens from nothing, as a power of time."""
@@ -46,8 +48,9 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     """
     level = run.whole[LEVEL]
     _, before = gap_and_rate(plant, step.q, step.v)
+    coarse = coarseness(plant, step)
     if run.whole[PHASE] == RELEASED:
-        level = _level_after_release(plant, tables, step, level, before)
+        level = _level_after_release(plant, tables, step, level, before, coarse)
         run.whole[PHASE] = SEPARATING
     h = step_length(tables, level)
     s = min(h, run.real[END] - run.real[TIME])
@@ -55,7 +58,7 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     step.real[LENGTH] = h
     start = 0.0
     if run.whole[PHASE] == SEPARATING:
-        start = certain_opening(plant, step, s)
+        start = certain_opening(plant, step, s, coarse)
         if start > 0.0:
             run.whole[PHASE] = OPEN
     if s < h:
@@ -68,16 +71,16 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     run.whole[FLIGHT_STEPS] += 1
     event = NOTHING
     if run.whole[PHASE] == OPEN:
-        touch = first_touch(plant, step, start, s, gap, rate, run.stack)
+        touch = first_touch(plant, step, start, s, gap, rate, coarse, run.stack)
         if touch == LOST:
-            run.whole[ENDING] = DIVERGED
+            run.whole[ENDING] = UNFOLLOWED
             s = 0.0
         elif touch != NO_TOUCH:
             s = touch
             event = TOUCH
     elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0 and rate < before:
         event = TOUCH
-    elif gap > CLEAR:
+    elif gap > coarse * CLEAR:
         run.whole[PHASE] = OPEN
     coarsest = 0 if run.whole[PHASE] == OPEN else tables.contact_level
     run.whole[LEVEL] = max(level - 1, coarsest) if level > coarsest else level
@@ -86,13 +89,17 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
 
 
 @inner_kernel
-def _level_after_release(plant: Plant, tables: Tables, step: Step, level: int, rate: float) -> int:
+def _level_after_release(
+    plant: Plant, tables: Tables, step: Step, level: int, rate: float, coarse: float
+) -> int:
     """The level as it is, or a much finer one for a gap that hardly opens: there, round-off decides.
 
     Args:
         plant, tables, step, level: the flight and the level it would begin with.
         rate: gap rate of the release [m/s].
+        coarse: see `coarseness`.
     """
     h = step_length(tables, level)
-    opens = rate >= curvature_bound(plant, step, h) * h or certain_opening(plant, step, h) > 0.0
+    opens = rate >= curvature_bound(plant, step, h) * h
+    opens = opens or certain_opening(plant, step, h, coarse) > 0.0
     return level if opens else min(level + REFINEMENT, FINEST - 1)

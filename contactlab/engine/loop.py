@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.compiled import kernel
+from contactlab.compiled import kernel, part_kernel
+from contactlab.engine.balance import weigh
 from contactlab.engine.compliant_contact import press
 from contactlab.engine.compliant_events import switch_friction
 from contactlab.engine.contacts import close_contact, open_contact
@@ -14,16 +15,18 @@ from contactlab.engine.rigid_contact import hold_contact
 from contactlab.engine.run import (
     END,
     ENDING,
+    NOT_FINITE,
     PHASE,
     PRESSED,
     RUNNING,
     STORED,
     TIME,
     TOUCHING,
+    UNSOLVED,
     Run,
     commit,
 )
-from contactlab.engine.step import Step, begin
+from contactlab.engine.step import FLIGHT, KIND, TAKEN, Step, begin, is_finite
 from contactlab.engine.tables import Tables
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 
@@ -69,14 +72,40 @@ def advance(
         begin(plant, step, run.real[TIME])
         if run.whole[PHASE] != TOUCHING:
             event = fly(plant, tables, step, run)
-        elif compliant:
-            event = press(plant, tables, step, run, force, rub, parameters)
         else:
-            event = hold_contact(plant, tables, step, run, solve, parameters)
+            event = _touch(plant, tables, step, run, force, rub, solve, compliant, parameters)
         commit(plant, tables, step, run, force, rub, parameters)
+        weigh(plant, step, run)
         if event == TOUCH:
             open_contact(plant, tables, step, run, tables.contact_level + refinement)
         elif event == RELEASE:
             close_contact(plant, tables, step, run)
         elif event != NOTHING:
             switch_friction(step, run, event)
+
+
+@part_kernel
+def _touch(
+    plant: Plant,
+    tables: Tables,
+    step: Step,
+    run: Run,
+    force: PenaltyKernel,
+    rub: FrictionKernel,
+    solve: MultiplierKernel,
+    compliant: bool,
+    parameters: Array,
+) -> int:
+    """Take a step that `begin` made ready through contact; returns the event that ends it."""
+    if compliant:
+        event = press(plant, tables, step, run, force, rub, parameters)
+    else:
+        event = hold_contact(plant, tables, step, run, solve, parameters)
+    if run.whole[ENDING] == RUNNING and not is_finite(step):
+        run.whole[ENDING] = NOT_FINITE
+    if run.whole[ENDING] in (NOT_FINITE, UNSOLVED):
+        # The state stays as it is, so that it can be told what the law was asked.
+        step.whole[KIND] = FLIGHT
+        step.real[TAKEN] = 0.0
+        return NOTHING
+    return event

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
-from contactlab.engine.step import FRICTION, PUSH_TH, PUSH_U, Step
+from contactlab.engine.step import FRICTION, PUSH_TH, PUSH_U, Step, driven
 from contactlab.engine.tables import NODES, Tables
 
 Array = NDArray[np.float64]
@@ -34,6 +34,11 @@ def free_response(plant: Plant, tables: Tables, step: Step, level: int, first: i
             if i >= first:
                 q += tables.flow[level, i, 0, j] * q0 + tables.flow[level, i, 1, j] * v0
                 step.node_q[i, j] = q + tables.hold[level, i, 0, j] * plant.constant[j]
+        for p in range(plant.near.shape[0]):
+            q, v = driven(plant, step, p, tables.driven[level, i, p])
+            step.node_v[i, plant.near[p, 0]] += v
+            if i >= first:
+                step.node_q[i, plant.near[p, 0]] += q
 
 
 @part_kernel

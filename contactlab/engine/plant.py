@@ -25,6 +25,10 @@ Array = NDArray[np.float64]
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
 
+NEARLY_RESONANT = 1e-2
+"""The same number below which a steady state is not split off: it would be fifty times and more what moves
+a mode that rests, and its round-off that of the gap."""
+
 
 class Plant(NamedTuple):
     """Constant arrays of a motor; j runs over coordinates, k over tones.
@@ -36,8 +40,10 @@ class Plant(NamedTuple):
         omega: tones [rad/s].
         force_re, force_im: force phasors, shape (coordinate, tone). Real and imaginary parts stand
             apart because complex products are slow in compiled loops this short.
-        steady_re, steady_im: steady-state displacement phasors, shape (coordinate, tone).
+        steady_re, steady_im: steady-state displacement phasors, shape (coordinate, tone); zero where
+            mode and tone are nearly resonant.
         steady_u, steady_th: their amplitudes seen at the tip, shape (tone,) [m], [rad].
+        near: coordinate and tone of every nearly resonant pair, shape (pair, 2).
         tip_length, radius, clearance: contact geometry [m].
     """
 
@@ -54,6 +60,7 @@ class Plant(NamedTuple):
     steady_im: Array
     steady_u: Array
     steady_th: Array
+    near: NDArray[np.int64]
     tip_length: float
     radius: float
     clearance: float
@@ -80,7 +87,9 @@ def plant_of(motor: Motor) -> Plant:
             f"{modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
             "bound. Give the resonator damping or move the tone."
         )
+    near = np.argwhere(margin < NEARLY_RESONANT)
     steady = force / dynamic
+    steady[near[:, 0], near[:, 1]] = 0.0
     preload = np.zeros(modes.stiffness.size) if motor.preload is None else motor.preload
     row_u = np.append(modes.tip_displacement, 0.0)
     row_th = np.append(modes.tip_slope, 0.0)
@@ -98,6 +107,7 @@ def plant_of(motor: Motor) -> Plant:
         steady_im=steady.imag.copy(),
         steady_u=np.abs(row_u @ steady),
         steady_th=np.abs(row_th @ steady),
+        near=np.ascontiguousarray(near, dtype=np.int64),
         tip_length=geometry.tip_length,
         radius=geometry.rotor_radius,
         clearance=geometry.clearance,
@@ -115,6 +125,17 @@ def persisting_rates(stiffness: Array, damping: Array) -> Array:
     slow = np.full_like(stiffness, np.inf)
     np.divide(stiffness, damping, out=slow, where=damping > 0.0)
     return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
+
+
+def motion_rate(plant: Plant) -> float:
+    """Rate [rad/s] of what makes the contacts: the fastest tone that drives, or the slowest mode if faster.
+
+    A tone without amplitude moves nothing. Zero where nothing vibrates.
+    """
+    loud = np.any((plant.force_re != 0.0) | (plant.force_im != 0.0), axis=0)
+    rates = np.sqrt(plant.stiffness[plant.stiffness > 0.0])
+    slowest = float(rates.min(initial=np.inf))
+    return max(float(plant.omega[loud].max(initial=0.0)), slowest if rates.size else 0.0)
 
 
 def fastest_rate(plant: Plant) -> float:

@@ -48,20 +48,39 @@ Array = NDArray[np.float64]
     FRICTION_BEFORE,
     TOLERANCE,
     HELD_ENERGY,
+    LEAST_OPEN,
+    MOST_OPEN,
+    TURNED_OVER,
     FRICTION_LIMIT,
     CRITICAL_FRICTION,
-) = range(12)
-"""Places in `Run.real`: time, its end, record interval, the chatter window and its start [s], the
+) = range(15)
+"""Places in `Run.real`: time, its end, record interval, the window of the pace and its start [s], the
 contact's impulse scale [N s], forces of the step before [N], tolerance of a compliant step [1], what a
-spring of the friction holds at the last record [J], largest |F|/N that the law allows and the one from
-which on a rigid contact may have several solutions or none, d_nn/|d_nt| of the last step [1]."""
+spring of the friction holds at the last record [J], of the ledger, see `balance`, the least and the most
+that its terms left so far and the largest work of drive or load [J], the largest |F|/N that the law allows
+and the one from which on a rigid contact may have several solutions or none, d_nn/|d_nt| of the last
+step [1]."""
 
-PHASE, SIGN, LEVEL, LEVEL_BEFORE, RECORDED, STORED, ENDING, EVENTS, IDLE, PROJECTS = range(10)
+(
+    PHASE,
+    SIGN,
+    LEVEL,
+    LEVEL_BEFORE,
+    RECORDED,
+    STORED,
+    ENDING,
+    EVENTS,
+    IDLE,
+    PROJECTS,
+    MOST_STEPS,
+    STEPS_BEFORE,
+) = range(12)
 """Places in `Run.whole`: phase, slip direction, level of the next step and of the one before, records
 and contacts written, ending, events in the window, steps without progress, whether a rigid law puts
-displacements back onto the closed gap; the counts follow."""
+displacements back onto the closed gap, the most steps in contact that a window may take and those taken
+before it; the counts follow."""
 
-FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES, WEDGED = range(10, 17)
+FLIGHT_STEPS, CONTACT_STEPS, REJECTED_STEPS, SWEEPS, TOUCHDOWNS, SWITCHES, WEDGED = range(12, 19)
 COUNTS = (
     "flight_steps",
     "contact_steps",
@@ -76,8 +95,10 @@ RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
 start in contact, or on the point of it."""
 
-RUNNING, DIVERGED, UNSOLVED, CHATTERED, INCONSISTENT = range(5)
-"""Endings as the kernels know them."""
+RUNNING, DIVERGED, UNSOLVED, CHATTERED, UNFOLLOWED, STALLED, NOT_FINITE, INCONSISTENT = range(8)
+"""Endings as the kernels know them: no motor's state any more, no step that satisfies the law, too many
+events, a touch-down that cannot be searched, too many steps, a law that answered with no number, and one
+that has no impulse for a contact that closes."""
 
 START, DURATION, STUCK, IMPULSE, FRICTIONAL_IMPULSE, PEAK, DEPTH, APPROACH, SEPARATION, LOSS = (
     range(len(CONTACTS))
@@ -89,6 +110,9 @@ EVENT_LIMIT = 1000
 
 IDLE_LIMIT = 1000
 """Steps in a row that hardly move the clock."""
+
+IDLE_EVENTS = 100
+"""Events in the window from which on such steps are those of chattering, and not of a law that stalls."""
 
 CRAWL = 1e-9
 """Step over the longest one in contact that counts as none: at this pace no run reaches its end."""
@@ -124,8 +148,8 @@ class Run(NamedTuple):
 def run_for(records: int, contact_rows: int = 512) -> Run:
     """Zeroed memory for a number of records, and for the contacts between two calls of the loop."""
     return Run(
-        real=np.zeros(12),
-        whole=np.zeros(10 + len(COUNTS), dtype=np.int64),
+        real=np.zeros(15),
+        whole=np.zeros(12 + len(COUNTS), dtype=np.int64),
         total=np.zeros(len(TERMS)),
         step_terms=np.zeros(len(TERMS)),
         part_terms=np.zeros(len(TERMS)),
@@ -233,17 +257,30 @@ def commit(
         run.contact[IMPULSE] += run.step_terms[NORMAL_IMPULSE]
         run.contact[FRICTIONAL_IMPULSE] += run.step_terms[FRICTION_IMPULSE]
         run.contact[LOSS] += run.step_terms[FRICTIONAL] + run.step_terms[NORMAL_LOSS]
-    crawls = s < CRAWL * step_length(tables, tables.contact_level)
-    run.whole[IDLE] = run.whole[IDLE] + 1 if crawls else 0
-    if run.whole[IDLE] > IDLE_LIMIT:
-        run.whole[ENDING] = CHATTERED
     run.real[TIME] = now
+    _watch_pace(tables, run, s)
     if step.whole[KIND] == COLLOCATED and step.whole[RUBBING] != SET_VALUED:
         step.real[MEMORY] = memory_at(step, s / step.real[LENGTH])
     for j in range(step.q.size):
         step.q[j] = step.node_q[-1, j]
         step.v[j] = step.node_v[-1, j]
     _watch(plant, step, run)
+
+
+@part_kernel
+def _watch_pace(tables: Tables, run: Run, s: float) -> None:
+    """End a run that hardly moves the clock, after a step of s."""
+    crawls = s < CRAWL * step_length(tables, tables.contact_level)
+    run.whole[IDLE] = run.whole[IDLE] + 1 if crawls else 0
+    steps = run.whole[CONTACT_STEPS] + run.whole[REJECTED_STEPS]
+    if run.whole[IDLE] > IDLE_LIMIT:
+        run.whole[ENDING] = CHATTERED if run.whole[EVENTS] > IDLE_EVENTS else STALLED
+    elif run.real[TIME] - run.real[WINDOW_START] > run.real[WINDOW]:
+        run.real[WINDOW_START] = run.real[TIME]
+        run.whole[EVENTS] = 0
+        run.whole[STEPS_BEFORE] = steps
+    elif steps - run.whole[STEPS_BEFORE] > run.whole[MOST_STEPS]:
+        run.whole[ENDING] = STALLED
 
 
 @part_kernel

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from contactlab.checks import check_kind, check_number
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.diagnosis import Witness
+from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.loop import advance
-from contactlab.engine.plant import Plant, plant_of
-from contactlab.engine.readout import explain, record_times, take_series
+from contactlab.engine.plant import Plant, motion_rate, plant_of
+from contactlab.engine.readout import record_times, take_series
 from contactlab.engine.run import (
     COUNTS,
     END,
@@ -21,8 +23,11 @@ from contactlab.engine.run import (
     FRICTION_LIMIT,
     HELD_ENERGY,
     INTERVAL,
+    LEAST_OPEN,
     LEVEL,
     LOSS,
+    MOST_OPEN,
+    MOST_STEPS,
     OPEN,
     PHASE,
     PRESSED,
@@ -55,6 +60,10 @@ Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
 itself is far better: its end converges with nearly twice the order of this estimate."""
+
+STEP_LIMIT = 200_000
+"""Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
+of twice those of the contact step: see `_window`."""
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
@@ -101,7 +110,8 @@ def simulate(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     _check(law, duration, record_interval, contact_step, tolerance)
-    parameters, (force, rub, solve), law_errors = _taken_in(law)
+    parameters, kernels, law_errors = _taken_in(law)
+    force, rub, solve = kernels
     plant = plant_of(motor)
     compliant = isinstance(law, PenaltyLaw)
     tables = (workspace or Workspace()).tables(plant, contact_step, duration, not compliant)
@@ -110,14 +120,10 @@ def simulate(
     run.real[END] = duration
     run.real[INTERVAL] = record_interval
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    run.real[FRICTION_LIMIT] = law.friction_limit
-    run.real[WINDOW] = _chatter_window(plant, contact_step)
+    run.real[LEAST_OPEN], run.real[MOST_OPEN] = np.inf, -np.inf
     run.whole[LEVEL] = tables.fresh_level
-    if isinstance(law, PenaltyLaw):
-        step.whole[RUBBING] = law.friction_kind
-        step.whole[PARITY] = law.memory_parity
-    if isinstance(law, MultiplierLaw):
-        run.whole[PROJECTS] = law.projects
+    _set_pace(plant, run, contact_step, compliant)
+    _note_kind(law, step, run)
     _start(motor, plant, step, run, compliant)
     compile_loop(plant, tables, step, run)
 
@@ -146,7 +152,10 @@ def simulate(
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
     if run.whole[ENDING] != RUNNING:
-        ending, message = explain(run, contact_step)
+        reach = tables.longest * 0.5**tables.contact_level
+        witness = Witness(plant, step, run, reach, compliant, kernels, parameters)
+        with law_errors():
+            ending, message = explain(plant, step, run, witness, contact_step)
     finished.append(_collect(run))
     if run.whole[PHASE] == TOUCHING:
         # The end of the run cut this contact: it has no separation.
@@ -155,6 +164,8 @@ def simulate(
         finished.append(run.contact[np.newaxis])
     time = record_times(run, int(run.whole[RECORDED]))
     series, modes = take_series(run, time)
+    if ending is Ending.COMPLETE:
+        ending, message = balanced(run, series, compliant, contact_step)
     rows = np.vstack(finished)
     return Trajectory(
         motor=motor,
@@ -248,12 +259,35 @@ def _count_records(duration: float, interval: float) -> int:
     return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
 
 
-def _chatter_window(plant: Plant, contact_step: float) -> float:
-    """Slowest period [s]; where nothing has one, the time of an event every other step."""
-    rates = np.concatenate([np.sqrt(plant.stiffness), plant.omega])
-    if not np.any(rates > 0.0):
-        return 2.0 * EVENT_LIMIT * contact_step
-    return float(2.0 * np.pi / rates[rates > 0.0].min())
+def _window(plant: Plant, contact_step: float, compliant: bool) -> float:
+    """Time that the pace of a run is watched over [s]: a period of what makes its contacts.
+
+    A rigid contact lasts a step at least, and the flight after it longer: its window is long enough for an
+    event every fifth step to be chatter, if that is far from what a few periods bring. Where nothing has a
+    period, the step alone says what is often.
+    """
+    rate = motion_rate(plant)
+    often = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
+    if rate == 0.0:
+        return often
+    period = 2.0 * np.pi / rate
+    return period if compliant else max(period, min(often, 5.0 * period))
+
+
+def _set_pace(plant: Plant, run: Run, contact_step: float, compliant: bool) -> None:
+    """Events and steps in contact beyond which a run ends."""
+    run.real[WINDOW] = _window(plant, contact_step, compliant)
+    run.whole[MOST_STEPS] = STEP_LIMIT + 2 * int(np.ceil(run.real[WINDOW] / contact_step))
+
+
+def _note_kind(law: ContactLaw, step: Step, run: Run) -> None:
+    """What the kernels know of a law beside its own kernels."""
+    run.real[FRICTION_LIMIT] = law.friction_limit
+    if isinstance(law, PenaltyLaw):
+        step.whole[RUBBING] = law.friction_kind
+        step.whole[PARITY] = law.memory_parity
+    if isinstance(law, MultiplierLaw):
+        run.whole[PROJECTS] = law.projects
 
 
 def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals
 from contactlab.engine.plant import Plant
+from contactlab.engine.resonance import answer_from_rest
 from contactlab.engine.tables import NODES, Tables
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ class Step(NamedTuple):
     Args:
         whole, real: scalars, see the places above.
         q, v: state at the start, shape (j,).
-        free_q, free_v: the same without the steady state, shape (j,).
+        free_q, free_v: the same without the steady state, shape (j,), see `begin`.
         phase: cosine and sine of omega_k t at the start, shape (2, k).
         force: values at the nodes, shape (6, i); rows PUSH_U ... MEMORY_RATE.
         shape: their polynomials in s/h, shape (6, i).
@@ -128,7 +129,10 @@ def step_for(plant: Plant) -> Step:
 
 @part_kernel
 def begin(plant: Plant, step: Step, time: float) -> None:
-    """Split the state at the step's start into steady state and free motion."""
+    """Split the state at the step's start into steady state and free motion.
+
+    A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest.
+    """
     for k in range(plant.omega.size):
         step.phase[0, k] = cos(plant.omega[k] * time)
         step.phase[1, k] = sin(plant.omega[k] * time)
@@ -141,6 +145,24 @@ def begin(plant: Plant, step: Step, time: float) -> None:
             v += plant.omega[k] * (plant.steady_re[j, k] * sine + plant.steady_im[j, k] * cosine)
         step.free_q[j] = q
         step.free_v[j] = v
+
+
+@inner_kernel
+def driven(
+    plant: Plant, step: Step, pair: int, answer: Array | tuple[float, float, float, float]
+) -> tuple[float, float]:
+    """What a tone adds to displacement and rate of its nearly resonant mode since the step's start.
+
+    Args:
+        plant, step: the step.
+        pair: row of `Plant.near`.
+        answer: to exp(i omega s) from rest, see `answer_from_rest`.
+    """
+    j, k = plant.near[pair, 0], plant.near[pair, 1]
+    cosine, sine = step.phase[0, k], step.phase[1, k]
+    re = plant.force_re[j, k] * cosine - plant.force_im[j, k] * sine
+    im = plant.force_re[j, k] * sine + plant.force_im[j, k] * cosine
+    return re * answer[0] - im * answer[1], re * answer[2] - im * answer[3]
 
 
 @part_kernel
@@ -227,6 +249,27 @@ def flow_to(plant: Plant, step: Step, s: float) -> None:
             v -= plant.omega[k] * (plant.steady_re[j, k] * sine + plant.steady_im[j, k] * cosine)
         step.other_q[j] = q
         step.other_v[j] = v
+    for p in range(plant.near.shape[0]):
+        j, k = plant.near[p, 0], plant.near[p, 1]
+        answer = answer_from_rest(plant.stiffness[j], plant.damping[j], plant.omega[k], s)
+        q, v = driven(plant, step, p, answer)
+        step.other_q[j] += q
+        step.other_v[j] += v
+
+
+@inner_kernel
+def is_finite(step: Step) -> bool:
+    """Whether all that the law has answered for a step are numbers, and so is the motion that answers it."""
+    if step.whole[KIND] == FLIGHT:
+        return True
+    total = 0.0
+    for i in range(1 if step.whole[KIND] == HELD else NODES):
+        total += abs(step.force[NORMAL, i]) + abs(step.force[FRICTION, i])
+        if step.whole[KIND] == COLLOCATED:
+            total += abs(step.force[BOUND, i]) + abs(step.force[MEMORY_RATE, i]) + abs(step.loss[i])
+            # A force that is no number leaves a gap that is none, at which the law is not asked again.
+            total += abs(step.gap[i]) + abs(step.slip[i])
+    return bool(np.isfinite(total))
 
 
 @inner_kernel

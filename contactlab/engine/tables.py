@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.engine.oscillator import impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
+from contactlab.engine.resonance import answer_from_rest
 
 Array = NDArray[np.float64]
 
@@ -45,6 +46,7 @@ class Tables(NamedTuple):
         hold: q and v from a unit constant force, shape (l, i, 2, j).
         answer_q, answer_v: q and v from l_m, shape (l, i, m, j).
         turn_cos, turn_sin: of omega_k c_i h, shape (l, i, k).
+        driven: answers from rest of the nearly resonant pairs p, see `answer_from_rest`, shape (l, i, p, 4).
         tip_q: u and th from f_u and f_th: uu, uth, thth, shape (l, 3, i, m).
         tip_v: their rates, and the rotor's row: uu, uth, thth, rr, shape (l, 4, i, m).
         integrals: scratch of the oscillator, shape (i + 2,).
@@ -64,6 +66,7 @@ class Tables(NamedTuple):
     answer_v: Array
     turn_cos: Array
     turn_sin: Array
+    driven: Array
     tip_q: Array
     tip_v: Array
     integrals: Array
@@ -128,6 +131,7 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
         answer_v=np.empty((FINEST, NODES, NODES, count)),
         turn_cos=np.empty((FINEST, NODES, tones)),
         turn_sin=np.empty((FINEST, NODES, tones)),
+        driven=np.empty((FINEST, NODES, len(plant.near), 4)),
         tip_q=np.empty((FINEST, 3, NODES, NODES)),
         tip_v=np.empty((FINEST, 4, NODES, NODES)),
         integrals=np.empty(NODES + 2),
@@ -154,6 +158,11 @@ def build_level(plant: Plant, tables: Tables, level: int) -> None:
         for k in range(plant.omega.size):
             tables.turn_cos[level, i, k] = cos(plant.omega[k] * s)
             tables.turn_sin[level, i, k] = sin(plant.omega[k] * s)
+        for p in range(plant.near.shape[0]):
+            j, k = plant.near[p, 0], plant.near[p, 1]
+            answer = answer_from_rest(plant.stiffness[j], plant.damping[j], plant.omega[k], s)
+            for part in range(4):
+                tables.driven[level, i, p, part] = answer[part]
         for j in range(plant.stiffness.size):
             impulse_integrals(plant.stiffness[j], plant.damping[j], s, count, integrals)
             _fill(plant, tables, level, i, j, h, integrals)

@@ -18,6 +18,9 @@ from contactlab.geometry import contact_frame
 
 Array = NDArray[np.float64]
 
+REACH = 1e-5
+"""Way [m] of a tip up to which its gap has the digits below; further ones have fewer, see `coarseness`."""
+
 RESOLUTION = 1e-22
 """Gap [m] below which open and touching cannot be told apart in float64."""
 
@@ -44,8 +47,10 @@ def curvature_bound(plant: Plant, step: Step, h: float) -> float:
     """B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
 
     A free oscillator's acceleration a obeys the oscillator's own equation, so that
-    |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes.
-    The rest is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R and the centripetal terms.
+    |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes. The
+    answer from rest to a force f exp(i omega s) has |a(s)| <= |f| (1 + omega s), as its impulse response
+    never moves faster than it began. The rest is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R
+    and the centripetal terms.
     """
     u_acc = 0.0
     th_acc = 0.0
@@ -65,6 +70,12 @@ def curvature_bound(plant: Plant, step: Step, h: float) -> float:
         th += plant.row_th[j] * step.q[j]
         u_rate += plant.row_u[j] * step.v[j]
         th_rate += plant.row_th[j] * step.v[j]
+    for p in range(plant.near.shape[0]):
+        j, k = plant.near[p, 0], plant.near[p, 1]
+        bound = sqrt(plant.force_re[j, k] ** 2 + plant.force_im[j, k] ** 2)
+        bound *= 1.0 + plant.omega[k] * h
+        u_acc += abs(plant.row_u[j]) * bound
+        th_acc += abs(plant.row_th[j]) * bound
     for k in range(plant.omega.size):
         u_acc += plant.omega[k] ** 2 * plant.steady_u[k]
         th_acc += plant.omega[k] ** 2 * plant.steady_th[k]
@@ -77,6 +88,27 @@ def curvature_bound(plant: Plant, step: Step, h: float) -> float:
     lever = tip * th * (tip + plant.radius + excess) / plant.radius
     speed = u_rate + tip * th_rate
     return u_acc + lever * th_acc + tip * th_rate * th_rate + speed * speed / plant.radius
+
+
+@inner_kernel
+def coarseness(plant: Plant, step: Step) -> float:
+    """What the digits of the gap [m] grow by where the parts that it is summed from outgrow REACH.
+
+    Round-off is that of the parts: clearance, free motion and steady state of every mode, and the slope's
+    by its lever.
+    """
+    u = plant.clearance
+    th = 0.0
+    slope = 0.0
+    for j in range(plant.stiffness.size):
+        part = abs(step.free_q[j])
+        for k in range(plant.omega.size):
+            part += abs(plant.steady_re[j, k]) + abs(plant.steady_im[j, k])
+        u += abs(plant.row_u[j]) * part
+        th += abs(plant.row_th[j]) * part
+        slope += plant.row_th[j] * step.q[j]
+    lever = plant.tip_length * abs(slope) * (1.0 + plant.tip_length / plant.radius)
+    return max((abs(u) + lever * th) / REACH, 1.0)
 
 
 @inner_kernel
@@ -102,22 +134,34 @@ def stays_open(
 
 
 @inner_kernel
-def certain_opening(plant: Plant, step: Step, h: float) -> float:
+def certain_opening(plant: Plant, step: Step, h: float, coarse: float) -> float:
     """Time up to which the gap only widens and at which it is open, in (0, h); zero where none is known.
 
     The gap lies above gap + rate s - B s^2/2, whose highest point this is: a release whose own gap
     is lost in round-off is well clear there, before it could close again.
+
+    Args:
+        plant, step: the flight, as `begin` left it.
+        h: end of the stretch [s].
+        coarse: see `coarseness`.
     """
     gap, rate = gap_and_rate(plant, step.q, step.v)
     bound = curvature_bound(plant, step, h)
-    if rate > 0.0 and rate < bound * h and gap + 0.5 * rate * rate / bound > ROUND_OFF:
+    if rate > 0.0 and rate < bound * h and gap + 0.5 * rate * rate / bound > coarse * ROUND_OFF:
         return rate / bound
     return 0.0
 
 
 @inner_kernel
 def first_touch(
-    plant: Plant, step: Step, start: float, h: float, gap_end: float, rate_end: float, stack: Array
+    plant: Plant,
+    step: Step,
+    start: float,
+    h: float,
+    gap_end: float,
+    rate_end: float,
+    coarse: float,
+    stack: Array,
 ) -> float:
     """Time of the first touch-down in (start, h] of a flight that is open at `start`, NO_TOUCH or LOST.
 
@@ -125,6 +169,7 @@ def first_touch(
         plant, step: the flight, as `begin` left it.
         start, h: beginning and end of the stretch [s].
         gap_end, rate_end: gap [m] and its rate [m/s] at h.
+        coarse: see `coarseness`.
         stack: scratch, shape (>= 64, 3).
     """
     a = start
@@ -138,7 +183,7 @@ def first_touch(
     halvings = 0
     while halvings < MOST_HALVINGS:
         width = b - a
-        indistinct = bound * width * width < RESOLUTION or waiting >= stack.shape[0]
+        indistinct = bound * width * width < coarse * RESOLUTION or waiting >= stack.shape[0]
         if stays_open(a, gap_a, rate_a, b, gap_b, rate_b, bound) or (indistinct and gap_b > 0.0):
             if waiting == 0:
                 return NO_TOUCH
@@ -146,7 +191,7 @@ def first_touch(
             a, gap_a, rate_a = b, gap_b, rate_b
             b, gap_b, rate_b = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2]
         elif gap_b <= 0.0 and rate_a + bound * width < 0.0:
-            return _falling_zero(plant, step, a, gap_a, b, gap_b)
+            return _falling_zero(plant, step, a, gap_a, b, gap_b, coarse * RESOLUTION)
         elif indistinct:
             return b
         else:
@@ -161,9 +206,9 @@ def first_touch(
 
 @inner_kernel
 def _falling_zero(
-    plant: Plant, step: Step, a: float, gap_a: float, b: float, gap_b: float
+    plant: Plant, step: Step, a: float, gap_a: float, b: float, gap_b: float, digit: float
 ) -> float:
-    """The zero of a falling gap in [a, b]: Newton, kept inside the bracket."""
+    """The zero of a falling gap in [a, b], to a digit [m]: Newton, kept inside the bracket."""
     s = a + (b - a) * gap_a / (gap_a - gap_b)
     for _ in range(60):
         flow_to(plant, step, s)
@@ -172,7 +217,7 @@ def _falling_zero(
             a = s
         else:
             b = s
-        if abs(gap) < RESOLUTION or b - a < 1e-18:
+        if abs(gap) < digit or b - a < 1e-18:
             break
         target = s - gap / rate if rate < 0.0 else 0.5 * (a + b)
         following = target if a < target < b else 0.5 * (a + b)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from contactlab.output.animation_data import Film
 from contactlab.output.animation_trace import COLOUR, MODES, draw_traces
+from contactlab.output.dataset import reached_end
 from contactlab.output.figure_data import drawable
 from contactlab.output.figures import COLOURS, STYLE
 from contactlab.output.prefixes import prefixed, prefixed_unit
@@ -99,7 +100,7 @@ class Animation:
             f"{prefixed(lasts, 's')} from t = {prefixed(film.start, 's')}; motion of the tip and angle of "
             f"the rotor drawn \u00d7 {film.magnification:g}"
         )
-        if not film.run.root.attrs.get("complete", 1):
+        if not reached_end(film.run.root.attrs):
             title += " \u2013 the run is incomplete"
         self.figure.text(0.02, 0.975, title, va="top", fontsize=12)
         self.figure.text(0.02, 0.925, words, va="top", fontsize=9, color="0.3")

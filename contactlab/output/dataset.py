@@ -9,7 +9,7 @@ written, so the same run leaves the same bytes.
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import netCDF4
 import numpy as np
@@ -41,7 +41,7 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
 
     Returns:
         The time series and the resonator's quantities at the root and the group `contacts`. The
-        attribute `complete` is 1 for a run that reached its end and 0 otherwise.
+        attribute `complete` is 1 for a run that reached its end with a closed ledger and 0 otherwise.
     """
     modes = trajectory.motor.modes
     resonator = {
@@ -66,7 +66,7 @@ def write(
 ) -> xarray.DataTree:
     """Write a run to a netCDF-4 file, whole or not at all.
 
-    A run that did not reach its end is written too, with `complete = 0`.
+    A run that is not complete is written too, with `complete = 0`.
 
     Args:
         trajectory: what the simulation gave back.
@@ -100,6 +100,16 @@ def write_tree(tree: xarray.DataTree, path: Path) -> str:
     with whole_netcdf(path) as partial:
         _write_file(tree, partial)
         return digest_of_file(partial)
+
+
+def reached_end(attributes: Mapping[Any, Any]) -> bool:
+    """Whether the run of a dataset reached its end; one of one's own need not say so.
+
+    Args:
+        attributes: of its root.
+    """
+    unbalanced = attributes.get("ending") == Ending.UNBALANCED.name.lower()
+    return bool(attributes.get("complete", 1)) or unbalanced
 
 
 def _columns(

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from contactlab.output.dataset import reached_end
 from contactlab.output.figure_data import (
     COLUMNS,
     Window,
@@ -135,7 +136,8 @@ def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
     )
     complete = bool(root.attrs["complete"])
     if not complete:
-        text += f" \u2013 incomplete: {root.attrs['ending']}"
+        ending = root.attrs["ending"]
+        text += f" \u2013 {ending if reached_end(root.attrs) else f'incomplete: {ending}'}"
     figure.text(
         0.012, 0.985, text, va="top", fontsize=9, color="black" if complete else COLOURS["fault"]
     )

@@ -35,7 +35,8 @@ def summarise(trajectory: Trajectory, wall_time: float) -> str:
             f"{wedged} steps in contact with several solutions: what slid was released, what stuck was held"
         )
     if not trajectory.complete:
-        lines["incomplete"] = trajectory.message or trajectory.ending.name.lower()
+        label = trajectory.ending.name.lower() if trajectory.ending.reached_end else "incomplete"
+        lines[label] = trajectory.message or trajectory.ending.name.lower()
     width = max(map(len, lines)) + 2
     text = "\n".join(f"{label:<{width}}{value}" for label, value in lines.items())
     return text.replace("µ", "u")
@@ -52,7 +53,7 @@ def _contacts(trajectory: Trajectory) -> str:
     """How many contacts there were, and how long they lasted and stuck."""
     count = trajectory.contacts["duration"].size
     if not count:
-        return "none"
+        return f"none: {_out_of_reach(trajectory)}"
     touching = prefixed(float(np.sum(trajectory.contacts["duration"])), "s")
     sticking = prefixed(float(np.sum(trajectory.contacts["stick_duration"])), "s")
     return f"{count}, {touching} in contact, {sticking} of it sticking"
@@ -65,6 +66,16 @@ def _load(trajectory: Trajectory) -> dict[str, str]:
     work = float(trajectory.series["load_work"][-1])
     what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
     return {"load": f"{what}: {abs(work):.4g} J"}
+
+
+def _out_of_reach(trajectory: Trajectory) -> str:
+    """How far the tip came of the way to the rotor, by the records."""
+    clearance = trajectory.motor.geometry.clearance
+    closest = float(np.min(trajectory.series["gap"]))
+    return (
+        f"of the clearance, {prefixed(clearance, 'm')}, the tip bridged at most "
+        f"{prefixed(clearance - closest, 'm')}. Lower contact.clearance or raise the drive's voltages."
+    )
 
 
 def _residual(trajectory: Trajectory) -> str:

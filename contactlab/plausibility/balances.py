@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.plausibility.declared import corrects_displacements
 from contactlab.plausibility.measure import Measure
 from contactlab.plausibility.metric import Metric
@@ -21,11 +22,11 @@ def _energy_residual(record: Record) -> float:
     # From the terms, not from the recorded residual: the metric judges the numbers that are shown.
     stored = _sum(record, "kinetic_energy", "strain_energy", "contact_energy")
     spent = _sum(record, "damping_loss", "friction_loss", "contact_loss", "load_work")
-    work = record.series("drive_work")
+    work, load = record.series("drive_work"), record.series("load_work")
     residual = stored - stored[0] - (work - work[0]) + (spent - spent[0])
-    scale = max(float(np.abs(work - work[0]).max()), float(stored[0]))
-    needed(scale > 0.0)
-    return float(np.abs(residual).max()) / scale
+    by_drive, by_load = (float(np.abs(part - part[0]).max()) for part in (work, load))
+    needed(max(by_drive, by_load, float(stored[0])) > 0.0)
+    return openness(float(np.abs(residual).max()), by_drive, by_load, float(stored[0]))
 
 
 def _sum(record: Record, *names: str) -> Array:
@@ -69,11 +70,11 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "energy_residual",
-            "max|r| / max(W_d, E_0)",
+            f"max|r| / {SCALE}",
             "1",
-            "energy that the ledger cannot account for, over the work of the drive",
+            "energy that the ledger cannot account for, over the energy turned over",
             "<=",
-            1e-2,
+            LEDGER_LIMIT,
             "the contact's share of the drive work, what laws differ in, is a few per cent: a ledger "
             "open by one per cent could hide it. A first-order law at its default step is "
             "open by a tenth of that at most, a compliant law by far less",

@@ -46,7 +46,8 @@ class Record:
         law: the law's name; empty where it is not known.
         law_parameters: the law's parameters by name, SI; empty where they are not known.
         contact_step: largest step in contact [s]; zero where it is not known.
-        sound: whether its numbers are known to be finite, as those of a complete run in memory are.
+        sound: whether its numbers are known to be finite, as those of a run in memory are that reached
+            its end.
     """
 
     columns: Mapping[str, NDArray[Any]]
@@ -85,7 +86,7 @@ class Record:
             law=trajectory.law.name,
             law_parameters=trajectory.law.describe(),
             contact_step=trajectory.contact_step,
-            sound=trajectory.complete,
+            sound=trajectory.ending.reached_end,
         )
 
     @cached_property

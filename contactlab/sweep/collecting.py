@@ -39,7 +39,8 @@ def collect(
     Returns:
         The metrics of `contactlab.plausibility.METRICS` over the parameters that differ between runs:
         a dimension each if the runs form a grid, else all along the dimension `run`. NaN with `status`
-        and `reason` where a run is not complete; `job` is the run's folder.
+        and `reason` where a run did not reach its end, numbers with both where its energy ledger is open;
+        `job` is the run's folder.
 
     Raises:
         CollectingError: there is no such folder, no run in it, no such series, or the series of the

@@ -15,9 +15,12 @@ from contactlab.plausibility import assess, configuration_of, is_complete, read_
 from contactlab.sweep.cells import REASONS
 from contactlab.sweep.job import RUNNING, Job, State, read_state
 from contactlab.sweep.roster import ROSTER, read_roster
-from contactlab.sweep.status import Status
+from contactlab.sweep.status import Status, status_of
+from contactlab.trajectory import Ending
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
+
+_WITH_NUMBERS: Final = {status_of(ending) for ending in Ending if ending.reached_end}
 
 
 @final
@@ -31,7 +34,7 @@ class FoundRun:
         job: what it was asked for; without overrides where nothing but its dataset tells of it.
         status, reason: what became of it.
         told: whether overrides and choices are known.
-        metrics: by key, empty where it is not complete.
+        metrics: by key, empty where it did not reach its end.
     """
 
     name: str
@@ -71,7 +74,7 @@ def _of_state(name: str, folder: Path, state: State) -> FoundRun:
     status = _OF_STATE.get(state.state, Status.FAILED)
     reason = state.reason or REASONS.get(status, f"The run is {state.state}.")
     metrics: dict[str, float] = {}
-    if status is Status.COMPLETE:
+    if status in _WITH_NUMBERS:
         _, status, reason, metrics = _assessed(folder)
     return FoundRun(name, folder, state.job, status, reason, True, metrics)
 
@@ -84,12 +87,13 @@ def _assessed(folder: Path) -> tuple[dict[str, Any], Status, str, dict[str, floa
         configuration = configuration_of(tree)
         if is_complete(tree):
             return configuration, Status.COMPLETE, "", assess(tree)
+        status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)
+        status = Status.FAILED if status is Status.COMPLETE else status
+        reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
+        return configuration, status, reason, assess(tree) if status in _WITH_NUMBERS else {}
     # A file can be anything, and the other runs shall not suffer from it.
     except Exception as error:
         return configuration, Status.FAILED, one_line(error), {}
-    status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)
-    reason = str(tree.attrs.get("message", "")) or "The dataset says that it is not complete."
-    return configuration, Status.FAILED if status is Status.COMPLETE else status, reason, {}
 
 
 def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:

@@ -106,7 +106,7 @@ class Answers:
     Args:
         metrics: shape (run, metric); NaN where there is no number.
         status: codes of `Status`, shape (run,).
-        reason: why a run is not complete, empty where it is.
+        reason: why a run is not complete, empty where it is; an unbalanced one has its numbers all the same.
         series: by name, shape (run, record); NaN where a run has none.
         time: of the records of the series [s].
     """
@@ -166,10 +166,10 @@ def answers(
 def _run(
     setup_at: SetupAt, cell: int, wanted: Wanted, workspace: Workspace, metrics: Array
 ) -> tuple[Trajectory | None, Status, str]:
-    """One run; its metrics go into `metrics` if it is complete.
+    """One run; its metrics go into `metrics` if it reached its end.
 
     Returns:
-        The run if it is complete, what became of it and why.
+        The run if it reached its end, what became of it and why.
     """
     try:
         setup = setup_at(cell)
@@ -182,7 +182,7 @@ def _run(
             tolerance=setup.tolerance,
             workspace=workspace,
         )
-        if not run.complete:
+        if not run.ending.reached_end:
             return None, status_of(run.ending), run.message
         found = assess(Record.of_trajectory(run, setup.configuration), wanted.metrics)
     except ConfigurationError as error:
@@ -196,7 +196,7 @@ def _run(
             raise
         return None, Status.FAILED, f"The run ended in {type(error).__name__}: {error}"
     metrics[:] = [found[key] for key in wanted.metrics]
-    return run, Status.COMPLETE, ""
+    return run, status_of(run.ending), run.message
 
 
 def _stacked(kept: Sequence[dict[str, Array]], name: str, length: int) -> Array:

@@ -14,16 +14,20 @@ from contactlab.sweep.job import (
     is_done,
     read_state,
 )
+from contactlab.sweep.status import Status
 
 _WHY: Final = {
     "failed": ("failed", "failed"),
     "cut": ("was cut short", "were cut short"),
     "early": ("ended early", "ended early"),
+    "open": ("has an open ledger", "have open ledgers"),
     "changed": ("is of another configuration or code", "are of another configuration or code"),
     "lost": ("has lost its dataset", "have lost their datasets"),
     "new": ("is new", "are new"),
 }
 """Of one run and of several, in the order of the sentence."""
+
+UNBALANCED: Final = Status.UNBALANCED.name.lower()
 
 
 def outlook(jobs: Sequence[tuple[Path, str]]) -> tuple[list[bool], str]:
@@ -60,4 +64,4 @@ def _why(folder: Path, key: str) -> str:
         return "cut"
     if state.job.key != key:
         return "changed"
-    return "lost" if state.state == COMPLETE else "early"
+    return {COMPLETE: "lost", UNBALANCED: "open"}.get(state.state, "early")

@@ -6,7 +6,7 @@ from contactlab.trajectory import Ending
 
 
 class Status(IntEnum):
-    """What became of a run; only a complete one has numbers."""
+    """What became of a run; one that reached its end has numbers, a complete or an unbalanced one."""
 
     COMPLETE = 0
     DIVERGED = 1
@@ -23,6 +23,10 @@ class Status(IntEnum):
     """Its configuration is faulty, though each of its values alone is not."""
     ABSENT = 7
     """It has not begun."""
+    UNBALANCED = 8
+    """It reached its end, but its energy ledger is open."""
+    STALLED = 9
+    """Its law let it take no step, or too many."""
     INCONSISTENT = 10
     """Its law had no impulse for a contact that closes."""
 

@@ -47,7 +47,7 @@ def completed(trajectory: Trajectory) -> Trajectory:
     Raises:
         RuntimeError: it has not.
     """
-    if not trajectory.complete:
+    if not trajectory.ending.reached_end:
         raise RuntimeError(f"{trajectory.law.name}: {trajectory.message}")
     return trajectory
 

@@ -27,7 +27,7 @@ AFTER_TOUCH = 2e-6
 TIME_DIGIT = 1e-15
 """Error of a touch-down [s] on top of the gap's round-off over its rate, see `Flight.round_off`."""
 
-KINDS: Final = ("any clearance", "graze", "double dip", "double well")
+KINDS: Final = ("any clearance", "graze", "double dip", "double well", "resonance")
 """How the clearance of a flight is found, see `random_flight`."""
 
 SHAPES = (2, 4, 6)
@@ -72,20 +72,24 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
         graze           one of the lowest points so far dips or misses by 1e-14 to 1e-9 m
         double dip      the same, with a fast tone that makes a lower dip follow within microseconds
         double well     two dips within what may be one step of the engine; the first dips or misses
+        resonance       damped by 0.1 to 10 1/s, a tone at the first natural frequency or off by up to 1 %,
+                        so that the steady state may be 1e5 times what moves; half of them grazes
 
     Drives have one to four tones between 1 and 20 kHz with any amplitudes and phases; the fast tone
     lies between 30 and 200 kHz. Those of the double wells are solved for, up to 100 V.
     """
     rng = np.random.default_rng([seed, number])
-    kind = KINDS[int(rng.choice(len(KINDS), p=(0.3, 0.3, 0.2, 0.2)))]
+    kind = KINDS[int(rng.choice(len(KINDS), p=(0.25, 0.25, 0.17, 0.17, 0.16)))]
     modes = _modes(int(rng.choice(SHAPES)))
     if kind == "double well":
         return kind, _well(rng, modes)
     drive = _slow_tones(rng)
+    if kind == "resonance":
+        modes, drive = _at_resonance(rng, modes, drive)
     if kind == "double dip":
         drive = _with_fast_tone(rng, modes, drive)
     flight = flight_of(Motor(modes, drive))
-    if kind == "any clearance":
+    if kind == "any clearance" or (kind == "resonance" and rng.random() < 0.5):
         return kind, flight.with_clearance(10.0 ** rng.uniform(-8.0, -5.5))
     far = flight.with_clearance(1e-4)
     times, heights = far.minima(DURATION)
@@ -175,6 +179,17 @@ def _slow_tones(rng: np.random.Generator) -> Drive:
     size = 10.0 ** rng.uniform(0.5, 2.0)
     phasors = rng.normal(size=(2, tones)) + 1j * rng.normal(size=(2, tones))
     return Drive(rng.uniform(1e3, 20e3, tones), size * phasors)
+
+
+def _at_resonance(
+    rng: np.random.Generator, modes: NormalModes, drive: Drive
+) -> tuple[NormalModes, Drive]:
+    """The same shapes with one small damping for all, and the first tone at the first of them."""
+    weak = replace(modes, damping=np.full(modes.damping.size, 10.0 ** rng.uniform(-1.0, 1.0)))
+    off = rng.choice([-1.0, 0.0, 1.0]) * 10.0 ** rng.uniform(-9.0, -2.0)
+    frequency = drive.frequency.copy()
+    frequency[0] = float(modes.natural_frequency[0]) * (1.0 + off)
+    return weak, replace(drive, frequency=frequency)
 
 
 def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
