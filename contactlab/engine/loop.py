@@ -65,7 +65,7 @@ def advance(
             return
         refinement = TOUCH_REFINEMENT if compliant else 0
         if run.whole[PHASE] == PRESSED:
-            open_contact(plant, tables, step, run, tables.contact_level + refinement)
+            open_contact(plant, step, run, tables.contact_level + refinement)
         begin(plant, step, run.real[TIME])
         if run.whole[PHASE] != TOUCHING:
             event = fly(plant, tables, step, run)
@@ -75,7 +75,7 @@ def advance(
             event = hold_contact(plant, tables, step, run, solve, parameters)
         commit(plant, tables, step, run, force, rub, parameters)
         if event == TOUCH:
-            open_contact(plant, tables, step, run, tables.contact_level + refinement)
+            open_contact(plant, step, run, tables.contact_level + refinement)
         elif event == RELEASE:
             close_contact(plant, tables, step, run)
         elif event != NOTHING:
