@@ -116,16 +116,13 @@ def attempt(
     step.real[LENGTH] = step_length(tables, level)
     momentum = run.real[MOMENTUM]
     stiffness = steepness * mobility(tables, step, level, 0, 0)
-    held = stiffness > 1.0
-    _first_forces(tables, step, stretch, mode, sign)
-    sweeps = collocate(
-        plant, tables, step, level, mode, sign, held, force, rub, parameters, momentum
-    )
-    if sweeps == 0 and step.whole[RUBBING] == CREEPING and not held:
-        _first_forces(tables, step, stretch, mode, sign)
-        sweeps = collocate(
-            plant, tables, step, level, mode, sign, True, force, rub, parameters, momentum
-        )
+    sweeps = 0
+    for held in range(1 if stiffness > 1.0 else 0, 2 if step.whole[RUBBING] == CREEPING else 1):
+        if sweeps == 0:
+            _first_forces(tables, step, stretch, mode, sign)
+            sweeps = collocate(
+                plant, tables, step, level, mode, sign, held == 1, force, rub, parameters, momentum
+            )
     step.real[TAKEN] = 0.0
     run.whole[SWEEPS] += sweeps
     if sweeps == 0:
@@ -133,11 +130,7 @@ def attempt(
     h = step.real[LENGTH]
     allowed = run.real[TOLERANCE] * momentum
     if largest(step.gap) >= 0.0 or _lifts(step, normal):
-        most = max(abs(normal), abs(rubbed))
-        for i in range(NODES):
-            most = max(most, abs(step.force[NORMAL, i]))
-            if step.whole[RUBBING] == CREEPING:
-                most = max(most, abs(step.force[FRICTION, i]))
+        most = max(abs(normal), abs(rubbed), _most_force(step))
         return 0.5 if most * h <= allowed else KINK
     error = abs(step.shape[NORMAL, 0] - normal)
     if step.whole[RUBBING] != CREEPING:
@@ -166,6 +159,17 @@ def _first_forces(tables: Tables, step: Step, stretch: float, mode: int, sign: f
         climb = tables.nodes[i] * step.real[LENGTH]
         step.memory[i] = step.real[MEMORY] + climb * step.force[MEMORY_RATE, i]
         push_node(step, i)
+
+
+@inner_kernel
+def _most_force(step: Step) -> float:
+    """Largest normal force at a node [N], or friction that no bound ties to it."""
+    most = 0.0
+    for i in range(NODES):
+        most = max(most, abs(step.force[NORMAL, i]))
+        if step.whole[RUBBING] == CREEPING:
+            most = max(most, abs(step.force[FRICTION, i]))
+    return float(most)
 
 
 @inner_kernel
