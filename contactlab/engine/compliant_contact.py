@@ -9,7 +9,7 @@ from contactlab.engine.compliant_events import (
     first_event,
     track_extremes,
 )
-from contactlab.engine.compliant_step import attempt, start_forces, start_motion
+from contactlab.engine.compliant_step import TOUCHED, attempt, start_forces, start_motion
 from contactlab.engine.contacts import impulse_scale
 from contactlab.engine.events import NOTHING
 from contactlab.engine.nodes import add_collocated
@@ -99,8 +99,9 @@ def press(
             rub,
             parameters,
         )
-        # A dip that ends before the first node would be left where it begins, still approaching.
-        hidden = rate < 0.0 <= step.gap[0]
+        # A dip that ends before the first node would be left where it begins, still approaching,
+        # unless nothing of it could be seen.
+        hidden = step.gap[0] >= 0.0 and rate * step.real[LENGTH] < TOUCHED
         if (error > 1.0 or hidden) and (level < finest or error == np.inf):
             run.whole[REJECTED_STEPS] += 1
             level += 2 if error > 500.0 or hidden else 1
