@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from contactlab.compiled import part_kernel
 from contactlab.engine.nodes import free_response
 from contactlab.engine.plant import Plant
-from contactlab.engine.state_friction import correct_state, follow_bound, mobility, push_node
+from contactlab.engine.state_friction import (
+    HELD_SLIP,
+    LEAST_SLIP,
+    correct_state,
+    follow_bound,
+    mobility,
+    push_node,
+)
 from contactlab.engine.step import (
     BOUND,
     CLOSING,
@@ -63,6 +70,7 @@ def collocate(
     level: int,
     mode: int,
     sign: float,
+    held: bool,
     force: PenaltyKernel,
     rub: FrictionKernel,
     parameters: Array,
@@ -74,6 +82,9 @@ def collocate(
         plant, tables, step, level: the step.
         mode: SLIP or STICK.
         sign: direction of the slip in SLIP.
+        held: whether creeping friction begins with what would hold the slip at zero. Friction that
+            rises steeply from there and then levels off is solved from its steep part, by steps that
+            fall short; from its level part they would leap over it, to and fro.
         force, rub, parameters: the law.
         momentum: impulse scale of the contact [N s].
 
@@ -96,9 +107,11 @@ def collocate(
             change = max(change, abs(step.force[NORMAL, i] - old_normal))
             change = max(change, abs(step.force[FRICTION, i] - old_friction))
             largest = max(largest, step.force[NORMAL, i])
-        if follows:
-            change = max(change, correct_state(tables, step, level, rub, parameters))
-        elif mode == STICK:
+        holds = (held and sweep == 1) or (mode == STICK and not follows)
+        if follows and not holds:
+            least = HELD_SLIP if held else LEAST_SLIP
+            change = max(change, correct_state(tables, step, level, least, rub, parameters))
+        if holds:
             if not factored:
                 _factor_stick(tables, step, level)
                 factored = True

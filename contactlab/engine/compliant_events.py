@@ -123,7 +123,8 @@ def first_event(
         s = right
         for event in (CONE, REVERSAL, RELEASE):
             if event == RELEASE:
-                happened = step.gap[i] >= 0.0
+                # A gap that is open while it closes is round-off of a touch-down.
+                happened = step.gap[i] >= 0.0 and step.gap_rate[i] >= 0.0
             elif event == REVERSAL:
                 happened = rubs and not sticks and run.whole[SIGN] * step.sliding[i] < 0.0
             else:
@@ -131,6 +132,8 @@ def first_event(
                 happened = sticks and abs(step.force[FRICTION, i]) > ceiling
             if happened:
                 at = locate(plant, step, event, left, right, rub, parameters)
+                if event == RELEASE and at == left and before < 0.0:
+                    at = right
                 first, s = (event, at) if first == NOTHING or at < s else (first, s)
         now = step.gap_rate[i]
         if before > 0.0 > now and step.gap[i] < 0.0:
@@ -168,9 +171,18 @@ def _highest(
 
 
 @inner_kernel
-def track_extremes(plant: Plant, tables: Tables, step: Step, run: Run, rate: float) -> None:
-    """Largest normal force and penetration of the contact so far, between the nodes as well."""
+def track_extremes(
+    plant: Plant, tables: Tables, step: Step, run: Run, gap: float, rate: float, normal: float
+) -> None:
+    """Largest normal force and penetration of the contact so far, between the nodes as well.
+
+    Args:
+        plant, tables, step, run: the step.
+        gap, rate, normal: gap [m], its rate [m/s] and normal force [N] at its start.
+    """
     s, h = step.real[TAKEN], step.real[LENGTH]
+    run.contact[PEAK] = max(run.contact[PEAK], normal)
+    run.contact[DEPTH] = max(run.contact[DEPTH], -gap)
     before = rate
     left = 0.0
     for i in range(NODES):

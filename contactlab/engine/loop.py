@@ -68,7 +68,7 @@ def advance(
             return
         refinement = TOUCH_REFINEMENT if compliant else 0
         if run.whole[PHASE] == PRESSED:
-            open_contact(plant, tables, step, run, tables.contact_level + refinement)
+            open_contact(plant, step, run, tables.contact_level + refinement)
         begin(plant, step, run.real[TIME])
         if run.whole[PHASE] != TOUCHING:
             event = fly(plant, tables, step, run)
@@ -77,7 +77,7 @@ def advance(
         commit(plant, tables, step, run, force, rub, parameters)
         weigh(plant, step, run)
         if event == TOUCH:
-            open_contact(plant, tables, step, run, tables.contact_level + refinement)
+            open_contact(plant, step, run, tables.contact_level + refinement)
         elif event == RELEASE:
             close_contact(plant, tables, step, run)
         elif event != NOTHING:

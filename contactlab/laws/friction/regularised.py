@@ -24,7 +24,8 @@ class Regularised(Friction):
 
     Args:
         friction_coefficient: mu [1].
-        creep_velocity: v_0 [m/s], at which friction has reached 0.71 of mu N.
+        creep_velocity: v_0 [m/s], at which friction has reached 0.71 of mu N. A run costs more steps the
+            smaller it is, in proportion to its logarithm, as long as it is above the slip's round-off.
     """
 
     name: ClassVar[str] = "regularised"
