@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 DURATION = 2e-3
 ALL_SEEDS = range(200)
-SHORT_SEEDS = range(40)
+SHORT_SEEDS = range(25)
 SEEDS = cases(ALL_SEEDS, SHORT_SEEDS)
 
 CARRYING = 1e-12
