@@ -2,6 +2,7 @@
 
 import logging
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -32,6 +33,12 @@ from contactlab.testing.plants import block
 simulate(block(1.0), HertzPenalty(0.3), duration=1e-4, record_interval=1e-4)
 """
 """Compiles the engine, or loads its code."""
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C reach what the tests start, though the tests may run in a shell's background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
