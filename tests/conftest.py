@@ -1,6 +1,9 @@
 """Fixtures that several test modules share."""
 
 import logging
+import os
+import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +21,39 @@ collect_ignore = ["example_law"]
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
+
+MOST_WORKERS = 8
+"""Beyond these the longest modules set the pace, and each worker takes 0.4 GB."""
+
+COMPILATION = """
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty
+from contactlab.testing.plants import block
+
+simulate(block(1.0), HertzPenalty(0.3), duration=1e-4, record_interval=1e-4)
+"""
+"""Compiles the engine, or loads its code."""
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C reach what the tests start, though the tests may run in a shell's background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """The processors for the whole suite; this process alone for chosen modules and for debuggers."""
+    if any(Path(argument.split("::")[0]).is_file() for argument in config.args):
+        return 0
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), MOST_WORKERS)
+    return min(os.cpu_count() or 1, MOST_WORKERS)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the engine once, before the workers and the processes of the tests all do so at once."""
+    if session.config.getoption("numprocesses") and not session.config.getoption("collectonly"):
+        subprocess.run([sys.executable, "-c", COMPILATION], check=False)
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from foreign.problem import CASE_A, MOTORS, problem_of
 from foreign.siconos_run import CHOICE, SiconosRun, find_siconos, missing_siconos, siconos_runs
+from long_forms import cases
 from motors import default_motor, final, oracle_motor, run, total
 from numpy.typing import NDArray
 from oracle import solve_rigid_stick
@@ -35,7 +36,13 @@ RESTITUTION = 0.5
 STATES = ("rotor_velocity", "rotor_angle", "tip_normal_displacement", "tip_slope")
 IMPULSES = ("normal_impulse", "friction_impulse")
 
-motors = pytest.mark.parametrize("name", MOTORS)
+SHORT = (
+    CASE_A,
+    "no clearance, loaded and damped, turning backwards",
+    "high voltages, far away, very high friction",
+)
+
+motors = pytest.mark.parametrize("name", cases(MOTORS, SHORT))
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from long_forms import cases
 from motors import PLACEMENT_1, default_motor, oracle_motor, run
 from numpy.typing import ArrayLike, NDArray
 from oracle import SlipOnlyRun, solve_rigid_slip, solve_rigid_stick
@@ -61,7 +62,9 @@ MOTORS: dict[str, dict[str, float]] = {
     "a random motor": random_motor(1),
 }
 
-motors = pytest.mark.parametrize("name", MOTORS)
+SHORT = (CASE_A, "no clearance, loaded and damped, turning backwards", "a random motor")
+
+motors = pytest.mark.parametrize("name", cases(MOTORS, SHORT))
 
 
 def duration_of(name: str) -> float:

@@ -227,7 +227,9 @@ def test_too_few_frames_to_see_the_vibration_are_told(command: Command) -> None:
     assert "Only 1.5 frames show a drive period" in err
 
 
-@pytest.mark.skipif(not HAS_ENCODER, reason="imageio-ffmpeg is not installed")
+@pytest.mark.skipif(
+    not HAS_ENCODER, reason="There is no encoder of mp4; pip install imageio-ffmpeg brings one."
+)
 @pytest.mark.usefixtures("_short", "run_file")
 def test_the_command_writes_an_mp4(command: Command) -> None:
     status, _, err = command("animate", "run.nc", "--fps", "24", "--output", "run.mp4")

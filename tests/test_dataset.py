@@ -270,7 +270,10 @@ def test_a_missing_folder_raises_a_sentence(tmp_path: Path, trajectory: Trajecto
         write(trajectory, CONFIGURATION, tmp_path / "nowhere" / "run.nc")
 
 
-@pytest.mark.skipif(getattr(os, "geteuid", int)() == 0, reason="root may write anywhere")
+@pytest.mark.skipif(
+    getattr(os, "geteuid", int)() == 0,
+    reason="Root may write anywhere; run the tests as another user.",
+)
 def test_an_unwritable_folder_raises_a_sentence(tmp_path: Path, trajectory: Trajectory) -> None:
     tmp_path.chmod(0o500)
     try:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from motors import PLACEMENT_1, PLACEMENT_2, default_resonator
 from oracle.stepped_beam import SteppedBeam, natural_frequencies
+from threadpoolctl import threadpool_limits
 
 from contactlab.materials import Piezoceramic
-from contactlab.resonator import FiniteElementResonator, RitzResonator
+from contactlab.resonator import FiniteElementResonator, PatchedBeam, RitzResonator
 from contactlab.resonator.finite_element import FREQUENCY_ERROR
 
 PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]
@@ -143,14 +144,67 @@ def test_patches_may_begin_at_the_clamp_or_hardly_beside_it(start: float) -> Non
 
 
 def test_a_mesh_beyond_measure_is_refused() -> None:
-    heavy = Piezoceramic(density=1e30)
-    extreme = replace(
-        FiniteElementResonator(kept_modes=40, piezoceramic=heavy),
-        patch_start=10e-3,
-        patch_end=10.1e-3,
+    # Where thick patches leave free a little of a light beam, and the first mesh sees little of that.
+    extreme = FiniteElementResonator(
+        kept_modes=40,
+        patch_start=0.0,
+        patch_end=27.5e-3,
+        patch_thickness=1.0,
+        piezoceramic=Piezoceramic(density=2.4),
+        tip_mass=0.0,
+        tip_inertia=0.0,
     )
     with pytest.raises(ValueError, match=r"40 kept modes need \d+ elements; there may be 2000"):
         _ = extreme.modes
+
+
+@pytest.mark.parametrize(
+    ("basis", "changes"),
+    [
+        # Forty modes of patches as heavy as worlds: the highest one's 1 / omega^2 is round-off of the
+        # lowest one's, of either sign.
+        (
+            FiniteElementResonator(kept_modes=40),
+            {
+                "piezoceramic": Piezoceramic(density=1e30),
+                "patch_start": 10e-3,
+                "patch_end": 10.1e-3,
+            },
+        ),
+        (FiniteElementResonator(kept_modes=40), {"tip_inertia": 1e6}),
+        (RitzResonator(shapes=40), {"tip_inertia": 1e6}),
+        (RitzResonator(shapes=40), {"piezoceramic": Piezoceramic(density=1e30)}),
+        # Numbers that overflow.
+        (FiniteElementResonator(), {"length": 1e-200, "patch_start": 0.0, "patch_end": 1e-201}),
+        (RitzResonator(), {"length": 1e-200, "patch_start": 0.0, "patch_end": 1e-201}),
+    ],
+)
+def test_modes_that_round_off_makes_are_refused(
+    basis: PatchedBeam, changes: dict[str, object]
+) -> None:
+    with pytest.raises(ValueError, match="modes that double precision does not resolve"):
+        _ = replace(basis, **changes).modes
+
+
+@pytest.mark.parametrize(
+    "basis", [FiniteElementResonator(kept_modes=12), RitzResonator(shapes=40)], ids=["fe", "ritz"]
+)
+def test_a_tip_of_a_kilogram_is_resolved(basis: PatchedBeam) -> None:
+    # The low modes then are those of a mass on the beam as a spring: a heavier one swings the slower.
+    first = [replace(basis, tip_mass=mass).modes.natural_frequency[0] for mass in (0.5, 1.0)]
+    assert first[0] / first[1] == pytest.approx(2.0**0.5, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "basis", [FiniteElementResonator(kept_modes=12), RitzResonator(shapes=40)], ids=["fe", "ritz"]
+)
+def test_modes_do_not_depend_on_the_number_of_threads(basis: PatchedBeam) -> None:
+    found = []
+    for threads in (1, 2):
+        with threadpool_limits(threads, user_api="blas"):
+            found.append(vars(replace(basis).modes))
+    for name, values in found[0].items():
+        assert np.array_equal(values, found[1][name]), name
 
 
 @pytest.mark.parametrize("kept", [0, 41])

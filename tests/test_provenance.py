@@ -12,7 +12,9 @@ import pytest
 from contactlab.output import provenance
 from contactlab.output.provenance import UNKNOWN, git_state, versions
 
-needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+needs_git = pytest.mark.skipif(
+    shutil.which("git") is None, reason="There is no git; on Debian, apt-get install git brings it."
+)
 
 
 def git(folder: Path, *arguments: str) -> str:

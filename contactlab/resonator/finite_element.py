@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from contactlab.hermite import HermiteBeam
-from contactlab.resonator.modes import NormalModes
+from contactlab.resonator.modes import UNRESOLVED, NormalModes, refuse_unresolved
 from contactlab.resonator.patched_beam import PatchedBeam
 
 Array = NDArray[np.float64]
@@ -71,8 +71,11 @@ class Discretisation(NamedTuple):
         """
         shapes = self.elements.shapes
         inverse = shapes.T @ self.mass @ shapes
+        if not np.isfinite(inverse).all():
+            raise ValueError(UNRESOLVED)
         last = len(inverse) - 1
         squares, vectors = eigh(inverse, subset_by_index=[last - count + 1, last])
+        refuse_unresolved(squares)
         return 1.0 / squares[::-1], np.asarray(vectors[:, ::-1], dtype=np.float64)
 
     def static_remainder(self, kept: Array) -> tuple[Array, Array]:
@@ -122,9 +125,8 @@ class FiniteElementResonator(PatchedBeam):
                 f"{MOST_KEPT_MODES}. The static correction stands for the modes beyond."
             )
 
-    @cached_property
-    def modes(self) -> NormalModes:
-        """Kept modes and pseudo-modes, in ascending order of frequency."""
+    def _solve(self) -> NormalModes:
+        """Compute kept modes and pseudo-modes, in ascending order of frequency."""
         discretisation = self.discretise(self.mesh)
         squares, vectors = discretisation.lowest(self.kept_modes)
         if self.static_correction:

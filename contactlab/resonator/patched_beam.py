@@ -8,10 +8,14 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from threadpoolctl import threadpool_limits
 
 from contactlab.checks import check_fields
 from contactlab.materials import Piezoceramic, Steel
-from contactlab.resonator.modes import NormalModes
+from contactlab.resonator.modes import UNRESOLVED, NormalModes
 
 
 @dataclass(frozen=True)
@@ -55,10 +59,30 @@ class PatchedBeam(ABC):
                 f"0 <= start < end <= {half} m, half the beam, or they leave it or overlap their mirror."
             )
 
-    @property
-    @abstractmethod
+    @cached_property
     def modes(self) -> NormalModes:
-        """The normal modes in the basis of the subclass."""
+        """The normal modes in the basis of the subclass.
+
+        One thread computes them: matrices of this size gain nothing from more, which wait for each
+        other on a busy machine and round otherwise.
+
+        Raises:
+            ValueError: where double precision does not resolve them.
+        """
+        try:
+            # Numbers far from any motor may overflow on the way; the result says so.
+            with threadpool_limits(1, user_api="blas"), np.errstate(all="ignore"):
+                modes = self._solve()
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            raise ValueError(UNRESOLVED) from error
+        finite = (np.isfinite(values).all() for values in vars(modes).values())
+        if not (all(finite) and np.all(modes.stiffness > 0.0)):
+            raise ValueError(UNRESOLVED)
+        return modes
+
+    @abstractmethod
+    def _solve(self) -> NormalModes:
+        """Compute the normal modes in the basis of the subclass."""
 
     @property
     def patches(self) -> tuple[tuple[float, float], tuple[float, float]]:

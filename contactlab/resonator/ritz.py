@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from contactlab.beam import ClampedBeam
-from contactlab.resonator.modes import NormalModes
+from contactlab.resonator.modes import UNRESOLVED, NormalModes, refuse_unresolved
 from contactlab.resonator.patched_beam import PatchedBeam
 
 Array = NDArray[np.float64]
@@ -41,7 +41,10 @@ class RitzMatrices:
 
     def modes(self) -> NormalModes:
         """Normal modes; C = alpha M + beta K, so they decouple the damping as well."""
+        if not (np.isfinite(self.mass).all() and np.isfinite(self.stiffness).all()):
+            raise ValueError(UNRESOLVED)
         stiffness, vectors = eigh(self.stiffness, self.mass)
+        refuse_unresolved(stiffness)
         # A mode's sign is free; fix it so that equal inputs give equal modes on every machine.
         largest = np.abs(vectors).argmax(axis=0)
         vectors = vectors * np.sign(vectors[largest, np.arange(vectors.shape[1])])
@@ -105,7 +108,6 @@ class RitzResonator(PatchedBeam):
             tip_slope=slope,
         )
 
-    @cached_property
-    def modes(self) -> NormalModes:
-        """The normal modes of `matrices`."""
+    def _solve(self) -> NormalModes:
+        """Compute the normal modes of `matrices`."""
         return self.matrices.modes()
