@@ -65,20 +65,20 @@ def test_error_of_a_bound_that_varies_within_a_step_falls_with_the_tolerance(nam
 
 
 def dashpot_motor(seed: int) -> tuple[dict[str, float], Composed]:
-    """A random motor and a law with a dashpot, whose force jumps at the touch-down."""
+    """A random motor and a law with a strong dashpot, whose force jumps at the touch-down."""
     changes = random_motor(seed)
     rng = np.random.default_rng([seed, 7])
     mu = changes.pop("friction_coefficient")
     soft = rng.random() < 0.5
-    normal = Linear(10 ** rng.uniform(5.5, 8)) if soft else HertzPoint(10 ** rng.uniform(8, 11))
+    normal = Linear(10 ** rng.uniform(6, 9.5)) if soft else HertzPoint(10 ** rng.uniform(8, 11))
     damping = LinearDamping(
-        rng.uniform(0.05, 0.95), 10 ** rng.uniform(-4, -2.3), 10 ** rng.uniform(-2, -0.3)
+        rng.uniform(0.02, 0.3), 10 ** rng.uniform(-3, -1), 10 ** rng.uniform(-2, -0.3)
     )
     return changes, Composed(normal, damping, Coulomb(mu, float(rng.choice([1.0, 1.3]))))
 
 
-PASSED_THROUGH = (49, 61, 522, 756)
-"""Seeds of motors whose tip once flew through the rotor at 1e-9 and below."""
+PASSED_THROUGH = (49, 61, 94, 134, 189, 198)
+"""Seeds of motors whose tip once flew through the rotor, most of them at 1e-12."""
 
 
 @pytest.mark.parametrize("seed", PASSED_THROUGH)
@@ -86,8 +86,8 @@ def test_no_contact_ends_while_it_approaches_at_any_tolerance(seed: int) -> None
     changes, law = dashpot_motor(seed)
     motor = default_motor(**changes)
     ends = []
-    for tolerance in (1e-7, 1e-9, 1e-10, 1e-11, 1e-12):
-        trajectory = simulate(motor, law, duration=2e-3, record_interval=1e-6, tolerance=tolerance)
+    for tolerance in (1e-7, 1e-9, 1e-12):
+        trajectory = simulate(motor, law, duration=5e-3, record_interval=1e-6, tolerance=tolerance)
         assert trajectory.complete, trajectory.message
         assert np.nanmin(trajectory.contacts["separation_velocity"]) >= 0.0
         assert trajectory.series["gap"][trajectory.contact_mode == FREE].min() > -1e-12

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.checks import check_kind, check_number
+from contactlab.engine.arguments import check_kinds, check_numbers
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.contact_step import default_contact_step
 from contactlab.engine.diagnosis import Witness
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.loop import advance
-from contactlab.engine.plant import Plant, motion_rate, plant_of
+from contactlab.engine.pace import set_pace
+from contactlab.engine.plant import Plant, plant_of
 from contactlab.engine.readout import record_times, take_series
 from contactlab.engine.run import (
     COUNTS,
     END,
     ENDING,
-    EVENT_LIMIT,
     FRICTION_LIMIT,
     HELD_ENERGY,
     INTERVAL,
@@ -27,7 +27,6 @@ from contactlab.engine.run import (
     LEVEL,
     LOSS,
     MOST_OPEN,
-    MOST_STEPS,
     OPEN,
     PHASE,
     PRESSED,
@@ -40,17 +39,15 @@ from contactlab.engine.run import (
     TIME,
     TOLERANCE,
     TOUCHING,
-    WINDOW,
     Run,
     run_for,
 )
 from contactlab.engine.step import PARITY, RUBBING, Step, step_for
 from contactlab.engine.workspace import Workspace
 from contactlab.geometry import contact_frame
-from contactlab.laws.base import LAW_WORDS, ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.failure import LawError
 from contactlab.laws.intake import check_friction, fault_of_answers, guarded, parameters_of
-from contactlab.laws.soundness import refuse_unsound
 from contactlab.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
@@ -60,10 +57,6 @@ Array = NDArray[np.float64]
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
 itself is far better: its end converges with nearly twice the order of this estimate."""
-
-STEP_LIMIT = 200_000
-"""Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
-of twice those of the contact step: see `_window`."""
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
@@ -106,10 +99,10 @@ def simulate(
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    _check_kinds(motor, law)
+    check_kinds(motor, law)
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
-    _check(law, duration, record_interval, contact_step, tolerance)
+    check_numbers(law, duration, record_interval, contact_step, tolerance)
     parameters, kernels, law_errors = _taken_in(law)
     force, rub, solve = kernels
     plant = plant_of(motor)
@@ -122,7 +115,7 @@ def simulate(
     run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
     run.real[LEAST_OPEN], run.real[MOST_OPEN] = np.inf, -np.inf
     run.whole[LEVEL] = tables.fresh_level
-    _set_pace(plant, run, contact_step, compliant)
+    set_pace(plant, run, contact_step, compliant)
     _note_kind(law, step, run)
     _start(motor, plant, step, run, compliant)
     compile_loop(plant, tables, step, run)
@@ -195,51 +188,6 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
     kernels_of(law)
 
 
-def _check_kinds(motor: Motor, law: ContactLaw) -> None:
-    check_kind("The motor", motor, Motor)
-    if isinstance(law, str):
-        raise TypeError(
-            f"The law is the text {law!r}; it must be a law and not its name. Make it from its class: "
-            f"contactlab.laws.law_class({law!r})(...)."
-        )
-    check_kind("The law", law, ContactLaw)
-    refuse_unsound(type(law), LAW_WORDS)
-    if not isinstance(law, PenaltyLaw | MultiplierLaw):
-        raise TypeError(
-            f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."
-        )
-
-
-def _check(
-    law: ContactLaw,
-    duration: float,
-    record_interval: float,
-    contact_step: float,
-    tolerance: float | None,
-) -> None:
-    check_number("The duration", duration)
-    check_number("The record interval", record_interval)
-    check_number("The contact step", contact_step)
-    if not 0.0 < duration < np.inf:
-        raise ValueError(f"The duration is {duration} s; it must be positive and finite.")
-    if not 0.0 < record_interval <= duration:
-        raise ValueError(
-            f"The record interval is {record_interval} s; it must be positive and at most the "
-            f"duration, {duration} s."
-        )
-    if not 0.0 < contact_step < np.inf:
-        raise ValueError(f"The contact step is {contact_step} s; it must be positive and finite.")
-    if tolerance is not None:
-        if isinstance(law, MultiplierLaw):
-            raise ValueError(
-                f"The tolerance is {tolerance}, but {law.name} has no error control: its contact "
-                "step sets its error. Leave the tolerance out."
-            )
-        check_number("The tolerance", tolerance)
-        if not 0.0 < tolerance < 1.0:
-            raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
-
-
 def _taken_in(
     law: ContactLaw,
 ) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
@@ -257,27 +205,6 @@ def _taken_in(
 def _count_records(duration: float, interval: float) -> int:
     """Records at 0, interval, 2 interval, ... and at the end; 1e-6 of an interval is round-off."""
     return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
-
-
-def _window(plant: Plant, contact_step: float, compliant: bool) -> float:
-    """Time that the pace of a run is watched over [s]: a period of what makes its contacts.
-
-    A rigid contact lasts a step at least, and the flight after it longer: its window is long enough for an
-    event every fifth step to be chatter, if that is far from what a few periods bring. Where nothing has a
-    period, the step alone says what is often.
-    """
-    rate = motion_rate(plant)
-    often = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
-    if rate == 0.0:
-        return often
-    period = 2.0 * np.pi / rate
-    return period if compliant else max(period, min(often, 5.0 * period))
-
-
-def _set_pace(plant: Plant, run: Run, contact_step: float, compliant: bool) -> None:
-    """Events and steps in contact beyond which a run ends."""
-    run.real[WINDOW] = _window(plant, contact_step, compliant)
-    run.whole[MOST_STEPS] = STEP_LIMIT + 2 * int(np.ceil(run.real[WINDOW] / contact_step))
 
 
 def _note_kind(law: ContactLaw, step: Step, run: Run) -> None:
