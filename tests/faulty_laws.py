@@ -86,7 +86,8 @@ def no_impulse(
     d_tt: float,
     p: np.ndarray,
 ) -> Any:
-    return -normal_rate / d_nn, nan, SLIP
+    # What a law is asked before it runs is slower than the motor's first approach.
+    return -normal_rate / d_nn, nan if gap_rate < -0.011 else 0.0, SLIP
 
 
 @kernel

@@ -270,7 +270,7 @@ def test_disk_that_fails_is_told_in_a_sentence(
         raise OSError(28, "No space left on device", "run.nc")
 
     ending(Ending.COMPLETE)
-    monkeypatch.setattr("contactlab.output.dataset.write", write)
+    monkeypatch.setattr("contactlab.output.dataset.write_tree", write)
     status, _, err = command("hydra.run.dir=here")
     assert status == 1
     assert "The run could not be written: " in err

@@ -12,7 +12,6 @@ from contactlab.compiled import fleeting_kernel
 from contactlab.laws import (
     ContactLaw,
     LagrangeStick,
-    LawError,
     MultiplierLaw,
     Newton,
     PenaltyLaw,
@@ -171,9 +170,27 @@ def test_a_law_that_carries_nothing_fails_with_a_sentence() -> None:
     assert "does not carry 5 N at any penetration" in claim.statement
 
 
-def test_a_law_that_remembers_its_calls_does_not_run() -> None:
-    with pytest.raises(LawError, match="writes to the law's parameters"):
-        failing(Cheat(0.3, fleeting_kernel(remembers_every_call)))
+def test_a_law_that_writes_to_its_parameters_is_refused() -> None:
+    (claim,) = check(Bench(Cheat(0.3, fleeting_kernel(remembers_every_call))), "ledger_closes")
+    assert not claim.holds
+    assert "writes to the law's parameters" in claim.statement
+
+
+def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
+    asked = [0.0]
+
+    def remembers_the_last_call(
+        gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
+    ) -> Forces:
+        # No run asks twice of a gap and its half; who asks more often does.
+        mu = 0.9 * p[1] if asked[0] == 0.5 * gap else p[1]
+        asked[0] = gap
+        normal = p[0] * max(-gap, 0.0) ** 1.5
+        return normal, mu * normal, -0.4 * normal * gap, 0.0
+
+    bench = Bench(Cheat(0.3, remembers_the_last_call))
+    assert all(claim.holds for claim in check(bench, "repeats_bit_for_bit"))
+    assert not all(claim.holds for claim in check(bench, "calls_leave_no_trace"))
 
 
 def reverses(

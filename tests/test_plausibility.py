@@ -274,6 +274,7 @@ def test_contacts_that_never_were_leave_what_needs_them_not_applicable() -> None
     applicable = {key for key, value in found.items() if not isnan(value)}
     assert applicable == {
         "energy_residual",
+        "missed_contact",
         "contact_count",
         "rotor_velocity",
         "final_rotor_velocity",

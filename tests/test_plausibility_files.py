@@ -44,6 +44,8 @@ def test_a_file_with_half_of_the_variables_has_half_of_the_metrics(tmp_path: Pat
     known = {key for key, value in found.items() if not isnan(value)}
     assert known == {
         "impulse_balance",
+        "phantom_contacts",
+        "peak_deficit",
         "tension",
         "contact_gain",
         "contact_count",

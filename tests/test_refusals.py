@@ -79,7 +79,7 @@ from command_line import Command, left_behind
         (["--multirn"], "Did you mean --multirun?"),
         (["laws", "hertz"], "Did you mean hertz_penalty or"),
         (["laws", "--lawz"], "--lawz is not understood"),
-        (["verify", "now"], "now is not understood"),
+        (["verify", "now"], "'now' is not there; it must be a netCDF-4 file"),
         (["collect", "here", "--outptu=x"], "Did you mean --output?"),
         (["collect", ""], "an argument is empty"),
         (["compare", "here", "--no-refin"], "Did you mean --no-refine?"),

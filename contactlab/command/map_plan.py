@@ -17,10 +17,11 @@ from contactlab.command.sweep_values import FORMS, MOST_CELLS, PREFIX, SweepErro
 from contactlab.config import ConfigurationError, build, validate
 from contactlab.config.idle import FRICTION, idle_friction
 from contactlab.config.keys import units_of
+from contactlab.config.nesting import Value
 from contactlab.config.quantity import describe
 from contactlab.config.suggestion import suggestion
 from contactlab.config.units import UnitError, from_cf, to_si
-from contactlab.sweep.cells import Axis, Value
+from contactlab.sweep.cells import Axis
 from contactlab.sweep.many import Wanted
 from contactlab.sweep.plan import Configuration, Plan, code_digest_of, with_key
 

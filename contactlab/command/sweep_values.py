@@ -12,7 +12,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
 from hydra.errors import HydraException
 
-from contactlab.sweep.cells import Value
+from contactlab.config.nesting import Value
 
 PREFIX: Final = "sweep."
 FORMS: Final = (

@@ -3,6 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+Value = float | int | bool | str
+"""Of a key."""
+
 
 def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     """The values of a nested configuration by full key."""

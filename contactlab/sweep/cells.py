@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab.config.nesting import Value
 from contactlab.output.files import whole_netcdf
 from contactlab.plausibility import METRICS
 from contactlab.sweep.status import Status
@@ -24,10 +25,6 @@ REASONS: Final = {
     Status.ABSENT: "The run has not begun.",
 }
 """Reasons that need no run to tell them."""
-
-
-Value = float | int | bool | str
-"""Of a parameter."""
 
 
 @final

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, final
 
 from contactlab.config import Setup
 from contactlab.laws.registry import provenance
@@ -19,7 +19,7 @@ from contactlab.output.provenance import code_digest, versions
 from contactlab.output.run_folder import DATASET, STATE
 
 RUNNING, COMPLETE, FAILED, REFUSED = "running", "complete", "failed", "refused"
-INTERRUPTED: Final = "interrupted"
+INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"
 """States beside the other names of `contactlab.trajectory.Ending` in small letters."""
 
 

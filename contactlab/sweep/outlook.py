@@ -11,10 +11,10 @@ from contactlab.sweep.job import (
     INTERRUPTED,
     REFUSED,
     RUNNING,
+    UNBALANCED,
     is_done,
     read_state,
 )
-from contactlab.sweep.status import Status
 
 _WHY: Final = {
     "failed": ("failed", "failed"),
@@ -26,8 +26,6 @@ _WHY: Final = {
     "new": ("is new", "are new"),
 }
 """Of one run and of several, in the order of the sentence."""
-
-UNBALANCED: Final = Status.UNBALANCED.name.lower()
 
 
 def outlook(jobs: Sequence[tuple[Path, str]]) -> tuple[list[bool], str]:

@@ -10,10 +10,11 @@ from typing import Any, Final, final
 
 from contactlab import plausibility
 from contactlab.config import Setup, build, validate
+from contactlab.config.nesting import Value
 from contactlab.config.section import Section
 from contactlab.laws import law_class
 from contactlab.output.provenance import digest_of
-from contactlab.sweep.cells import Axis, Value
+from contactlab.sweep.cells import Axis
 from contactlab.sweep.job import code_of
 from contactlab.sweep.many import Wanted
 

@@ -35,8 +35,8 @@ CONTACT = (
     Mutation(
         "stick may leave the cone by a tenth",
         "contactlab/laws/lagrange_stick.py",
-        "abs(p_t) <= mu * p_n",
-        "abs(p_t) <= 1.1 * mu * p_n",
+        "abs(p_t) <= mu * p_n and (normal_rate",
+        "abs(p_t) <= 1.1 * mu * p_n and (normal_rate",
         ("tests/test_laws.py", "tests/test_contract.py"),
     ),
     Mutation(
