@@ -198,7 +198,7 @@ def test_no_cycle_of_load_and_slip_makes_energy_in_mindlins_spring(
         stiffness=mass * sliding**2,
     )
     law = Composed(HertzPoint(1e10), friction=Mindlin(mu, ratio))
-    trajectory = run(motor, law, 4.0 / min(rates), 1e-4, 0.01 / max(rates), tolerance=1e-14)
+    trajectory = run(motor, law, 4.0 / min(rates), 1e-5, 0.01 / max(rates), tolerance=1e-14)
     assert trajectory.contacts["start_time"].size == 1
     loss = np.diff(trajectory.series["friction_loss"])
     # A force that stayed in unloading would make a tenth of what is lost; this is the step's error.
