@@ -270,6 +270,7 @@ def test_contacts_that_never_were_leave_what_needs_them_not_applicable() -> None
     still = ("normal_force", "friction_force", "friction_loss", "contact_loss", "rotor_velocity")
     quiet = dict.fromkeys((*still, "rotor_angle", "contact_mode"), zero)
     quiet["kinetic_energy"] = 6.0 * TIME
+    quiet["gap"] = np.full_like(TIME, 1.0 / 16.0)
     found = assess(tree(quiet, table=none))
     applicable = {key for key, value in found.items() if not isnan(value)}
     assert applicable == {

@@ -86,8 +86,8 @@ ENGINE = (
     Mutation(
         "records are mean forces over the interval that follows",
         "contactlab/engine/readout.py",
-        "np.concatenate([[0.0], np.diff(series[name]) / interval])",
-        "np.concatenate([np.diff(series[name]) / interval, [0.0]])",
+        "        impulse[1:] = np.diff(impulse) / interval\n        impulse[:1] = 0.0",
+        "        impulse[:-1] = np.diff(impulse) / interval\n        impulse[-1:] = 0.0",
         ("tests/test_ledger.py", "tests/test_contract.py"),
     ),
     Mutation(

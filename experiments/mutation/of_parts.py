@@ -41,8 +41,8 @@ PARTS = (
     Mutation(
         "what a mirror leaves is turned with the slip",
         STATE,
-        "(NUDGE if step.whole[PARITY] == EVEN else way)",
-        "way",
+        "slip >= 0.0 or step.whole[PARITY] == EVEN",
+        "slip >= 0.0",
         INTAKE,
     ),
     Mutation(
