@@ -324,6 +324,14 @@ def test_what_cannot_be_done_is_refused_in_a_sentence(
     assert sorted(left_behind()) == before
 
 
+@pytest.mark.usefixtures("run_file")
+def test_a_run_that_is_not_as_it_was_left_is_refused(command: Command) -> None:
+    Path("state.json").write_text('{"digest": "that of another file"}')
+    status, _, err = command("animate", "run.nc")
+    assert status == 2
+    assert "'run.nc' is not as its run left it" in err
+
+
 def test_a_run_with_a_single_record_is_refused() -> None:
     tree = to_datatree(synthetic_trajectory(), CONFIGURATION).isel(time=[0])
     with pytest.raises(UnfitRunError, match="has 1 record in time"):

@@ -11,6 +11,7 @@ from contactlab.command import interrupts
 from contactlab.command.arguments import Parser
 from contactlab.command.verbs import VERBS
 from contactlab.config.units import UnitError, to_si
+from contactlab.output.run_folder import damage
 
 if TYPE_CHECKING:
     import xarray
@@ -180,6 +181,8 @@ def _dataset(source: Path) -> "xarray.DataTree":
     """All of a dataset, the file closed."""
     import xarray
 
+    if fault := damage(source):
+        raise RefusalError(fault)
     try:
         # Plain numbers as they were written: times in seconds are not to become dates.
         with xarray.open_datatree(source, engine="netcdf4", decode_cf=False) as tree:

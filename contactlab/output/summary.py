@@ -18,7 +18,8 @@ def summarise(trajectory: Trajectory, wall_time: float) -> str:
         every terminal and every log can show.
     """
     simulated = float(trajectory.time[-1])
-    velocity = float(trajectory.series["rotor_velocity"][-1])
+    # Plus nothing: a rotor at rest has no sign.
+    velocity = float(trajectory.series["rotor_velocity"][-1]) + 0.0
     peak = float(np.max(trajectory.contacts["peak_normal_force"], initial=0.0))
     lines = {
         "law": _law(trajectory),
