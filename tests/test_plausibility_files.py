@@ -45,7 +45,6 @@ def test_a_file_with_half_of_the_variables_has_half_of_the_metrics(tmp_path: Pat
     assert known == {
         "impulse_balance",
         "phantom_contacts",
-        "peak_deficit",
         "tension",
         "contact_gain",
         "contact_count",

@@ -181,8 +181,8 @@ def _dataset(source: Path) -> "xarray.DataTree":
     """All of a dataset, the file closed."""
     import xarray
 
-    if fault := damage(source):
-        raise RefusalError(fault)
+    if damaged := damage(source):
+        raise RefusalError(damaged)
     try:
         # Plain numbers as they were written: times in seconds are not to become dates.
         with xarray.open_datatree(source, engine="netcdf4", decode_cf=False) as tree:

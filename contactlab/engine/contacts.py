@@ -10,6 +10,7 @@ from contactlab.engine.plant import Plant, delassus
 from contactlab.engine.run import (
     APPROACH,
     CHATTERED,
+    DURATION,
     ENDING,
     EVENT_LIMIT,
     EVENTS,
@@ -136,9 +137,13 @@ def close_contact(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
     u, th, u_rate, th_rate, _ = tip_motion(plant, step.q, step.v)
     _, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
     run.contact[SEPARATION] = n_u * u_rate + n_th * th_rate
-    for column in range(run.contact.size):
-        run.contacts[run.whole[STORED], column] = run.contact[column]
-    run.whole[STORED] += 1
+    if run.contact[DURATION] > 0.0:
+        for column in range(run.contact.size):
+            run.contacts[run.whole[STORED], column] = run.contact[column]
+        run.whole[STORED] += 1
+    else:
+        # What has no length is no contact: here round-off alone tells a graze from a miss.
+        run.whole[TOUCHDOWNS] -= 1
     step.whole[MODE] = FREE
     run.whole[PHASE] = RELEASED
     run.whole[LEVEL] = tables.fresh_level

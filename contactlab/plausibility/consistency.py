@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept."""
 
+RESOLVED: Final = 1e-12
+"""Share of the motor's energy below which a contact is a graze that round-off decides."""
+
 CLOCK: Final = 8.0
 """Units in the last place of the time that two instants may differ by and still be one."""
 
@@ -61,23 +64,35 @@ def _missed_contact(record: Record) -> float:
         begun = np.searchsorted(start, time + near, side="right")
         ended = np.searchsorted(end, time - near, side="left")
         free = free & (begun == ended)
-    return float(np.max(np.append(-gap[free], 0.0))) / record.amplitude()
+    return float(np.max(np.append(-gap[free], 0.0))) / _motion(record)
 
 
 def _peak_deficit(record: Record) -> float:
     peak = record.contacts("peak_normal_force")
     impulse, duration = record.contacts("normal_impulse"), record.contacts("duration")
-    scale = float(np.abs(peak).max())
-    needed(scale > 0.0)
+    scale = max(float(np.abs(peak).max()), _least_force(record))
     mean = impulse[duration > 0.0] / duration[duration > 0.0]
     over_mean = float(np.max(np.append(mean - peak[duration > 0.0], 0.0)))
     over_records = float(record.series("normal_force").max()) - float(peak.max())
     return max(over_mean, over_records, 0.0) / scale
 
 
+def _motion(record: Record) -> float:
+    """How far the tip goes in the normal direction [m], from the first record on."""
+    half = 0.5 * float(np.ptp(record.series("tip_normal_displacement")))
+    needed(half > 0.0)
+    return half
+
+
+def _least_force(record: Record) -> float:
+    """A force that is round-off [N]: its work over the tip's amplitude is none of the motor's energy."""
+    energy = record.series("kinetic_energy") + record.series("strain_energy")
+    return RESOLVED * float(energy.max()) / _motion(record)
+
+
 def _depth_deficit(record: Record) -> float:
     depth = -float(record.series("gap").min()) - float(record.contacts("max_penetration").max())
-    return max(depth, 0.0) / record.amplitude()
+    return max(depth, 0.0) / _motion(record)
 
 
 def _gap_mismatch(record: Record) -> float:
@@ -89,7 +104,7 @@ def _gap_mismatch(record: Record) -> float:
     u, slope = record.series("tip_normal_displacement"), record.series("tip_slope")
     pairs = zip(u.tolist(), slope.tolist(), strict=True)
     expected = np.array([contact_frame(rise, turn, *lengths)[0] for rise, turn in pairs])
-    return float(np.abs(record.series("gap") - expected).max()) / record.amplitude()
+    return float(np.abs(record.series("gap") - expected).max()) / _motion(record)
 
 
 MEASURES: Final[tuple[Measure[Record], ...]] = (
@@ -124,10 +139,10 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "missed_contact",
-            "max(-g, 0) without contact / A_u",
+            "max(-g, 0) without contact / A",
             "1",
-            "deepest overlap of tip and rotor outside of every contact, over the amplitude of the tip's "
-            "normal vibration",
+            "deepest overlap of tip and rotor outside of every contact, over half the range of the "
+            "tip's normal motion",
             "<=",
             1e-3,
             "where the bodies overlap there is contact; a first-order law's release is off by a step, in "
@@ -139,9 +154,10 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "peak_deficit",
-            "max(p_n / t_c - N_max, max N - max N_max, 0) / max N_max",
+            "max(p_n / t_c - N_max, max N - max N_max, 0) / max(max N_max, 1e-12 E / A)",
             "1",
-            "mean forces that exceed the peak which their contact states, over the largest peak",
+            "mean forces that exceed the peak which their contact states, over the largest peak; what is "
+            "round-off against the motor's energy is none",
             "<=",
             ROUND_OFF,
             "no mean is above its maximum, but for round-off",
@@ -152,10 +168,10 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "depth_deficit",
-            "max(-min g - max d_max, 0) / A_u",
+            "max(-min g - max d_max, 0) / A",
             "1",
-            "recorded overlap beyond the largest penetration that the contacts state, over the amplitude "
-            "of the tip's normal vibration",
+            "recorded overlap beyond the largest penetration that the contacts state, over half "
+            "the range of the tip's normal motion",
             "<=",
             1e-2,
             "no record lies deeper than the deepest point; a rigid law states its depth once a step, and "
@@ -167,10 +183,10 @@ MEASURES: Final[tuple[Measure[Record], ...]] = (
     Measure(
         Metric(
             "gap_mismatch",
-            "max|g - g(u, theta)| / A_u",
+            "max|g - g(u, theta)| / A",
             "1",
-            "recorded gap against that of the recorded displacements, over the amplitude of the tip's "
-            "normal vibration",
+            "recorded gap against that of the recorded displacements, over half the range of the "
+            "tip's normal motion",
             "<=",
             ROUND_OFF,
             "both are the same geometry, but for round-off",
