@@ -177,7 +177,9 @@ def test_a_motor_too_fast_for_the_clock_is_refused_and_does_not_hang() -> None:
     slow = block(1e-3, gap_rate=-0.1)
     drive = Drive(np.array([1e18]), np.ones((2, 1), dtype=np.complex128))
     fast = Motor(slow.modes, drive, slow.geometry, slow.rotor, slow.preload, slow.start)
-    with pytest.raises(ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"):
+    with pytest.raises(
+        ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"
+    ):
         simulate(fast, hertz(), duration=1e-3, record_interval=1e-3)
 
 
