@@ -9,6 +9,9 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
+SMALLEST_STEP = 1e-12
+"""Contact step over duration; below it, time no longer advances reliably in double precision."""
+
 _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False"}
 
 

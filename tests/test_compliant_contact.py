@@ -220,3 +220,17 @@ def test_rate_and_state_friction_does_not_crawl(direct_effect: float) -> None:
         assert attempts(trajectory) < 5000
         velocities.append(last(trajectory, "rotor_velocity"))
     assert velocities[0] == pytest.approx(velocities[1], rel=1e-6)
+
+
+def test_a_slip_that_friction_is_far_too_weak_to_hold_turns() -> None:
+    # The tip swings at 40 m/s over a contact of 0.003 N: what would hold it at the reversal is 1e5 times
+    # that, and known to its own round-off alone.
+    motor = default_motor(voltage_1=3e4, voltage_2=3e4)
+    found = run(motor, hertz(stiffness=1e3), 5e-4, 1e-6)
+    contacts = found.contacts
+    assert contacts["duration"][0] > 1e-4
+    slip = found.series["slip_velocity"][found.contact_mode != FREE]
+    assert (slip[1:] * slip[:-1] < 0.0).any()
+    assert np.abs(found.series["energy_residual"]).max() < (
+        1e-9 * np.abs(found.series["drive_work"]).max()
+    )

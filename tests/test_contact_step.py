@@ -3,12 +3,17 @@
 import numpy as np
 import pytest
 from conf_files import composed
-from motors import case_a, default_resonator, hertz, run
+from motors import case_a, default_resonator, every_law, hertz, run
 
-from contactlab.config import Setup, build
+from contactlab.checks import SMALLEST_STEP
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.drive import Drive
 from contactlab.engine import simulate
 from contactlab.engine.contact_step import LARGEST_TURN, default_contact_step
+from contactlab.engine.plant import plant_of
+from contactlab.engine.tables import ROOM, tables_for
 from contactlab.laws import (
+    ContactLaw,
     LagrangeSlip,
     LagrangeStick,
     MoreauJean,
@@ -17,7 +22,9 @@ from contactlab.laws import (
     Poisson,
     Stronge,
 )
+from contactlab.motor import Motor
 from contactlab.resonator import FiniteElementResonator, NormalModes, RitzResonator
+from contactlab.testing.plants import block
 from contactlab.trajectory import Trajectory
 
 PROJECTING = (LagrangeStick(), LagrangeSlip(), Newton(), Poisson(), Stronge())
@@ -121,3 +128,63 @@ def test_the_ledger_of_a_ringing_motor_closes(law: str) -> None:
 def test_what_opens_the_ledger_is_the_way_that_is_put_back() -> None:
     # The same held forces, the same quadrature, and nothing put back.
     assert openness(run_of(ringing_setup("moreau_jean"))) < 1e-8
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e-9, 1e-12, 1e-15, 1e-18])
+@pytest.mark.parametrize("exact", [False, True])
+def test_the_ladder_has_room_below_the_step_in_contact(step: float, exact: bool) -> None:
+    for duration in (step, 1e3 * step, step / SMALLEST_STEP):
+        for motor in (case_a(), block()):
+            tables = tables_for(plant_of(motor), step, duration, exact)
+            assert tables.contact_level + ROOM <= tables.built.size <= 70
+            assert tables.fresh_level < tables.built.size
+            assert tables.longest * 0.5**tables.contact_level <= step
+
+
+@pytest.mark.parametrize("step", [1e-13, 1e-17, 1e-20, 1e-22])
+@pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
+def test_however_short_a_step_the_contact_closes_and_turns(law: ContactLaw, step: float) -> None:
+    # Of a hundred steps; a belt without friction, and hardly a force yet where the law is compliant.
+    duration = 100.0 * step
+    found = simulate(
+        block(1e-3, gap_rate=-0.1),
+        law,
+        duration=duration,
+        record_interval=duration,
+        contact_step=step,
+    )
+    assert found.complete, found.message
+    assert found.contacts["start_time"].tolist()[:1] == [0.0]
+    if isinstance(law, MultiplierLaw):
+        assert found.contacts["normal_impulse"][0] >= 1e-4 * (1.0 - 1e-9)
+    else:
+        assert found.contacts["max_penetration"][0] == pytest.approx(0.1 * duration, rel=1e-6)
+
+
+@pytest.mark.parametrize("law", [hertz(), LagrangeStick()], ids=lambda law: law.name)
+@pytest.mark.parametrize("step", [1e-17, 1e-22, 1e-300])
+def test_a_step_that_cannot_move_the_clock_is_refused(law: ContactLaw, step: float) -> None:
+    with pytest.raises(ValueError, match=f"contact step is {step} s; it must be at least 5e-15 s"):
+        simulate(case_a(), law, duration=5e-3, record_interval=1e-5, contact_step=step)
+    sections = composed(law=law.name)
+    sections["solver"] |= {"duration": 5e-3, "contact_step": step}
+    with pytest.raises(ConfigurationError, match="it must be at least 5e-15 s"):
+        build(sections)
+
+
+def test_a_motor_too_fast_for_the_clock_is_refused_and_does_not_hang() -> None:
+    # Steps of its flight would be shorter than the clock resolves, and the run would stand still.
+    slow = block(1e-3, gap_rate=-0.1)
+    drive = Drive(np.array([1e18]), np.ones((2, 1), dtype=np.complex128))
+    fast = Motor(slow.modes, drive, slow.geometry, slow.rotor, slow.preload, slow.start)
+    with pytest.raises(
+        ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"
+    ):
+        simulate(fast, hertz(), duration=1e-3, record_interval=1e-3)
+
+
+def test_a_mode_that_hardly_has_a_period_runs() -> None:
+    # Its period, 2e16 s, is more steps than a whole number counts; no run waits for it.
+    motor = block(1e-3, gap_rate=-0.1, normal_stiffness=1e-34, stiffness=1e-34)
+    found = run(motor, hertz(), 1e-4)
+    assert len(found.contacts["start_time"]) == 1

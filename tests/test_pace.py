@@ -10,6 +10,7 @@ from contactlab.engine import simulate
 from contactlab.engine.plant import motion_rate, plant_of
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
+from contactlab.resonator import NormalModes
 from contactlab.testing.plants import block
 from contactlab.trajectory import Ending, Trajectory
 
@@ -67,6 +68,25 @@ def test_friction_that_jumps_with_the_slip_stalls_and_the_sentence_says_where() 
     assert "stalls" in trajectory.message
     assert "friction goes from" in trajectory.message
     assert "slip goes from" in trajectory.message
+
+
+def test_a_stall_where_a_slow_tone_takes_the_gaps_digits_is_not_blamed_on_the_law() -> None:
+    # A hundredth of a hertz on a mode without stiffness: hardly a motion, and a steady state of metres.
+    still = case_a()
+    modes = NormalModes(
+        stiffness=np.append(still.modes.stiffness, 0.0),
+        damping=np.append(still.modes.damping, 0.0),
+        coupling=np.vstack([still.modes.coupling, [[1e-2, 0.0]]]),
+        tip_displacement=np.append(still.modes.tip_displacement, 1.0),
+        tip_slope=np.append(still.modes.tip_slope, 0.0),
+        shape_coupling=still.modes.shape_coupling,
+    )
+    tones = np.append(still.drive.frequency, 1e-2)
+    drive = Drive(tones, np.hstack([still.drive.phasors, [[1.0], [0.0]]]))
+    trajectory = ran(Motor(modes, drive, still.geometry, still.rotor), SignOfSlip(), 1e-3)
+    assert trajectory.ending is Ending.STALLED
+    assert "moves the tip by 2.53 m" in trajectory.message
+    assert "friction goes from" not in trajectory.message
 
 
 @pytest.mark.parametrize("steps", [50_000, 1_009])

@@ -7,6 +7,7 @@ keys come out together.
 
 from collections.abc import Callable, Iterator, Mapping
 
+from contactlab.checks import SMALLEST_STEP
 from contactlab.config.law_section import takes_tolerance
 
 Values = Mapping[str, object]
@@ -16,9 +17,6 @@ BYTES_A_RECORD = 350
 
 MOST_RECORDS = 10_000_000
 """Records of one run; they take 3.5 GB of memory."""
-
-SMALLEST_STEP = 1e-12
-"""Contact step over duration; below it, time no longer advances reliably in double precision."""
 
 
 def broken_rules(values: Values) -> list[str]:

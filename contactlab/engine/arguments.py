@@ -2,7 +2,8 @@
 
 from math import inf
 
-from contactlab.checks import check_kind, check_number
+from contactlab.checks import SMALLEST_STEP, check_kind, check_number
+from contactlab.engine.plant import Plant, resolved_rate
 from contactlab.laws.base import LAW_WORDS, ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.soundness import refuse_unsound
 from contactlab.motor import Motor
@@ -53,6 +54,12 @@ def check_numbers(
         )
     if not 0.0 < contact_step < inf:
         raise ValueError(f"The contact step is {contact_step} s; it must be positive and finite.")
+    if contact_step < SMALLEST_STEP * duration:
+        raise ValueError(
+            f"The contact step is {contact_step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
+            f"{SMALLEST_STEP:g} of the duration: shorter steps do not move the clock. Leave it out for the "
+            "law's own default."
+        )
     if tolerance is not None:
         if isinstance(law, MultiplierLaw):
             raise ValueError(
@@ -62,3 +69,17 @@ def check_numbers(
         check_number("The tolerance", tolerance)
         if not 0.0 < tolerance < 1.0:
             raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
+
+
+def check_rates(plant: Plant, duration: float) -> None:
+    """Refuse a motor that moves too fast for the clock of its run.
+
+    Raises:
+        ValueError: what persists of its modes and tones has a period that the clock cannot see.
+    """
+    rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
+    if rate > most:
+        raise ValueError(
+            f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
+            f"{most:.3g} rad/s. Leave it out, or run shorter."
+        )

@@ -106,7 +106,8 @@ def collocate(
             push_node(step, i)
             change = max(change, abs(step.force[NORMAL, i] - old_normal))
             change = max(change, abs(step.force[FRICTION, i] - old_friction))
-            largest = max(largest, step.force[NORMAL, i])
+            # Friction that would have to hold far more than the law lets it has the round-off of its size.
+            largest = max(largest, step.force[NORMAL, i], abs(old_friction))
         holds = (held and sweep == 1) or (mode == STICK and not follows)
         if follows and not holds:
             least = HELD_SLIP if held else LEAST_SLIP

@@ -41,7 +41,7 @@ from contactlab.engine.step import (
     TAKEN,
     Step,
 )
-from contactlab.engine.tables import FINEST, NODES, Tables, step_length
+from contactlab.engine.tables import NODES, Tables, level_count, step_length
 from contactlab.laws.base import SLIP, FrictionKernel, PenaltyKernel
 
 Array = NDArray[np.float64]
@@ -81,7 +81,7 @@ def press(
     flips = 0
     _guess(step, run, normal, bound, rubbed)
     while True:
-        if level >= FINEST:
+        if level >= level_count(tables):
             run.whole[ENDING] = UNSOLVED
             step.real[TAKEN] = 0.0
             return NOTHING
@@ -133,7 +133,7 @@ def press(
 @inner_kernel
 def _finest_level(tables: Tables, time: float) -> int:
     """Level of the shortest step that a run takes at a time [s]."""
-    level = FINEST - 9
+    level = level_count(tables) - 9
     while level > tables.contact_level and step_length(tables, level) < CLOCK * time:
         level -= 1
     return int(level)
@@ -171,7 +171,7 @@ def _separation_level(tables: Tables, run: Run, gap: float, rate: float, normal:
     if rate > 0.0 and gap < 0.0:
         h = step_length(tables, level)
         small = run.real[TOLERANCE] * run.real[MOMENTUM]
-        while h * rate > -0.7 * gap and abs(normal) * h > small and level < FINEST - 1:
+        while h * rate > -0.7 * gap and abs(normal) * h > small and level < level_count(tables) - 1:
             level += 1
             h *= 0.5
     return int(level)

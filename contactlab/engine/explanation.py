@@ -32,6 +32,9 @@ from contactlab.trajectory import Ending
 
 Array = NDArray[np.float64]
 
+FARTHEST = 1.0
+"""Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
+
 
 def explain(
     plant: Plant, step: Step, run: Run, witness: Witness, contact_step: float
@@ -62,7 +65,9 @@ def explain(
             f"The run diverges at {time}: the law answers with {answer or witness.unknown()}. It must "
             "answer every state of a contact with finite numbers; mend the law, or its parameters."
         )
-    return Ending.STALLED, f"The run stalls at {time}: {_no_progress(run)}. {_stiffness(witness)}"
+    return Ending.STALLED, (
+        f"The run stalls at {time}: {_no_progress(run)}. {_lost_digits(plant) or _stiffness(witness)}"
+    )
 
 
 def balanced(
@@ -109,6 +114,18 @@ def _no_progress(run: Run) -> str:
     return (
         f"more than {run.whole[MOST_STEPS]} steps in contact within {run.real[WINDOW]:.3g} s, where a few "
         "hundred are usual"
+    )
+
+
+def _lost_digits(plant: Plant) -> str:
+    """Whether the tones' steady state leaves no digits to a contact, in words; empty where it does."""
+    sway = float(plant.steady_u.sum())
+    if sway < FARTHEST:
+        return ""
+    return (
+        f"The steady state of the tones moves the tip by {sway:.3g} m, and a gap that is summed from it is "
+        f"good to {sway * np.finfo(np.float64).eps:.3g} m only. Leave out a tone that meets a mode without "
+        "stiffness so slowly."
     )
 
 

@@ -18,7 +18,7 @@ from contactlab.engine.run import (
     Run,
 )
 from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to
-from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
+from contactlab.engine.tables import NODES, Tables, build_level, level_count, step_length
 from contactlab.engine.touchdown import (
     LOST,
     NO_TOUCH,
@@ -102,4 +102,4 @@ def _level_after_release(
     h = step_length(tables, level)
     opens = rate >= curvature_bound(plant, step, h) * h
     opens = opens or certain_opening(plant, step, h, coarse) > 0.0
-    return level if opens else min(level + REFINEMENT, FINEST - 1)
+    return level if opens else min(level + REFINEMENT, level_count(tables) - 1)

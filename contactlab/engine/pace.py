@@ -3,7 +3,7 @@
 from math import ceil, pi
 
 from contactlab.engine.plant import Plant, motion_rate
-from contactlab.engine.run import EVENT_LIMIT, MOST_STEPS, WINDOW, Run
+from contactlab.engine.run import END, EVENT_LIMIT, MOST_STEPS, WINDOW, Run
 
 STEP_LIMIT = 20_000
 """Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
@@ -12,7 +12,8 @@ of twice those of the contact step, see `_window`; healthy runs take some 300, o
 
 def set_pace(plant: Plant, run: Run, contact_step: float, compliant: bool) -> None:
     """Set the window that a run is watched over, and the steps in contact beyond which it stalls."""
-    run.real[WINDOW] = _window(plant, contact_step, compliant)
+    # No longer than the run: the slowest of modes may be one that hardly has a period.
+    run.real[WINDOW] = min(_window(plant, contact_step, compliant), run.real[END])
     run.whole[MOST_STEPS] = STEP_LIMIT + 2 * ceil(run.real[WINDOW] / contact_step)
 
 

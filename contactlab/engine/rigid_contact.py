@@ -54,7 +54,7 @@ from contactlab.engine.step import (
     hold_forces,
     tip_motion,
 )
-from contactlab.engine.tables import FINEST, NODES, Tables, build_level, step_length
+from contactlab.engine.tables import NODES, Tables, build_level, level_count, step_length
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import SLIP, MultiplierKernel
 from contactlab.laws.lagrange_stick import wedges
@@ -90,7 +90,7 @@ def hold_contact(
     rates = (gap_rate, slip)
     p_n, p_t, mode, count = _attempt(plant, tables, step, run, level, rates, solve, parameters)
     # Over a long step a graze seems to open by itself; the approach it began with must still be met.
-    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < FINEST - 1:
+    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < level_count(tables) - 1:
         level += 1
         p_n, p_t, mode, count = _attempt(plant, tables, step, run, level, rates, solve, parameters)
     if count == NONE:

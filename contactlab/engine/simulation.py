@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.engine.arguments import check_kinds, check_numbers
+from contactlab.engine.arguments import check_kinds, check_numbers, check_rates
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.contact_step import default_contact_step
 from contactlab.engine.diagnosis import Witness
@@ -106,6 +106,7 @@ def simulate(
     parameters, kernels, law_errors = _taken_in(law)
     force, rub, solve = kernels
     plant = plant_of(motor)
+    check_rates(plant, duration)
     compliant = isinstance(law, PenaltyLaw)
     tables = (workspace or Workspace()).tables(plant, contact_step, duration, not compliant)
     step = step_for(plant)

@@ -27,8 +27,11 @@ NODES = 5
 RESOLUTION = 0.5
 """Longest step times the fastest rate that persists in flight."""
 
-FINEST = 44
-"""Levels of the ladder."""
+LEVELS = 44
+"""Levels of a ladder, if its contact step leaves the room below."""
+
+ROOM = 24
+"""Levels below that of the contact step: a contact begins six finer, and its error halves steps further."""
 
 
 class Tables(NamedTuple):
@@ -103,18 +106,20 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
     Args:
         plant: the motor.
         contact_step: step in contact [s].
-        duration: of the run [s], the longest step where nothing vibrates.
+        duration: of the run [s], at most which a step lasts.
         exact: whether steps in contact must have this length, not only at most this length.
     """
     nodes, weights, lagrange = radau_rule(NODES)
-    rate = resolved_rate(plant) or RESOLUTION / duration
+    # A step that outlasts the run is none: the ladder is as high as a step in contact is short.
+    rate = max(resolved_rate(plant), RESOLUTION / duration)
     doublings = floor(log2(RESOLUTION / rate / contact_step))
     if exact:
         doublings = max(doublings, 0)
     contact_level = max(doublings, 0)
     longest = contact_step * 2.0**doublings
     turns = max(longest * fastest_rate(plant), 1.0)
-    fresh_level = min(max(6, ceil(log2(turns)) + 2), FINEST - 8)
+    levels = max(LEVELS, contact_level + ROOM)
+    fresh_level = min(max(6, ceil(log2(turns)) + 2), levels - 8)
     count, tones = plant.stiffness.size, plant.omega.size
     return Tables(
         nodes=nodes,
@@ -124,18 +129,24 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
         longest=longest,
         contact_level=contact_level,
         fresh_level=fresh_level,
-        built=np.zeros(FINEST, dtype=np.int64),
-        flow=np.empty((FINEST, NODES, 4, count)),
-        hold=np.empty((FINEST, NODES, 2, count)),
-        answer_q=np.empty((FINEST, NODES, NODES, count)),
-        answer_v=np.empty((FINEST, NODES, NODES, count)),
-        turn_cos=np.empty((FINEST, NODES, tones)),
-        turn_sin=np.empty((FINEST, NODES, tones)),
-        driven=np.empty((FINEST, NODES, len(plant.near), 4)),
-        tip_q=np.empty((FINEST, 3, NODES, NODES)),
-        tip_v=np.empty((FINEST, 4, NODES, NODES)),
+        built=np.zeros(levels, dtype=np.int64),
+        flow=np.empty((levels, NODES, 4, count)),
+        hold=np.empty((levels, NODES, 2, count)),
+        answer_q=np.empty((levels, NODES, NODES, count)),
+        answer_v=np.empty((levels, NODES, NODES, count)),
+        turn_cos=np.empty((levels, NODES, tones)),
+        turn_sin=np.empty((levels, NODES, tones)),
+        driven=np.empty((levels, NODES, len(plant.near), 4)),
+        tip_q=np.empty((levels, 3, NODES, NODES)),
+        tip_v=np.empty((levels, 4, NODES, NODES)),
         integrals=np.empty(NODES + 2),
     )
+
+
+@inner_kernel
+def level_count(tables: Tables) -> int:
+    """Levels of the ladder."""
+    return tables.built.size
 
 
 @inner_kernel
