@@ -90,6 +90,14 @@ class Raising(Smooth):
         return {}["kernel"]
 
 @dataclass(frozen=True)
+class Leaving(Smooth):
+    name = "leaving"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        raise SystemExit(0)
+
+@dataclass(frozen=True)
 class WithoutDefault(Misnamed):
     name = "without_default"
     stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
@@ -108,6 +116,7 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
         "negative_bound": "various:NegativeBound",
         "past_the_end": "various:PastTheEnd",
         "raising": "various:Raising",
+        "leaving": "various:Leaving",
     }
     modules = {"various": VARIOUS, "failing": "1 / 0"}
     made.install("broken-laws", "0.1", entries | more, modules)
@@ -248,7 +257,8 @@ def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(
         ("contradicting", "its friction_kind is CREEPING, but it has no kernel of friction"),
         ("negative_bound", "the friction bound is -1e-06 N"),
         ("past_the_end", "reads parameters that there are not"),
-        ("raising", "its force raised KeyError: 'kernel'"),
+        ("raising", "its force raised KeyError: 'kernel'. Mend the law.\n"),
+        ("leaving", "the law leaving raised SystemExit: 0"),
     ],
 )
 @pytest.mark.parametrize("verb", [(), ("-m",)], ids=["run", "sweep"])

@@ -188,8 +188,10 @@ def _law(
             take_in(law)
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
+        # What the law itself raised is in the sentence already.
+        told = laws.LawError(*error.args) if isinstance(error, laws.LawError) else error
         raise ConfigurationError(
-            [f"law={section.name} cannot be made from its parameters: {one_line(error)}"]
+            [f"law={section.name} cannot be made from its parameters: {one_line(told)}"]
         ) from error
     return law, computed
 

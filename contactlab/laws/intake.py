@@ -71,7 +71,7 @@ def said(law: ContactLaw, name: str) -> Any:
         value = getattr(law, name)
         return value() if name == "parameters" else value
     # A property is any code of somebody else's.
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         words = f"{law.name}: its {name} raised {type(error).__name__}: {error}. Mend the law."
         raise LawError(words) from error
 
