@@ -45,6 +45,12 @@ def no_number(gap: float, rate: float, slip: float, approach: float, p: np.ndarr
 
 
 @kernel
+def negative_bound(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
+    bound = p[0] if gap > -DEPTH else -p[0]
+    return -STIFFNESS * gap, -bound * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, 0.0
+
+
+@kernel
 def no_loss(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
     loss = 0.0 if gap > -DEPTH else nan
     return -STIFFNESS * gap, -p[0] * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, loss
@@ -148,6 +154,7 @@ def _multiplier(title: str, impulse: MultiplierKernel) -> type[MultiplierLaw]:
 
 Sound = _penalty("sound", spring)
 NoNumber = _penalty("no_number", no_number)
+NegativeBound = _penalty("negative_bound", negative_bound)
 NoLoss = _penalty("no_loss", no_loss)
 Unledgered = _penalty("unledgered", dashpot)
 SignOfSlip = _penalty("sign_of_slip", spring, sign_of_slip)

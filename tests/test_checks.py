@@ -52,6 +52,26 @@ class Speechless(PenaltyLaw):
         return None
 
 
+@dataclass
+class Thawed(PenaltyLaw):
+    name: ClassVar[str] = "thawed"
+    equation: ClassVar[str] = "N = k d"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+    stiffness: Annotated[float, STIFFNESS] = 1e7
+
+    @property
+    def force(self) -> Any:
+        return None
+
+
+@dataclass(frozen=True)
+class Numbered(Speechless):
+    name: ClassVar[Any] = 7
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+
+
 @dataclass(frozen=True)
 class Talkative(Speechless):
     source: str = "this test"
@@ -122,6 +142,8 @@ def test_a_parameter_out_of_range_is_refused(value: float) -> None:
         (UndecoratedPart, "UndecoratedPart is no dataclass; decorate it with @dataclass"),
         (Speechless, "Speechless does not say its source, default_contact_step."),
         (SpeechlessPart, "SpeechlessPart does not say its source."),
+        (Thawed, "Thawed can be changed; decorate it with @dataclass(frozen=True)"),
+        (Numbered, "Numbered has a name that is no text, 7"),
         (Talkative, "Talkative has its source, default_contact_step among its parameters"),
         (lambda: Rotor(inertia="1e-5"), "Rotor: inertia is '1e-5'; it must be a number"),
         (lambda: ContactGeometry(clearance=None), "ContactGeometry: clearance is None; it must"),

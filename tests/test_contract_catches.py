@@ -10,14 +10,15 @@ import pytest
 
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws import (
+    LAWS,
     ContactLaw,
     LagrangeStick,
     MultiplierLaw,
     Newton,
     PenaltyLaw,
 )
-from contactlab.laws.base import MultiplierKernel, PenaltyKernel
-from contactlab.laws.lagrange_stick import stick_or_slip_impulse
+from contactlab.laws.base import SLIP, STICK, MultiplierKernel, PenaltyKernel
+from contactlab.laws.lagrange_stick import stick_impulse, stick_or_slip_impulse
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
 from contactlab.testing import LawContract
 from contactlab.testing.contract import bench as bench_module
@@ -28,6 +29,7 @@ from contactlab.trajectory import Ending, Trajectory
 
 Forces = tuple[float, float, float, float]
 STIFFNESS = 1e10
+RIGID = [law for law in LAWS.values() if issubclass(law, MultiplierLaw)]
 
 
 @final
@@ -203,10 +205,11 @@ def reverses(
     d_tt: float,
     p: np.ndarray,
 ) -> tuple[float, float, int]:
-    p_n, p_t, mode = stick_or_slip_impulse(
+    _, p_t, mode = stick_or_slip_impulse(
         normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
     )
-    return p_n, -0.5 * p_t, mode
+    # The approach is stopped none the less.
+    return max(-(normal_rate - 0.5 * d_nt * p_t) / d_nn, 0.0), -0.5 * p_t, mode
 
 
 def sinks(
@@ -258,6 +261,88 @@ def test_friction_that_pushes_is_found() -> None:
 def test_an_approach_that_is_left_is_found() -> None:
     bench = Bench(RigidCheat(fleeting_kernel(sinks)))
     assert not all(claim.holds for claim in check(bench, "kernel_is_consistent"))
+
+
+def pushes_in_a_skid(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    p: np.ndarray,
+) -> tuple[float, float, int]:
+    """Sound for every approach, and holds what opens beyond the critical friction by friction that pushes."""
+    p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
+    if p_n >= 0.0 and abs(p_t) <= p[0] * p_n:
+        return p_n, p_t, STICK
+    s = 1.0 if tangential_rate - d_nt * normal_rate / d_nn >= 0.0 else -1.0
+    for _ in range(2):
+        p_n = -normal_rate / (d_nn - s * p[0] * d_nt)
+        p_t = -s * p[0] * p_n
+        if s * (tangential_rate + d_nt * p_n + d_tt * p_t) >= 0.0:
+            return p_n, p_t, SLIP
+        s = -s
+    p_n = -normal_rate / (d_nn - s * p[0] * d_nt)
+    return p_n, -s * p[0] * p_n, SLIP
+
+
+def test_friction_that_pushes_beyond_the_critical_one_is_found() -> None:
+    bench = Bench(RigidCheat(fleeting_kernel(pushes_in_a_skid)))
+    assert not check(bench, "friction_opposes_slip")[0].holds
+    assert not check(bench, "dissipates")[0].holds
+
+
+def holds_what_opens(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    p: np.ndarray,
+) -> tuple[float, float, int]:
+    return abs(normal_rate) / d_nn, 0.0, SLIP
+
+
+def answers_opening_with_no_number(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    p: np.ndarray,
+) -> tuple[float, float, int]:
+    p_n, p_t, mode = stick_or_slip_impulse(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
+    )
+    return p_n, p_t if normal_rate < 0.0 else np.nan, mode
+
+
+@pytest.mark.parametrize("cheat", [holds_what_opens, answers_opening_with_no_number])
+def test_a_wrong_answer_to_what_opens_is_found(cheat: Callable[..., Any]) -> None:
+    bench = Bench(RigidCheat(fleeting_kernel(cheat)))
+    assert not all(claim.holds for claim in check(bench, "kernel_is_consistent"))
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.05, 0.3, 1.0, 5.0])
+@pytest.mark.parametrize("law", RIGID, ids=lambda law: law.name)
+def test_no_law_of_the_package_fails_for_what_has_no_answer(law: Any, mu: float) -> None:
+    bench = Bench(law(friction_coefficient=mu))
+    assert [str(claim) for claim in check(bench, "kernel_is_consistent") if not claim.holds] == []
+
+
+def test_a_law_that_raises_fails_with_the_sentence() -> None:
+    def raises(*_: Any) -> Any:
+        raise ZeroDivisionError("by nothing")
+
+    (claim,) = check(Bench(RigidCheat(raises)), "kernel_is_consistent")
+    assert not claim.holds
+    assert "ZeroDivisionError: by nothing" in claim.statement
 
 
 @final

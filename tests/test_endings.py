@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faulty_laws import NoImpulse, NoNumber
+from faulty_laws import NegativeBound, NoImpulse, NoNumber
 from motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
@@ -99,9 +99,10 @@ def test_absurd_voltages_and_stiffnesses_end_with_a_sentence_and_never_hang() ->
     ("law", "words"),
     [
         (NoNumber(), "normal force nan at a gap of -1."),
+        (NegativeBound(), "friction bound -"),
         (NoImpulse(), "friction impulse nan at a gap of"),
     ],
-    ids=["compliant", "rigid"],
+    ids=["compliant", "bound", "rigid"],
 )
 def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(
     law: ContactLaw, words: str

@@ -166,6 +166,12 @@ def boundless(
             "its kernel rub gives nan, 0, 0, 0 at a gap of -1e-12 m",
         ),
         (made(honest, parameters=lambda _: np.ones((2, 2))), "it must give numbers"),
+        (made(honest, friction_limit="much"), "friction_limit is 'much'; it must be a number"),
+        (made(honest, friction_limit=-0.3), "friction_limit is -0.3; it must be a number"),
+        (made(honest, force=property(lambda _: {}["k"])), "its force raised KeyError: 'k'"),
+        (made(honest, parameters=lambda _: {}["q"]), "its parameters raised KeyError: 'q'"),
+        (made(honest, violations=7), "violations is 7; it must give reasons by name"),
+        (made(honest, force=None), "its force is None; it must be a function"),
         (made(honest, parameters=lambda _: ["stiff"]), "parameters() gives ['stiff']"),
     ],
 )
@@ -201,12 +207,30 @@ def endless(
     d_tt: float,
     p: Array,
 ) -> tuple[float, float, int]:
-    return -normal_rate / d_nn, -1e-3 * slip / abs(slip), SLIP
+    return 0.1 / d_nn, -1e-3 * slip / abs(slip), SLIP
+
+
+@kernel
+def halfway(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    p: Array,
+) -> tuple[float, float, int]:
+    return -0.5 * normal_rate / d_nn, 0.0, SLIP
 
 
 @pytest.mark.parametrize(
     ("function", "words"),
-    [(nowhere, "the mode is 7"), (endless, "its kernel solve gives")],
+    [
+        (nowhere, "the mode is 7"),
+        (endless, "its kernel solve gives"),
+        (halfway, "leaves an approach of 0.005 m/s in an impact with a gap rate of -0.01 m/s"),
+    ],
 )
 def test_a_rigid_law_that_cannot_be_is_refused(function: Any, words: str) -> None:
     @dataclass(frozen=True)

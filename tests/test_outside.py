@@ -66,6 +66,38 @@ class Contradicting(Smooth):
     friction_kind = 2
 
 @dataclass(frozen=True)
+class NegativeBound(Smooth):
+    name = "negative_bound"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        return -1e7 * gap, 1e6 * gap, 5e6 * gap * gap, 0.0
+
+@dataclass(frozen=True)
+class PastTheEnd(Smooth):
+    name = "past_the_end"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        return -1e7 * gap, -parameters[1] * gap, 5e6 * gap * gap, 0.0
+
+@dataclass(frozen=True)
+class Raising(Smooth):
+    name = "raising"
+
+    @property
+    def force(self):
+        return {}["kernel"]
+
+@dataclass(frozen=True)
+class Leaving(Smooth):
+    name = "leaving"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        raise SystemExit(0)
+
+@dataclass(frozen=True)
 class WithoutDefault(Misnamed):
     name = "without_default"
     stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
@@ -81,6 +113,10 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
     more = {"without_default": "various:WithoutDefault", "twice": "various:Law"} | {
         "smooth": "various:Smooth",
         "contradicting": "various:Contradicting",
+        "negative_bound": "various:NegativeBound",
+        "past_the_end": "various:PastTheEnd",
+        "raising": "various:Raising",
+        "leaving": "various:Leaving",
     }
     modules = {"various": VARIOUS, "failing": "1 / 0"}
     made.install("broken-laws", "0.1", entries | more, modules)
@@ -215,12 +251,25 @@ def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(
     assert (status, err) == (0, "")
 
 
-def test_a_law_that_contradicts_itself_is_refused_before_anything_runs(
-    elsewhere: Elsewhere,
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("contradicting", "its friction_kind is CREEPING, but it has no kernel of friction"),
+        ("negative_bound", "the friction bound is -1e-06 N"),
+        ("past_the_end", "reads parameters that there are not"),
+        ("raising", "its force raised KeyError: 'kernel'. Mend the law.\n"),
+        ("leaving", "the law leaving raised SystemExit: 0"),
+    ],
+)
+@pytest.mark.parametrize("verb", [(), ("-m",)], ids=["run", "sweep"])
+def test_a_law_that_contradicts_itself_is_refused_before_anything_is_written(
+    elsewhere: Elsewhere, name: str, words: str, verb: tuple[str, ...]
 ) -> None:
-    status, _, err = elsewhere.command("law=contradicting")
+    places = ("hydra.run.dir=refused", "hydra.sweep.dir=refused")
+    status, _, err = elsewhere.command(*verb, f"law={name}", *places)
     assert status == 2
-    assert "its friction_kind is CREEPING, but it has no kernel of friction" in err
+    assert words in err
+    assert not (elsewhere.folder / "refused").exists()
 
 
 def test_broken_laws_harm_no_other(elsewhere: Elsewhere) -> None:

@@ -423,7 +423,9 @@ def test_the_reason_why_a_kernel_is_not_compiled_is_its_cause(text: str, reason:
 def test_what_is_no_function_of_five_arguments_is_told() -> None:
     assert obstacle_of(undecorated) == "it is called with 5 arguments and names 1"
     assert obstacle_of(partial(plain, 1.0)) == "it is a partial and no function of its own"
-    assert obstacle_of(Thing().force) == "it is a method and no function of its own"
+    assert (
+        obstacle_of(Thing().force) == "it is a method of an object; decorate it with @staticmethod"
+    )
 
 
 def obstacle_of(function: Any) -> str:

@@ -3,15 +3,15 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import pytest
 from command_line import Command
 
 from contactlab import laws
 from contactlab.config.units import from_cf, to_si
-from contactlab.laws import HertzPenalty, law_class, law_names, origin_of
-from contactlab.laws.declaration import PARTS, members_of
+from contactlab.laws import HertzPenalty, PenaltyLaw, law_class, law_names, origin_of
+from contactlab.laws.declaration import PARTS, made, members_of
 from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter, parameters_of
 from contactlab.laws.registry import LAWS
 
@@ -118,6 +118,45 @@ def test_the_listing_has_one_law_or_part(command: Command) -> None:
     status, out, err = command("laws", "hertz_penalti")
     assert (status, out) == (2, "")
     assert err == "There is no law or part 'hertz_penalti'. Did you mean hertz_penalty?\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("newton", "default contact step: at most 5e-08 s"),
+        ("moreau_jean", "default contact step: 5e-08 s"),
+        ("hertz_penalty", "default contact step: 4e-06 s"),
+        ("lugre", "deflection of the bristles [m], odd in a mirror"),
+    ],
+)
+def test_the_listing_says_what_is_a_bound_and_what_a_mirror_does(
+    command: Command, name: str, words: str
+) -> None:
+    status, out, _ = command("laws", name)
+    assert status == 0
+    assert words in " ".join(out.split())
+
+
+@dataclass(frozen=True)
+class Whole(PenaltyLaw):
+    """A law with a whole number among its parameters."""
+
+    name: ClassVar[str] = "whole"
+    equation: ClassVar[str] = "N = k d^n"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+
+    power: Annotated[int, Parameter("n", "1", "power", at_least=1.0)] = 2
+
+    @property
+    def force(self) -> Any:
+        return None
+
+
+def test_a_whole_number_of_a_law_is_made_from_a_key() -> None:
+    assert made(Whole, {"power": 3.0}, 0.3) == Whole(3)
+    with pytest.raises(TypeError, match=r"power is 2.5; it must be a whole number"):
+        made(Whole, {"power": 2.5}, 0.3)
 
 
 def test_the_range_of_a_law_is_that_of_its_key(command: Command) -> None:

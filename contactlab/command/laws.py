@@ -126,7 +126,7 @@ def described_parameter(member: Member) -> str:
 
 def declared_rows(owner: Any) -> dict[str, str]:
     """What a law or part claims of itself where it says anything: a composed law leaves it to its parts."""
-    from contactlab.laws.base import ContactLaw, PenaltyLaw
+    from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
     from contactlab.laws.part import Friction
 
     rows: dict[str, str] = {}
@@ -134,12 +134,16 @@ def declared_rows(owner: Any) -> dict[str, str]:
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
         rows["tension"] = "allowed" if owner.allows_tension else "none"
         rows["convergence order"] = _of_parts(owner.convergence_order)
-        rows["default contact step"] = f"{owner.default_contact_step:g} s"
+        at_most = "at most " if getattr(owner, "projects", False) else ""
+        rows["default contact step"] = f"{at_most}{owner.default_contact_step:g} s"
     if issubclass(owner, ContactLaw | Friction):
         rows["stick"] = _of_parts(
             owner.exact_stick, {True: "exact", False: "not exact: it gives, creeps or chatters"}
         )
         rows["memory"] = _of_parts(getattr(owner, "memory", ()))
+        if rows["memory"] and not isinstance(owner.memory, property):
+            even = getattr(owner, "memory_parity", ODD) == EVEN
+            rows["memory"] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):
             rows["breaks"] = _of_parts(violations)

@@ -171,8 +171,8 @@ def _law(
 ) -> "tuple[ContactLaw, dict[str, Any]]":
     """The law, and the keys of its section that follow from others: a stiffness from the tip's radius."""
     from contactlab import laws
+    from contactlab.fingerprint import is_own
     from contactlab.laws.declaration import made
-    from contactlab.laws.intake import check_friction
 
     computed: dict[str, Any] = {}
     if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
@@ -181,11 +181,17 @@ def _law(
     values = section.model_dump() | computed
     try:
         law = made(laws.law_class(section.name), values, friction_coefficient)
-        check_friction(law)
+        # Those of this package are sound, and their kernels are not needed yet.
+        if not is_own(type(law)):
+            from contactlab.engine.simulation import take_in
+
+            take_in(law)
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
+        # What the law itself raised is in the sentence already.
+        told = laws.LawError(*error.args) if isinstance(error, laws.LawError) else error
         raise ConfigurationError(
-            [f"law={section.name} cannot be made from its parameters: {one_line(error)}"]
+            [f"law={section.name} cannot be made from its parameters: {one_line(told)}"]
         ) from error
     return law, computed
 

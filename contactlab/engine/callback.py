@@ -39,7 +39,8 @@ def law_errors(name: str, callbacks: list["Callback"]) -> Iterator[None]:
         failure = error
     found = [failure, *(callback.take_failure() for callback in callbacks)]
     for failure in found:
-        if isinstance(failure, Exception) and not is_of_a_signal(failure):
+        # A law that leaves the program is no run that ended well.
+        if isinstance(failure, Exception | SystemExit) and not is_of_a_signal(failure):
             raise LawError(
                 f"The run ended because the law {name} raised {type(failure).__name__}: {failure}"
                 f"{_place(failure)}. A law must answer to every state of a contact; mend the law."
@@ -167,7 +168,7 @@ class Callback:
         return perf_counter() - started
 
 
-def is_of_a_signal(error: Exception) -> bool:
+def is_of_a_signal(error: BaseException) -> bool:
     """Whether the handler of a signal raised it: that time is up on a cluster is no fault of the law's."""
     handlers = [signal.getsignal(number) for number in signal.valid_signals()]
     codes = [getattr(getattr(h, "__func__", h), "__code__", None) for h in handlers]

@@ -6,6 +6,8 @@ the law's bound against the slip; in stick it is the friction that holds the sli
 Friction that is not set-valued is in `contactlab.engine.state_friction`.
 """
 
+from math import nan
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,6 +49,16 @@ MOST_ITERATIONS = 25
 AGREEMENT = 1e-10
 """Relative change of the nodal forces at which the iteration ends; it contracts by far more than ten a
 sweep, so that what is left is round-off."""
+
+
+ROUND_OFF = 1e-9
+"""Of a friction bound, relative to the normal force."""
+
+
+@part_kernel
+def sound_normal(normal: float, bound: float) -> float:
+    """The normal force [N]; no number where the law says a negative friction bound with it."""
+    return nan if bound < -ROUND_OFF * abs(normal) else normal
 
 
 @part_kernel
@@ -158,6 +170,7 @@ def _law_at_node(
     if gap < 0.0:
         seen = 0.0 if mode == STICK else slip
         normal, bound, _, loss = force(gap, rate, seen, step.real[CLOSING], parameters)
+        normal = sound_normal(normal, bound)
     step.rows[i, 0], step.rows[i, 1], step.rows[i, 2], step.rows[i, 3] = n_u, n_th, t_u, t_th
     step.force[NORMAL, i] = normal
     step.force[BOUND, i] = bound

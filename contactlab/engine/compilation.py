@@ -25,6 +25,7 @@ from contactlab.laws.base import (
     MultiplierLaw,
     PenaltyLaw,
 )
+from contactlab.laws.intake import function_of, said
 
 Array = NDArray[np.float64]
 
@@ -68,9 +69,11 @@ def kernels_of(
     Returns:
         The kernels, and a context around their calls in which their exceptions come out as `LawError`.
     """
-    force: Any = law.force if isinstance(law, PenaltyLaw) else no_force
-    rub: Any = (law.rub if isinstance(law, PenaltyLaw) else None) or no_friction
-    solve: Any = law.solve if isinstance(law, MultiplierLaw) else no_impulse
+    compliant = isinstance(law, PenaltyLaw)
+    force = function_of(law, "force") if compliant else no_force
+    rubs = compliant and said(law, "rub") is not None
+    rub = function_of(law, "rub") if rubs else no_friction
+    solve = function_of(law, "solve") if isinstance(law, MultiplierLaw) else no_impulse
     chosen = [
         compiled(force, PENALTY_SIGNATURE),
         compiled(rub, FRICTION_SIGNATURE),

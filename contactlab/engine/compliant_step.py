@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.collocation import collocate, prepare
+from contactlab.engine.collocation import collocate, prepare, sound_normal
 from contactlab.engine.compliant_events import SLIP_ROUND_OFF
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import MOMENTUM, SIGN, SWEEPS, TOLERANCE, Run
@@ -76,6 +76,7 @@ def start_forces(
         # Slip that only begins: the law must not take it for stick.
         seen = run.whole[SIGN] * SLIP_ROUND_OFF
     normal, bound, _, _ = force(gap, rate, seen, step.real[CLOSING], parameters)
+    normal = sound_normal(normal, bound)
     rubbed, steepness = 0.0, 0.0
     if step.whole[RUBBING] != SET_VALUED:
         rubbed = rub(gap, rate, slip, normal, step.real[MEMORY], parameters)[0]

@@ -72,13 +72,13 @@ class Witness:
         self._parameters = parameters
 
     def not_finite(self) -> str:
-        """The first answer on the way of the step that is no number, in words; empty where all are."""
+        """The first answer on the way of the step that cannot be, in words; empty where all can."""
         if not self._compliant:
             return self._impulses()
         for time in np.linspace(0.0, self._reach, PROBES):
             state = self._state(float(time))
             for name, value in self._answers(state):
-                if not np.isfinite(value):
+                if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
                     return f"{name} {value} at {state}"
         return ""
 

@@ -63,7 +63,8 @@ def explain(
     if answer or code == NOT_FINITE:
         return Ending.DIVERGED, (
             f"The run diverges at {time}: the law answers with {answer or witness.unknown()}. It must "
-            "answer every state of a contact with finite numbers; mend the law, or its parameters."
+            "answer every state of a contact with finite numbers and no negative friction bound; mend the "
+            "law, or its parameters."
         )
     return Ending.STALLED, (
         f"The run stalls at {time}: {_no_progress(run)}. {_lost_digits(plant) or _stiffness(witness)}"

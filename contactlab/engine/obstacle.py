@@ -35,6 +35,10 @@ _CAUSES: Final = (
         r"it is called with \1 arguments and names \2",
     ),
     (
+        r"The decorated object is not a function \(got type <class 'method'>\)",
+        "it is a method of an object; decorate it with @staticmethod",
+    ),
+    (
         r"The decorated object is not a function \(got type <class '(?:.*\.)?(\w+)'>\)",
         r"it is a \1 and no function of its own",
     ),

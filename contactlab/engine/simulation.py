@@ -47,7 +47,7 @@ from contactlab.engine.workspace import Workspace
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.failure import LawError
-from contactlab.laws.intake import check_friction, fault_of_answers, guarded, parameters_of
+from contactlab.laws.intake import check_words, fault_of_answers, guarded, parameters_of
 from contactlab.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
@@ -103,7 +103,7 @@ def simulate(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, record_interval, contact_step, tolerance)
-    parameters, kernels, law_errors = _taken_in(law)
+    parameters, kernels, law_errors = take_in(law)
     force, rub, solve = kernels
     plant = plant_of(motor)
     check_rates(plant, duration)
@@ -189,11 +189,15 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
     kernels_of(law)
 
 
-def _taken_in(
+def take_in(
     law: ContactLaw,
 ) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
-    """A law's parameters between guards and its kernels, see `kernels_of`; one that cannot run is refused."""
-    check_friction(law)
+    """A law's parameters between guards and its kernels, see `kernels_of`.
+
+    Raises:
+        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
+    """
+    check_words(law)
     parameters = parameters_of(law)
     kernels, law_errors = kernels_of(law)
     with law_errors():

@@ -39,12 +39,14 @@ class Member:
         parameter: what is said of a number; None for a part.
         family: of a part; empty for a number.
         default: a number, a part, or None where it must be given.
+        whole: whether it is annotated as a whole number, which a key of a configuration is not.
     """
 
     name: str
     parameter: "Parameter | None"
     family: str
     default: Any
+    whole: bool
 
 
 @cache
@@ -76,7 +78,8 @@ def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
                 f"{owner.name} has the field {field.name} without a declaration; it must be "
                 "Annotated[float, Parameter(...)], or a NormalForce, Damping or Friction."
             )
-        members.append(Member(field.name, parameter, family, defaults[field.name]))
+        whole = hints[field.name] is int
+        members.append(Member(field.name, parameter, family, defaults[field.name], whole))
     return members
 
 
@@ -96,7 +99,9 @@ def made(
             given[member.name] = made(part, below, friction_coefficient)
         else:
             shared = member.name == SHARED
-            given[member.name] = friction_coefficient if shared else values[member.name]
+            value = friction_coefficient if shared else values[member.name]
+            # One that is not whole the law refuses.
+            given[member.name] = int(value) if member.whole and value == value // 1 else value
     return owner(**given)
 
 

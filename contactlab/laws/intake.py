@@ -3,10 +3,11 @@
 The contract of `contactlab.testing` asks more, and lets the law run; this costs a run next to nothing.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from itertools import product
 from math import isfinite, nan
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -60,13 +61,40 @@ def guarded(parameters: Array, guard: float = nan) -> Array:
     return padded[GUARDS:-GUARDS]
 
 
+def said(law: ContactLaw, name: str) -> Any:
+    """What a law says of itself in a property, or in its method `parameters`.
+
+    Raises:
+        LawError: it raised an exception, which is the cause.
+    """
+    try:
+        value = getattr(law, name)
+        return value() if name == "parameters" else value
+    # A property is any code of somebody else's.
+    except (Exception, SystemExit) as error:
+        words = f"{law.name}: its {name} raised {type(error).__name__}: {error}. Mend the law."
+        raise LawError(words) from error
+
+
+def function_of(law: ContactLaw, name: str) -> Any:
+    """The function behind one of a law's kernels.
+
+    Raises:
+        LawError: there is none.
+    """
+    function = said(law, name)
+    if not callable(function):
+        raise LawError(f"{law.name}: its {name} is {shown(function)}; it must be a function.")
+    return function
+
+
 def parameters_of(law: ContactLaw) -> Array:
     """What the kernel of a law receives.
 
     Raises:
-        LawError: it is no row of numbers.
+        LawError: it is no row of numbers, or raised an exception.
     """
-    given: Any = law.parameters()
+    given = said(law, "parameters")
     try:
         values = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
@@ -76,12 +104,21 @@ def parameters_of(law: ContactLaw) -> Array:
     return values
 
 
-def check_friction(law: ContactLaw) -> None:
-    """Refuse a law that contradicts itself in what it says of its friction.
+def check_words(law: ContactLaw) -> None:
+    """Refuse a law that contradicts itself in what it says, of its friction above all.
 
     Raises:
         LawError: with a sentence on each contradiction.
     """
+    limit = said(law, "friction_limit")
+    if not isinstance(limit, Real) or not float(limit) >= 0.0:
+        raise LawError(
+            f"{law.name}: friction_limit is {shown(limit)}; it must be a number and not negative."
+        )
+    if not isinstance(law.violations, Mapping):
+        raise LawError(
+            f"{law.name}: violations is {shown(law.violations)}; it must give reasons by name."
+        )
     if isinstance(law, PenaltyLaw) and (found := list(misfits(law))):
         raise LawError(" ".join(f"{law.name}: {words}" for words in found))
 
@@ -97,8 +134,9 @@ def fault_of_answers(
         force, rub, solve: its compiled kernels; idle ones are not asked.
     """
     kind = law.friction_kind if isinstance(law, PenaltyLaw) else None
+    stops = "kernel_is_consistent" not in law.violations
     try:
-        _ask(kind, force, rub, solve, parameters.tobytes())
+        _ask(kind, stops, force, rub, solve, parameters.tobytes())
     except _AnswerError as fault:
         return f"{law.name}: {fault}"
     return ""
@@ -110,21 +148,27 @@ class _AnswerError(Exception):
 
 # A sweep asks for the same law again and again; a fault is not remembered.
 @lru_cache(maxsize=1024)
-def _ask(kind: int | None, force: Kernel, rub: Kernel, solve: Kernel, parameters: bytes) -> None:
-    """Ask the kernels of a law with a kind of friction, or of a rigid one.
+def _ask(
+    kind: int | None, stops: bool, force: Kernel, rub: Kernel, solve: Kernel, parameters: bytes
+) -> None:
+    """Ask the kernels of a law with a kind of friction, or of a rigid one that stops every approach or not.
 
     Raises:
         _AnswerError: with a sentence on the first answer that cannot be; others may follow from it.
     """
     rows = [guarded(np.frombuffer(parameters), lure) for lure in LURES]
-    faults = _impulse_faults(solve, rows) if kind is None else _force_faults(kind, force, rub, rows)
+    faults = (
+        _impulse_faults(stops, solve, rows)
+        if kind is None
+        else _force_faults(kind, force, rub, rows)
+    )
     for fault in faults:
         raise _AnswerError(fault)
 
 
 def misfits(law: PenaltyLaw) -> Iterator[str]:
     """What a law says of its friction and contradicts."""
-    kind, memory = law.friction_kind, law.memory
+    kind, memory, rub = (said(law, name) for name in ("friction_kind", "memory", "rub"))
     kinds = {
         SET_VALUED: "SET_VALUED",
         SPRING_AND_SLIDER: "SPRING_AND_SLIDER",
@@ -136,12 +180,12 @@ def misfits(law: PenaltyLaw) -> Iterator[str]:
             "contactlab.laws.base."
         )
         return
-    if kind == SET_VALUED and law.rub is not None:
+    if kind == SET_VALUED and rub is not None:
         yield (
             "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
             "SPRING_AND_SLIDER or CREEPING, or leave the kernel out."
         )
-    if kind != SET_VALUED and law.rub is None:
+    if kind != SET_VALUED and rub is None:
         yield (
             f"its friction_kind is {kinds[kind]}, but it has no kernel of friction. Give it one, or say "
             "SET_VALUED."
@@ -175,13 +219,20 @@ def _force_faults(kind: int, force: Kernel, rub: Kernel, rows: list[Array]) -> I
             yield from _number_faults("rub", rub, asked, rows, 4, _contact)
 
 
-def _impulse_faults(solve: Kernel, rows: list[Array]) -> Iterator[str]:
+def _impulse_faults(stops: bool, solve: Kernel, rows: list[Array]) -> Iterator[str]:
     for state in IMPACTS:
         yield from _number_faults("solve", solve, state, rows, 3, _impact)
-        mode = solve(*state, rows[0])[2]
+        p_n, p_t, mode = solve(*state, rows[0])
         if mode not in (SLIP, STICK):
             yield (
                 f"the mode is {mode} {_impact(state)}; it must be SLIP or STICK of contactlab.laws.base."
+            )
+        # Without an impulse there is no answer, of which a run tells.
+        left = state[0] + state[4] * p_n + state[5] * p_t
+        if stops and p_n > 0.0 and left < ROUND_OFF * state[0]:
+            yield (
+                f"its kernel solve leaves an approach of {-left:g} m/s {_impact(state)}; the impulse "
+                "must stop it."
             )
 
 

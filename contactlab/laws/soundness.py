@@ -4,6 +4,8 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from inspect import get_annotations, isabstract
 
+from contactlab.checks import shown
+
 
 @cache
 def fault_of(kind: type, words: tuple[str, ...]) -> str:
@@ -19,10 +21,14 @@ def fault_of(kind: type, words: tuple[str, ...]) -> str:
     decorated = "__dataclass_fields__" in vars(kind) or not get_annotations(kind)
     if not is_dataclass(kind) or not decorated:
         return "is no dataclass; decorate it with @dataclass(frozen=True)"
+    if not getattr(kind, "__dataclass_params__").frozen:  # noqa: B009
+        return "can be changed; decorate it with @dataclass(frozen=True)"
     if missing := [word for word in words if not hasattr(kind, word)]:
         return f"does not say its {', '.join(missing)}"
     if among := [field.name for field in fields(kind) if field.name in words]:
         return f"has its {', '.join(among)} among its parameters; annotate it with ClassVar"
+    if not isinstance(name := getattr(kind, "name"), str):  # noqa: B009
+        return f"has a name that is no text, {shown(name)}"
     return ""
 
 

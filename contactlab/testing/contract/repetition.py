@@ -173,8 +173,9 @@ class _OftenAskedMultiplier(MultiplierLaw):
     law: MultiplierLaw
 
     def __post_init__(self) -> None:
-        """Stepped as the law inside."""
+        """Stepped, and excused, as the law inside."""
         object.__setattr__(self, "projects", self.law.projects)
+        object.__setattr__(self, "violations", self.law.violations)
 
     def parameters(self) -> Array:
         """Those of the law inside."""
