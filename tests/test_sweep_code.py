@@ -47,7 +47,10 @@ class Fragile(PenaltyLaw):
 
     @staticmethod
     def force(gap, gap_rate, slip, approach, parameters):
-        return {"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0
+        # No shallower is it asked before it runs.
+        if gap < -2e-9:
+            return {"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0
+        return -1e7 * gap, 0.0, 5e6 * gap * gap, 0.0
 """
 FAULT = '{"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0'
 

@@ -34,6 +34,10 @@ ROOM = 24
 """Levels below that of the contact step: a contact begins six finer, and its error halves steps further."""
 
 
+OUTLASTING = 2.0**20
+"""Longest step over the duration of the run."""
+
+
 class Tables(NamedTuple):
     """Step responses; l level, i node of evaluation, m node of force, j coordinate, k tone.
 
@@ -106,12 +110,13 @@ def tables_for(plant: Plant, contact_step: float, duration: float, exact: bool) 
     Args:
         plant: the motor.
         contact_step: step in contact [s].
-        duration: of the run [s], at most which a step lasts.
+        duration: of the run [s], the longest step where nothing vibrates.
         exact: whether steps in contact must have this length, not only at most this length.
     """
     nodes, weights, lagrange = radau_rule(NODES)
-    # A step that outlasts the run is none: the ladder is as high as a step in contact is short.
-    rate = max(resolved_rate(plant), RESOLUTION / duration)
+    # Steps may outlast a run, so that a longer one begins like it, but not for ever.
+    rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
+    rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
     doublings = floor(log2(RESOLUTION / rate / contact_step))
     if exact:
         doublings = max(doublings, 0)
