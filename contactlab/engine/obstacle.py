@@ -84,7 +84,9 @@ def _places(error: Exception, text: str, function: Any) -> Iterator[tuple[str, i
 
 
 def _cause(error: Exception, text: str, signature: Any) -> str:
-    if given := re.search(r"No conversion from (.+) to (.+) for '\$\w*return_(?:value|const)", text):
+    if given := re.search(
+        r"No conversion from (.+) to (.+) for '\$\w*return_(?:value|const)", text
+    ):
         return f"it gives {_words(given[1])} and not {_words(str(signature.return_type))}"
     for pattern, words in _CAUSES:
         if found := re.search(pattern, text):
