@@ -9,13 +9,10 @@ from contactlab.laws.base import STICK
 from contactlab.plausibility.declared import has_tangential_spring
 from contactlab.plausibility.hertz import tip_radius
 from contactlab.plausibility.measure import Measure
-from contactlab.plausibility.metric import Metric
+from contactlab.plausibility.metric import ROUND_OFF, Metric
 from contactlab.plausibility.record import Record, needed
 
 Array = NDArray[np.float64]
-
-ROUND_OFF: Final = 1e-6
-"""What separates numbers that are equal in theory: single precision, in which a file may be kept."""
 
 ONE_STEP: Final = 1e-3
 """What the one step in which a force or a slip ends may have of the wrong sign: a step is a thousandth of

@@ -8,14 +8,10 @@ from numpy.typing import NDArray
 from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.plausibility.declared import corrects_displacements
 from contactlab.plausibility.measure import Measure
-from contactlab.plausibility.metric import Metric
+from contactlab.plausibility.metric import ROUND_OFF, Metric
 from contactlab.plausibility.record import Record, needed
 
 Array = NDArray[np.float64]
-
-ROUND_OFF: Final = 1e-6
-"""What separates two sums of the same numbers: single precision, in which a file may be kept, has seven
-digits. A law that breaks the identity misses it by a share of the order of one."""
 
 
 def _energy_residual(record: Record) -> float:

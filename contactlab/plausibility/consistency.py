@@ -11,13 +11,10 @@ from numpy.typing import NDArray
 from contactlab.geometry import contact_frame
 from contactlab.laws.base import FREE
 from contactlab.plausibility.measure import Measure
-from contactlab.plausibility.metric import Metric
+from contactlab.plausibility.metric import ROUND_OFF, Metric
 from contactlab.plausibility.record import Record, needed
 
 Array = NDArray[np.float64]
-
-ROUND_OFF: Final = 1e-6
-"""What separates numbers that are equal in theory: single precision, in which a file may be kept."""
 
 RESOLVED: Final = 1e-12
 """Share of the motor's energy below which a contact is a graze that round-off decides."""

@@ -2,10 +2,14 @@
 
 from dataclasses import dataclass
 from math import isnan
-from typing import final
+from typing import Final, final
 
 PASS, FAIL, NOT_APPLICABLE, REPORTED = "pass", "fail", "n/a", "-"
 """Verdicts; a metric without a threshold is only reported."""
+
+ROUND_OFF: Final = 1e-6
+"""What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
+digits. A law that breaks an identity misses it by a share of the order of one."""
 
 
 @final
