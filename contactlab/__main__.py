@@ -2,7 +2,7 @@
 
 import sys
 
-from contactlab.cli import main
+from contactlab.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -29,7 +29,7 @@ INTERPRETED = bool(getattr(numba.core.config, "DISABLE_JIT"))  # noqa: B009
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
 PACKAGE = Path(__file__).parent
-SOURCES = ("compiled.py", "geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
+SOURCES = ("compiled.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
 
 PREFIX, OTHERS = "kernels-", "others-"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws.base import ContactLaw
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 
 Array = NDArray[np.float64]
 

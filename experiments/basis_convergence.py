@@ -16,7 +16,7 @@ from tqdm import tqdm
 from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
-from contactlab.resonator import NormalModes
+from contactlab.motor import NormalModes
 
 SAYS = (
     "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from contactlab.drive import Drive
 from contactlab.engine import simulate
-from contactlab.geometry import contact_frame
 from contactlab.laws import HertzPenalty
-from contactlab.motor import Motor
-from contactlab.resonator import RitzResonator
+from contactlab.motor import RitzResonator
+from contactlab.motor.drive import Drive
+from contactlab.motor.geometry import contact_frame
+from contactlab.motor.motor import Motor
 
 Array = NDArray[np.float64]
 RightHandSide = Callable[[float, Array], Array]

@@ -22,13 +22,13 @@ from time import perf_counter
 
 import numpy as np
 
-from contactlab.command.application import CONFIG_NAME, started
-from contactlab.command.map_plan import plan_of
+from contactlab.cli.application import CONFIG_NAME, started
+from contactlab.cli.map_plan import plan_of
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.sweep.many import Wanted, answers
-from contactlab.sweep.plan import Plan, Setups
-from contactlab.sweep.workers import Pool
+from contactlab.sweeps.many import Wanted, answers
+from contactlab.sweeps.plan import Plan, Setups
+from contactlab.sweeps.workers import Pool
 
 SETUPS: list[Setup] = []
 """What the bare engine runs; processes that are forked later have it too."""

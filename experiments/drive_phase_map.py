@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from contactlab.config import Setup
-from contactlab.drive import Drive
 from contactlab.engine import simulate
+from contactlab.motor.drive import Drive
 
 SAYS = (
     "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, "

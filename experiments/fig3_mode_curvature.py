@@ -7,8 +7,8 @@ import xarray
 from harness import changed, main, placed
 from matplotlib.figure import Figure
 
-from contactlab.beam import ClampedBeam
 from contactlab.config import Setup
+from contactlab.motor.beam import ClampedBeam
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (

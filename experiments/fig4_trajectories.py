@@ -8,8 +8,8 @@ from harness import main, placed
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
-from contactlab.drive import Drive
-from contactlab.resonator import NormalModes
+from contactlab.motor import NormalModes
+from contactlab.motor.drive import Drive
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (

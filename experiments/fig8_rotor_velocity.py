@@ -12,7 +12,7 @@ from tqdm import tqdm
 from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 
 SAYS = (
     "Figure 8a shows the rotor from rest at clearances of 0, 1 and 2 um; the smallest is called "

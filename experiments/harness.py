@@ -30,13 +30,13 @@ from matplotlib.figure import Figure
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.command.application import conf_directory
+from contactlab.cli.application import conf_directory
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import one_line
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
-from contactlab.output.provenance import versions
-from contactlab.output.style import STYLE
-from contactlab.resonator import NormalModes
+from contactlab.motor import NormalModes
+from contactlab.plot.style import STYLE
+from contactlab.results.provenance import versions
 
 STIFFNESS = 1e10
 """Of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""

@@ -24,8 +24,8 @@ from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.laws import ContactLaw, law_class, law_names
 from contactlab.laws.base import MultiplierLaw
 from contactlab.laws.declaration import made
-from contactlab.output.dataset import to_datatree
-from contactlab.plausibility import FAIL, METRICS, STEP_METRICS, assess, assess_steps
+from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
+from contactlab.results.netcdf import to_datatree
 
 SAYS = (
     "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "

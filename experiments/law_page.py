@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 from harness import STYLE
 from standard_cycle import curves_of, draw
 
-from contactlab.command.laws import declared_rows, described_parameter
+from contactlab.cli.laws import declared_rows, described_parameter
 from contactlab.laws import LAWS, ContactLaw, law_class
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import PARTS, members_of

@@ -19,7 +19,7 @@ from time import perf_counter, sleep
 
 import numpy as np
 
-from contactlab.sweep.chunks import CHUNKS, MAP
+from contactlab.sweeps.chunks import CHUNKS, MAP
 
 DURATION = 2e-3
 LOOK = 0.2

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from contactlab.plausibility import METRICS, SENSITIVITIES, STEP_METRICS, Metric
+from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Metric
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = "plausibility.md"
@@ -20,7 +20,7 @@ OPENING = """\
 
 <!-- Made by experiments/metric_page.py from the metrics themselves. Do not edit. -->
 
-What `contactlab.plausibility` and `contactlab compare` judge a contact law by, from recorded numbers alone.
+What `contactlab.metrics` and `contactlab compare` judge a contact law by, from recorded numbers alone.
 A threshold comes with its reason; a metric without one is reported. What a dataset does not have makes the
 metrics that need it not applicable.
 """

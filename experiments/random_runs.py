@@ -4,7 +4,7 @@
                                       [--page docs/random_runs.md]
 
 Every configuration is far wider than a workshop's (`random_configuration`). A run that does not end as
-complete must say why; one that does must keep every invariant (`contactlab.plausibility.INVARIANTS`): closed
+complete must say why; one that does must keep every invariant (`contactlab.metrics.INVARIANTS`): closed
 ledgers of energy, momentum and impulse, no contact without length, none missed, no release while the gap
 closes, peaks and depths that no record exceeds. What a law promises of friction and tension is reported
 beside it. The table has the worst figure of every law. The status is 1 where an invariant is broken; the
@@ -33,7 +33,7 @@ from tqdm import tqdm
 
 from contactlab.config import ConfigurationError, build
 from contactlab.engine import simulate
-from contactlab.plausibility import FAIL, INVARIANTS, METRICS, Record, assess
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, Record, assess
 
 LAWFUL: Final = (
     "tension",

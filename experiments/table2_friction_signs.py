@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from contactlab.config import Setup
 from contactlab.engine.plant import delassus, plant_of
-from contactlab.geometry import contact_frame
 from contactlab.laws import LagrangeSlip
+from contactlab.motor.geometry import contact_frame
 
 SAYS = (
     "Table 2 lists the sign of the slip and the direction of the friction on the tip for all "

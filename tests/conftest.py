@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from command_line import Command
 from hypothesis import settings
-from sweeps import Simulations
+from support.command_line import Command
+from support.sweeps import Simulations
 
-from contactlab import cli, engine
+from contactlab import engine
+from contactlab.cli import main as cli
 
 # Somebody else's project; it runs in its own environment, by tests/test_outside.py.
 collect_ignore = ["example_law"]

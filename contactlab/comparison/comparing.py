@@ -12,7 +12,7 @@ from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Run, Source, collect
 from contactlab.comparison.scorecard import scorecard
 from contactlab.comparison.tables import as_csv, as_latex
-from contactlab.output.files import whole_file, whole_netcdf
+from contactlab.results.files import whole_file, whole_netcdf
 
 TEXT: Final = {"scorecard.csv": as_csv, "scorecard.tex": as_latex}
 DATASET: Final = "metrics.nc"

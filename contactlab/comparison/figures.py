@@ -16,10 +16,10 @@ from contactlab.comparison import curves
 from contactlab.comparison.arrays import holds, series
 from contactlab.comparison.energy import ENERGY_TERMS
 from contactlab.comparison.reruns import Refined
-from contactlab.output.figure_data import drawable, envelope
-from contactlab.output.files import whole_file
-from contactlab.output.prefixes import prefixed_unit
-from contactlab.output.style import STYLE
+from contactlab.plot.overview_data import drawable, envelope
+from contactlab.plot.style import STYLE
+from contactlab.results.files import whole_file
+from contactlab.results.prefixes import prefixed_unit
 
 WIDTH: Final = 5.2
 """Inches; the words are still read where a phone makes it its own width."""

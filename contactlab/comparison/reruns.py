@@ -17,7 +17,7 @@ from contactlab.comparison.runs import Run
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
 from contactlab.laws.base import MultiplierLaw
-from contactlab.output.dataset import to_datatree
+from contactlab.results.netcdf import to_datatree
 
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
 """Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""

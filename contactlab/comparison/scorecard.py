@@ -10,8 +10,7 @@ import yaml
 
 from contactlab.comparison.energy import ENERGY_TERMS, drive_work, energy_flow
 from contactlab.comparison.reruns import Refined
-from contactlab.output.provenance import checkout_state, versions
-from contactlab.plausibility import (
+from contactlab.metrics import (
     FAIL,
     METRICS,
     NOT_APPLICABLE,
@@ -24,6 +23,7 @@ from contactlab.plausibility import (
     assess_steps,
     assess_variants,
 )
+from contactlab.results.provenance import checkout_state, versions
 
 VERDICTS: Final = (NOT_APPLICABLE, PASS, FAIL, REPORTED)
 """In the order of their flags."""

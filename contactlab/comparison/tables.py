@@ -10,7 +10,7 @@ from typing import Final, final
 import xarray
 
 from contactlab.comparison.scorecard import VERDICTS
-from contactlab.plausibility import NOT_APPLICABLE, REPORTED
+from contactlab.metrics import NOT_APPLICABLE, REPORTED
 
 
 @final

@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 
 from contactlab.comparison.tables import Cell, Row, rows, slashed
-from contactlab.plausibility import FAIL, NOT_APPLICABLE, PASS
+from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS
 
 HEADLINES: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics whose differences between the laws are told."""

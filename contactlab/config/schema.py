@@ -15,10 +15,10 @@ from contactlab.config.quantity import Quantity
 from contactlab.config.section import Section
 
 MOST_SHAPES = 40
-"""Beam shapes that `contactlab.beam` vouches for; repeated here because its import takes long."""
+"""Beam shapes that `contactlab.motor.beam` vouches for; repeated here because its import takes long."""
 
 MOST_KEPT_MODES = 40
-"""Normal modes that `contactlab.resonator.finite_element` vouches for; repeated for the same reason."""
+"""Normal modes that `contactlab.motor.finite_element` vouches for; repeated for the same reason."""
 
 MOST_FRICTION = 5.0
 """Dry solids slide on each other at 0.05 to 1.5; beyond 5 a slip of the pen is likelier."""

@@ -33,12 +33,12 @@ from contactlab.config.section import Section, sound_values
 # The objects are imported where they are built: they bring the compiler with them, and a
 # configuration with a fault shall be told so at once.
 if TYPE_CHECKING:
-    from contactlab.drive import Drive
-    from contactlab.geometry import ContactGeometry
     from contactlab.laws import ContactLaw
-    from contactlab.materials import Piezoceramic
-    from contactlab.motor import Motor, Rotor
-    from contactlab.resonator import NormalModes
+    from contactlab.motor import NormalModes
+    from contactlab.motor.drive import Drive
+    from contactlab.motor.geometry import ContactGeometry
+    from contactlab.motor.materials import Piezoceramic
+    from contactlab.motor.motor import Motor, Rotor
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
@@ -80,7 +80,7 @@ def build(configuration: Mapping[str, object]) -> Setup:
     """
     checked = validate(configuration)
     # Not before: it brings the compiler.
-    from contactlab.motor import Motor
+    from contactlab.motor.motor import Motor
 
     resolved = checked.model_dump()
     modes = _modes(checked.resonator, checked.piezoceramic, checked.placement)
@@ -137,8 +137,8 @@ def _modes(
     piezoceramic: BendingSection | TensorSection,
     placement: PlacementSection,
 ) -> "NormalModes":
-    from contactlab.materials import Steel
-    from contactlab.resonator import FiniteElementResonator, PatchedBeam, RitzResonator
+    from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator
+    from contactlab.motor.materials import Steel
 
     basis: Callable[..., PatchedBeam]
     basis = RitzResonator if isinstance(resonator, RitzSection) else FiniteElementResonator
@@ -157,7 +157,7 @@ def _modes(
 
 
 def _piezoceramic(section: BendingSection | TensorSection) -> "Piezoceramic":
-    from contactlab.materials import Piezoceramic
+    from contactlab.motor.materials import Piezoceramic
 
     constants = section.model_dump(exclude={"constants"})
     if isinstance(section, BendingSection):
@@ -198,20 +198,20 @@ def _law(
 
 @lru_cache(maxsize=4096)
 def _drive(section: DriveSection, frequency: float) -> "Drive":
-    from contactlab.drive import Drive
+    from contactlab.motor.drive import Drive
 
     return Drive.two_mode(**section.model_dump(exclude={"frequency"}), frequency=frequency)
 
 
 @lru_cache(maxsize=4096)
 def _rotor(section: RotorSection) -> "Rotor":
-    from contactlab.motor import Rotor
+    from contactlab.motor.motor import Rotor
 
     return Rotor(**section.model_dump(exclude={"radius"}))
 
 
 def _geometry(checked: Configuration) -> "ContactGeometry":
-    from contactlab.geometry import ContactGeometry
+    from contactlab.motor.geometry import ContactGeometry
 
     contact = checked.contact
     return ContactGeometry(contact.tip_length, checked.rotor.radius, contact.clearance)

@@ -6,7 +6,7 @@ from contactlab.checks import SMALLEST_STEP, check_kind, check_number
 from contactlab.engine.plant import Plant, resolved_rate
 from contactlab.laws.base import LAW_WORDS, ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.soundness import refuse_unsound
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 
 
 def check_kinds(motor: Motor, law: ContactLaw) -> None:

@@ -40,8 +40,8 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, step_length
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import CREEPING, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.engine.plant import persisting_rates
 from contactlab.laws.base import ContactLaw, MultiplierLaw
-from contactlab.resonator import NormalModes
+from contactlab.motor import NormalModes
 
 LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""

@@ -31,8 +31,8 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_motion
 from contactlab.engine.tables import Tables, step_length
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import CREEPING, FREE, SLIP, STICK, PenaltyKernel
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

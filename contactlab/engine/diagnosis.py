@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import MOMENTUM, Run
 from contactlab.engine.step import CLOSING, FRICTION, MEMORY, MODE, NORMAL, RUBBING, Step
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import SET_VALUED, STICK
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import Step
 from contactlab.engine.touchdown import MOST_HALVINGS
-from contactlab.geometry import contact_frame
+from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import Ending
 
 Array = NDArray[np.float64]

@@ -31,8 +31,8 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import PenaltyKernel
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 
 Array = NDArray[np.float64]
 

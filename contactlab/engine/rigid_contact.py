@@ -55,9 +55,9 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, build_level, level_count, step_length
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import SLIP, MultiplierKernel
 from contactlab.laws.lagrange_stick import wedges
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

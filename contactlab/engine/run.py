@@ -31,8 +31,8 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import Tables, step_length
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import FREE, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
+from contactlab.motor.geometry import contact_frame
 from contactlab.variables import CONTACTS, SERIES
 
 Array = NDArray[np.float64]

@@ -34,8 +34,8 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, step_length
-from contactlab.geometry import contact_frame
 from contactlab.laws.base import EVEN, SET_VALUED, FrictionKernel
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import Step, flow_to, tip_motion
-from contactlab.geometry import contact_frame
+from contactlab.motor.geometry import contact_frame
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """What a contact law is: a frozen set of parameters and one compiled scalar kernel.
 
 A law never sees a mode shape. It is given the state of one contact with a normal and a
-tangential direction (signs in `contactlab.geometry`) and gives back a force or an impulse. There
+tangential direction (signs in `contactlab.motor.geometry`) and gives back a force or an impulse. There
 are two families, and the engine knows only these two:
 
 * `PenaltyLaw`: the bodies interpenetrate, and the force follows from gap, gap rate and slip.

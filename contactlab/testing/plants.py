@@ -10,10 +10,10 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.drive import Drive
-from contactlab.geometry import ContactGeometry
-from contactlab.motor import ModalState, Motor, Rotor
-from contactlab.resonator import NormalModes
+from contactlab.motor import NormalModes
+from contactlab.motor.drive import Drive
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.motor import ModalState, Motor, Rotor
 
 Array = NDArray[np.float64]
 

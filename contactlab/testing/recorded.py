@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import xarray
 
-from contactlab.plausibility import INVARIANTS, NOT_APPLICABLE, assess
+from contactlab.metrics import INVARIANTS, NOT_APPLICABLE, assess
 from contactlab.testing.claim import Claim, at_most
 
 
@@ -12,10 +12,10 @@ def invariants_of(run: xarray.DataTree) -> Iterator[Claim]:
     """Hold a run to what no law can excuse: closed books, no contact without length, none missed.
 
     Args:
-        run: in the layout of a run.nc, see `contactlab.plausibility.read_run`.
+        run: in the layout of a run.nc, see `contactlab.metrics.read_run`.
 
     Yields:
-        A claim for every one of `contactlab.plausibility.INVARIANTS` that the run has the numbers for.
+        A claim for every one of `contactlab.metrics.INVARIANTS` that the run has the numbers for.
     """
     for key, value in assess(run, INVARIANTS).items():
         metric = INVARIANTS[key]

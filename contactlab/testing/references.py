@@ -8,7 +8,7 @@ relative tolerance of 1e-10, every switch an event); the tests run one of them a
 from collections.abc import Iterator
 
 from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
-from contactlab.resonator import RitzResonator
+from contactlab.motor import RitzResonator
 from contactlab.testing.claim import Claim, close
 from contactlab.testing.contract.bench import paper_motor
 from contactlab.testing.runs import last, run

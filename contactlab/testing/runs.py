@@ -2,7 +2,7 @@
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
 
 

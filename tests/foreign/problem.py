@@ -2,7 +2,7 @@
 
 from typing import TypedDict
 
-from motors import PLACEMENT_1, default_motor, parameters_with
+from support.motors import PLACEMENT_1, default_motor, parameters_with
 
 CASE_A = "case A"
 
@@ -57,7 +57,7 @@ MOTORS: dict[str, dict[str, float]] = {
 
 
 class Problem(TypedDict):
-    """A motor in normal modes, unit masses, SI; signs as in `contactlab.geometry`.
+    """A motor in normal modes, unit masses, SI; signs as in `contactlab.motor.geometry`.
 
     qdd_j + damping_j qd_j + stiffness_j q_j
         = Re sum_k (force_re + i force_im)_jk exp(i omega_k t) + contact

@@ -8,10 +8,10 @@ from typing import final
 
 from scipy.optimize import brentq
 
-from contactlab.drive import Drive
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.motor import Motor
-from contactlab.resonator import RitzResonator
+from contactlab.motor import RitzResonator
+from contactlab.motor.drive import Drive
+from contactlab.motor.motor import Motor
 from contactlab.testing.plants import block
 from contactlab.testing.runs import attempt, completed, run
 from contactlab.trajectory import Trajectory

@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import ClassVar
 
 from contactlab.laws import ContactLaw
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 from contactlab.testing.contract.bench import Bench, paper_motor
 from contactlab.testing.contract.properties import check
 

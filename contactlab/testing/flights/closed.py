@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from contactlab.motor import Motor
+from contactlab.motor.motor import Motor
 
 Array = NDArray[np.float64]
 Phasors = NDArray[np.complex128]

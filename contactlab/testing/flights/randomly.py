@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.drive import Drive
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
-from contactlab.motor import Motor
-from contactlab.resonator import NormalModes, RitzResonator
+from contactlab.motor import NormalModes, RitzResonator
+from contactlab.motor.drive import Drive
+from contactlab.motor.motor import Motor
 from contactlab.testing.flights.closed import Flight, flight_of
 from contactlab.testing.flights.shaped import double_well
 

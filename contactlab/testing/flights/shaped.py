@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.drive import Drive
-from contactlab.motor import Motor
-from contactlab.resonator import NormalModes
+from contactlab.motor import NormalModes
+from contactlab.motor.drive import Drive
+from contactlab.motor.motor import Motor
 from contactlab.testing.flights.closed import Flight, flight_of
 
 Array = NDArray[np.float64]

@@ -7,7 +7,6 @@ import numpy as np
 from scipy.special import gamma
 
 from contactlab.engine.plant import delassus, plant_of
-from contactlab.geometry import contact_frame
 from contactlab.laws import (
     ContactLaw,
     HertzPenalty,
@@ -18,7 +17,8 @@ from contactlab.laws import (
     Poisson,
     Stronge,
 )
-from contactlab.motor import Motor
+from contactlab.motor.geometry import contact_frame
+from contactlab.motor.motor import Motor
 from contactlab.testing.claim import Claim, close
 from contactlab.testing.laws import SpringDashpot, TensileDashpot
 from contactlab.testing.plants import block, coupled_body

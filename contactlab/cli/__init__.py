@@ -1,0 +1,1 @@
+"""The command: a verb, or without one a run or a sweep composed by Hydra."""

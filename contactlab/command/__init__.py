@@ -1,1 +1,0 @@
-"""What the command does around a run: composing, checking, interrupting, running."""

@@ -1,0 +1,25 @@
+"""What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
+
+from contactlab.motor.drive import Drive
+from contactlab.motor.finite_element import FiniteElementResonator
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.materials import Piezoceramic, Steel
+from contactlab.motor.modes import NormalModes
+from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.ritz import RitzMatrices, RitzResonator
+
+__all__ = [
+    "ContactGeometry",
+    "Drive",
+    "FiniteElementResonator",
+    "ModalState",
+    "Motor",
+    "NormalModes",
+    "PatchedBeam",
+    "Piezoceramic",
+    "RitzMatrices",
+    "RitzResonator",
+    "Rotor",
+    "Steel",
+]

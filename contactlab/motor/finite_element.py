@@ -1,0 +1,207 @@
+"""The converged resonator: Hermite cubic elements, reduced to normal modes with static correction.
+
+The curvature of the beam jumps at a patch edge and under the tip; with nodes there, cubic elements
+follow it and the frequencies converge with the fourth power of the element. Loads of the tip and
+of the electrodes (moments at the patch edges, eq. 31) act on nodes, where cubic elements are exact
+in statics on any mesh.
+
+Modes that are left out carry flexibility that the contact feels. The static correction keeps it
+(MacNeal 1971, Rubin 1975): the responses K^-1 b to unit loads b of tip force, tip moment and both
+electrodes, made orthogonal to the kept modes, span a space in which M and K are diagonalised
+once more. Its at most four pseudo-modes are oscillators like the others, with
+
+* the flexibility R K^-1 R' at the tip and the answer to constant voltages exact to round-off,
+* frequencies above the kept ones, pseudo-mode i not below mode (kept + i) of the mesh, because the
+  space is a part of what the left-out modes span,
+* the damping of the model, since C = alpha M + beta K: the flexibility left out follows with the
+  time constant beta, as that of all high modes does.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from math import ceil
+from typing import NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from contactlab.motor.hermite import HermiteBeam
+from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
+from contactlab.motor.patched_beam import PatchedBeam
+
+Array = NDArray[np.float64]
+
+MOST_KEPT_MODES = 40
+"""Kept modes whose frequencies are verified to FREQUENCY_ERROR."""
+
+PHASE = 0.2
+"""Largest element over the wave length / 2 pi of the highest kept mode in its section [rad]."""
+
+FREQUENCY_ERROR = 1.2e-6
+"""Relative error of the highest kept frequency, PHASE^4 / 1440 for a uniform beam; lower ones have less."""
+
+MOST_ELEMENTS = 2000
+"""Elements of the whole beam; its dense matrices then have 4000 rows."""
+
+DEPENDENT = 1e-8
+"""A unit vector's distance from the others' span at which it is dropped: it adds nothing but round-off."""
+
+
+class Discretisation(NamedTuple):
+    """The beam on a mesh, in coordinates y whose stiffness matrix is the identity.
+
+    Args:
+        elements: the mesh.
+        mass: M, tip included, on the nodes, shape (dof, dof).
+        spread: int psi psi' dx on the nodes [m], shape (dof, dof).
+        loads: unit tip force, unit tip moment and 1 V on either electrode, shape (dof, 4).
+    """
+
+    elements: HermiteBeam
+    mass: Array
+    spread: Array
+    loads: Array
+
+    def lowest(self, count: int) -> tuple[Array, Array]:
+        """Squares omega^2 [1/s^2] of the lowest modes, shape (count,), and their y, shape (2 element, count).
+
+        The largest 1 / omega^2 are computed, so that the low frequencies are the most accurate.
+        """
+        shapes = self.elements.shapes
+        inverse = shapes.T @ self.mass @ shapes
+        if not np.isfinite(inverse).all():
+            raise ValueError(UNRESOLVED)
+        last = len(inverse) - 1
+        squares, vectors = eigh(inverse, subset_by_index=[last - count + 1, last])
+        refuse_unresolved(squares)
+        return 1.0 / squares[::-1], np.asarray(vectors[:, ::-1], dtype=np.float64)
+
+    def static_remainder(self, kept: Array) -> tuple[Array, Array]:
+        """The pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.
+
+        Orthogonal in y is orthogonal in stiffness; against eigenvectors it is so in mass as well.
+        """
+        shapes = self.elements.shapes
+        static = shapes.T @ self.loads
+        remainder = static - kept @ (kept.T @ static)
+        # What is left of a vector that the kept modes contain is their round-off.
+        remainder -= kept @ (kept.T @ remainder)
+        size = np.linalg.norm(remainder, axis=0)
+        remainder = remainder[:, size > DEPENDENT * np.linalg.norm(static, axis=0)]
+        remainder /= np.linalg.norm(remainder, axis=0)
+        basis, independence, _ = np.linalg.svd(remainder, full_matrices=False)
+        basis = basis[:, independence > DEPENDENT]
+        nodal = shapes @ basis
+        inverse, vectors = np.linalg.eigh(nodal.T @ self.mass @ nodal)
+        return 1.0 / inverse[::-1], basis @ vectors[:, ::-1]
+
+
+@final
+@dataclass(frozen=True)
+class FiniteElementResonator(PatchedBeam):
+    """The patched beam in converged normal modes.
+
+    Args:
+        kept_modes: number of normal modes, 1 to 40, each with a frequency converged to
+            FREQUENCY_ERROR or better.
+        static_correction: whether up to four pseudo-modes follow them that make the response of
+            the tip to constant forces and voltages exact. A pseudo-mode is no resonance.
+
+    The other arguments are those of `PatchedBeam`. `NormalModes.shape_coupling` has the couplings of
+    these modes, scaled to int psi^2 dx = L as the paper's beam shapes are; a mode's sign is that of
+    u + L theta at the tip.
+    """
+
+    kept_modes: int = 6
+    static_correction: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 1 <= self.kept_modes <= MOST_KEPT_MODES:
+            raise ValueError(
+                f"The number of kept modes is {self.kept_modes}; it must lie between 1 and "
+                f"{MOST_KEPT_MODES}. The static correction stands for the modes beyond."
+            )
+
+    def _solve(self) -> NormalModes:
+        """Compute kept modes and pseudo-modes, in ascending order of frequency."""
+        discretisation = self.discretise(self.mesh)
+        squares, vectors = discretisation.lowest(self.kept_modes)
+        if self.static_correction:
+            pseudo_squares, pseudo_vectors = discretisation.static_remainder(vectors)
+            squares = np.concatenate([squares, pseudo_squares])
+            vectors = np.hstack([vectors, pseudo_vectors])
+        nodal = discretisation.elements.shapes @ vectors * np.sqrt(squares)
+        modal_loads = nodal.T @ discretisation.loads
+        sign = np.where(modal_loads[:, 0] + self.length * modal_loads[:, 1] < 0.0, -1.0, 1.0)
+        modal_loads *= sign[:, None]
+        spread = np.sum(nodal * (discretisation.spread @ nodal), axis=0)
+        coupling = modal_loads[:, 2:].copy()
+        return NormalModes(
+            stiffness=squares,
+            damping=self.mass_damping + self.stiffness_damping * squares,
+            coupling=coupling,
+            tip_displacement=modal_loads[:, 0].copy(),
+            tip_slope=modal_loads[:, 1].copy(),
+            shape_coupling=coupling * np.sqrt(self.length / spread)[:, None],
+        )
+
+    @cached_property
+    def mesh(self) -> tuple[int, ...]:
+        """Elements in every section of the left half, fine enough for the highest kept mode.
+
+        A frequency on a coarse mesh lies above the true one, so elements that suit it are small enough.
+        """
+        length = self.length
+        coarse = tuple(
+            ceil(4 * self.kept_modes * (end - start) / length) + 1
+            for start, end, _ in self._half_sections
+        )
+        highest = self.discretise(coarse).lowest(self.kept_modes)[0][-1]
+        counts = []
+        for start, end, patched in self._half_sections:
+            rigidity, mass = self._section(patched)
+            wave_number = (highest * mass / rigidity) ** 0.25
+            counts.append(max(1, ceil(wave_number * (end - start) / PHASE)))
+        if 2 * sum(counts) > MOST_ELEMENTS:
+            raise ValueError(
+                f"{self.kept_modes} kept modes need {2 * sum(counts)} elements; there may be "
+                f"{MOST_ELEMENTS} at most. The paper's motor needs 610 for forty modes: check the "
+                "orders of magnitude of the materials or keep fewer modes."
+            )
+        return tuple(counts)
+
+    @property
+    def _half_sections(self) -> list[tuple[float, float, bool]]:
+        """Start, end [m] and whether there are patches, from the clamp to the centre."""
+        edges = (0.0, self.patch_start, self.patch_end, 0.5 * self.length)
+        sections = zip(pairwise(edges), (False, True, False), strict=True)
+        return [(start, end, patched) for (start, end), patched in sections if end > start]
+
+    def _section(self, patched: bool) -> tuple[float, float]:
+        """Bending rigidity [N m^2] and mass per length [kg/m] of a section."""
+        if patched:
+            return self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass
+        return self.steel_rigidity, self.steel_mass
+
+    def discretise(self, mesh: tuple[int, ...]) -> Discretisation:
+        """The beam in `mesh[i]` equal elements in section i of its left half, and their mirror images."""
+        half: list[tuple[float, float, float]] = []
+        for (start, end, patched), count in zip(self._half_sections, mesh, strict=True):
+            half += [((end - start) / count, *self._section(patched))] * count
+        size, rigidity, mass = (np.array(column) for column in zip(*half, *half[::-1], strict=True))
+        elements = HermiteBeam(size, rigidity)
+        matrix = elements.mass_matrix(mass)
+        tip = elements.node_at(0.5 * self.length)
+        matrix[tip, tip] += self.tip_mass
+        matrix[tip + 1, tip + 1] += self.tip_inertia
+        loads = np.zeros((len(matrix), 2 + len(self.patches)))
+        loads[tip, 0] = loads[tip + 1, 1] = 1.0
+        for column, edges in enumerate(self.patches, start=2):
+            for edge, sign in zip(edges, (-1.0, 1.0), strict=True):
+                # A moment on a clamp does no work.
+                if 0.0 < edge < self.length:
+                    loads[elements.node_at(edge) + 1, column] += sign * self.moment_per_voltage
+        return Discretisation(elements, matrix, elements.mass_matrix(np.ones_like(mass)), loads)

@@ -1,0 +1,95 @@
+"""A motor: normal modes of a resonator, a drive, a contact geometry and a rotor."""
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.checks import check_fields, check_shape
+from contactlab.motor import NormalModes
+from contactlab.motor.drive import Drive
+from contactlab.motor.geometry import ContactGeometry
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Rotor:
+    """A rigid rotor, J Omegadot = -R F - C_r Omega - tau.
+
+    Args:
+        inertia: J [kg m^2].
+        damping: viscous damping C_r [N m s/rad].
+        load_torque: tau [N m], towards negative rotation: brakes where Omega is positive.
+        initial_velocity: Omega(0) [rad/s].
+    """
+
+    inertia: float = 4.8e-5
+    damping: float = 0.0
+    load_torque: float = 0.0
+    initial_velocity: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not self.inertia > 0.0 or not self.damping >= 0.0:
+            raise ValueError(
+                f"The rotor has an inertia of {self.inertia} kg m^2 and a damping of {self.damping} "
+                "N m s/rad; the inertia must be positive and the damping not negative."
+            )
+
+
+@final
+@dataclass(frozen=True)
+class ModalState:
+    """Normal coordinates at t = 0.
+
+    Args:
+        displacement: q [m kg^1/2], shape (mode,).
+        velocity: qd [m s^-1 kg^1/2], shape (mode,).
+    """
+
+    displacement: Array
+    velocity: Array
+
+
+@final
+@dataclass(frozen=True)
+class Motor:
+    """Everything that moves; which contact law acts between tip and rotor is not part of it.
+
+    A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
+    is a belt: `contactlab.testing.plants` builds point masses, blocks and oscillators so.
+
+    Args:
+        modes: normal modes of the resonator, from any basis.
+        drive: electrode voltages.
+        geometry: tip, rotor radius and clearance.
+        rotor: rotor inertia and load.
+        preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
+        start: state at t = 0; None is at rest without displacement.
+    """
+
+    modes: NormalModes
+    drive: Drive
+    geometry: ContactGeometry = field(default_factory=ContactGeometry)
+    rotor: Rotor = field(default_factory=Rotor)
+    preload: Array | None = None
+    start: ModalState | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        count = self.modes.stiffness.size
+        if not np.all(self.modes.stiffness >= 0.0):
+            raise ValueError(
+                f"The modes have stiffnesses {self.modes.stiffness} 1/s^2; none may be negative: a "
+                "buckled mode runs away."
+            )
+        given = {"preload": self.preload}
+        if self.start is not None:
+            given["start.displacement"] = self.start.displacement
+            given["start.velocity"] = self.start.velocity
+        for name, values in given.items():
+            if values is not None:
+                check_shape(name, values, (count,), "one number a mode")

@@ -1,0 +1,119 @@
+"""The beam that every basis describes: dimensions, materials and what follows from them alone.
+
+Source: Andersen, Blanke and Helbo (2001), eqs. 19-34. Signs and factors follow the consistent
+form: masses are positive (eqs. 23, 27, 28 print them negative), a patch set counts both of its
+layers in the mass (eq. 28 prints one), and the sign of the coupling is that of the paper's Table 1
+(eq. 31 prints the opposite).
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from contactlab.checks import check_fields
+from contactlab.motor.materials import Piezoceramic, Steel
+from contactlab.motor.modes import UNRESOLVED, NormalModes
+
+
+@dataclass(frozen=True)
+class PatchedBeam(ABC):
+    """A clamped beam with two mirrored pairs of piezoceramic patches and a rigid tip at its centre.
+
+    Args:
+        length: L [m].
+        width: w_s [m].
+        beam_thickness: t_s [m].
+        patch_thickness: t_p of one layer [m].
+        patch_start, patch_end: a_11, a_12 [m]; the second set is the mirror image, [L - a_12, L - a_11].
+        tip_mass: M_tip [kg].
+        tip_inertia: I_tip about the tip's foot [kg m^2].
+        steel, piezoceramic: the materials.
+        mass_damping: alpha [1/s]; C = alpha M + beta K.
+        stiffness_damping: beta [s].
+
+    Not modelled: rotary inertia and shear of the layers, and adhesive between them.
+    """
+
+    length: float = 57e-3
+    width: float = 16e-3
+    beam_thickness: float = 1e-3
+    patch_thickness: float = 1e-3
+    patch_start: float = 0.914e-3
+    patch_end: float = 10.146e-3
+    tip_mass: float = 1.181e-3
+    tip_inertia: float = 1.321e-7
+    steel: Steel = field(default_factory=Steel)
+    piezoceramic: Piezoceramic = field(default_factory=Piezoceramic)
+    mass_damping: float = 7.5
+    stiffness_damping: float = 2e-5
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        half = 0.5 * self.length
+        if not 0.0 <= self.patch_start < self.patch_end <= half:
+            raise ValueError(
+                f"The patches lie at {self.patch_start} to {self.patch_end} m; they must satisfy "
+                f"0 <= start < end <= {half} m, half the beam, or they leave it or overlap their mirror."
+            )
+
+    @cached_property
+    def modes(self) -> NormalModes:
+        """The normal modes in the basis of the subclass.
+
+        One thread computes them: matrices of this size gain nothing from more, which wait for each
+        other on a busy machine and round otherwise.
+
+        Raises:
+            ValueError: where double precision does not resolve them.
+        """
+        try:
+            # Numbers far from any motor may overflow on the way; the result says so.
+            with threadpool_limits(1, user_api="blas"), np.errstate(all="ignore"):
+                modes = self._solve()
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            raise ValueError(UNRESOLVED) from error
+        finite = (np.isfinite(values).all() for values in vars(modes).values())
+        if not (all(finite) and np.all(modes.stiffness > 0.0)):
+            raise ValueError(UNRESOLVED)
+        return modes
+
+    @abstractmethod
+    def _solve(self) -> NormalModes:
+        """Compute the normal modes in the basis of the subclass."""
+
+    @property
+    def patches(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Start and end of both patch sets [m]: the given one (electrode 0) and its mirror (electrode 1)."""
+        start, end = self.patch_start, self.patch_end
+        return ((start, end), (self.length - end, self.length - start))
+
+    @property
+    def steel_mass(self) -> float:
+        """Mass of the bare beam per length, rho_s A_s [kg/m]."""
+        return self.steel.density * self.width * self.beam_thickness
+
+    @property
+    def layer_mass(self) -> float:
+        """Mass of both layers of a patch set per length, 2 rho_p A_p [kg/m] (eq. 28)."""
+        return self.piezoceramic.density * 2.0 * self.width * self.patch_thickness
+
+    @property
+    def steel_rigidity(self) -> float:
+        """Bending rigidity of the bare beam, c_s I_s [N m^2] (eq. 29)."""
+        return self.steel.bending_modulus * (self.width * self.beam_thickness**3 / 12.0)
+
+    @property
+    def layer_rigidity(self) -> float:
+        """Bending rigidity of both layers about the middle of the beam, c_p I_p [N m^2] (eq. 30)."""
+        ts, tp = self.beam_thickness, self.patch_thickness
+        inertia = 2.0 / 3.0 * self.width * (1.5 * tp**2 * ts + 0.75 * ts**2 * tp + tp**3)
+        return self.piezoceramic.bending_modulus * inertia
+
+    @property
+    def moment_per_voltage(self) -> float:
+        """Moment at the end of a patch set, w_s (t_s + t_p) e_p [N m/V]; minus that at its start (eq. 31)."""
+        lever = self.width * (self.beam_thickness + self.patch_thickness)
+        return lever * self.piezoceramic.bending_coupling

@@ -1,1 +1,0 @@
-"""What a run leaves: the dataset, the picture, the summary."""

@@ -1,0 +1,1 @@
+"""Pictures of a run: the overview, and the animation of tip and rotor."""

@@ -1,0 +1,280 @@
+"""What an animation shows, frame by frame; nothing here knows matplotlib.
+
+The picture lies in the plane of beam and rotor, its origin at the rotor's lowest point, lengths in
+metres of the motor. Rotor and tip have their true size. What moves is magnified: the tip's
+displacement along the surface and its gap from the surface, the tip's slope and the angle of the
+rotor, all by one factor M. So drawn and true gap vanish together, and a tip that sticks travels with
+the marks of the rotor.
+"""
+
+from dataclasses import dataclass
+from math import floor, log10
+from typing import Any, Final, final
+
+import numpy as np
+import xarray
+import yaml
+from numpy.typing import NDArray
+
+from contactlab.plot.overview_data import COARSE, contact_spans, drawable, drive_period
+
+Array = NDArray[np.float64]
+
+FREE, SLIP, STICK = 0, 1, 2
+"""Contact modes, as in the dataset."""
+
+REACH: Final = 0.1
+"""How far the drawn vibration may reach, in parts of the smaller of tip length and rotor radius."""
+
+NEEDED: Final = {
+    "/": (
+        "time", "tip_tangential_displacement", "tip_slope", "gap", "rotor_angle", "rotor_velocity",
+        "normal_force", "friction_force", "contact_mode", "natural_frequency",
+    ),
+    "/contacts": ("start_time", "duration", "stick_duration"),
+}  # fmt: skip
+"""Variables of the groups of a dataset without which there is no animation."""
+
+
+class UnfitRunError(ValueError):
+    """A dataset that cannot be animated; the message is a sentence that goes on from its name."""
+
+
+@final
+@dataclass(frozen=True)
+class Run:
+    """A recorded run as far as an animation needs it.
+
+    Args:
+        root: time series.
+        contacts: a row each.
+        tip_length, radius: of tip and rotor [m].
+        period: of the drive [s].
+    """
+
+    root: xarray.Dataset
+    contacts: xarray.Dataset
+    tip_length: float
+    radius: float
+    period: float
+
+    @property
+    def time(self) -> Array:
+        """Times of the records [s]."""
+        return np.asarray(self.root["time"].values, dtype=float)
+
+    @property
+    def coarse(self) -> bool:
+        """Whether the records are too far apart to show how the tip moves between them."""
+        return bool(self.time[1] - self.time[0] > self.period / COARSE)
+
+
+def run_of(tree: xarray.DataTree) -> Run:
+    """Take a dataset apart.
+
+    Args:
+        tree: as from `contactlab.results.netcdf.to_datatree`, complete or not.
+
+    Raises:
+        UnfitRunError: something is missing, or there is no motion in it.
+    """
+    for group, names in NEEDED.items():
+        node = tree if group == "/" else tree.children.get(group.removeprefix("/"))
+        missing = [name for name in names if node is None or name not in node.variables]
+        if missing:
+            raise UnfitRunError(f"lacks {', '.join(missing)} in the group {group}")
+    root = tree.to_dataset()
+    time = root["time"].values
+    if time.ndim != 1 or time.size < 2:
+        raise UnfitRunError(f"has {time.size} record in time, and a motion takes at least 2")
+    if not np.all(np.diff(time) > 0.0):
+        raise UnfitRunError("has times that do not increase")
+    try:
+        configuration: dict[str, Any] = yaml.safe_load(root.attrs["configuration"])
+        run = Run(
+            root=root,
+            contacts=tree.children["contacts"].to_dataset(inherit=False),
+            tip_length=float(configuration["contact"]["tip_length"]),
+            radius=float(configuration["rotor"]["radius"]),
+            period=drive_period(root, configuration),
+        )
+    except (KeyError, TypeError, ValueError, ZeroDivisionError, yaml.YAMLError) as fault:
+        raise UnfitRunError(
+            "lacks contact.tip_length, rotor.radius or drive.frequency in its attribute configuration"
+        ) from fault
+    if not all(0.0 < x < np.inf for x in (run.tip_length, run.radius, run.period)):
+        raise UnfitRunError(
+            "has a tip length, a rotor radius or a drive frequency that is not positive"
+        )
+    return run
+
+
+@final
+@dataclass(frozen=True)
+class Film:
+    """What is shown, one value a frame.
+
+    Args:
+        run: what is shown.
+        start, end: of the part that is shown [s]; frame k stands at the end of the k-th of equal
+            intervals between them.
+        magnification: M.
+        time: of the frames [s].
+        tangential, gap, slope, angle, velocity: of the tip end [m], the tip [rad] and the rotor
+            [rad, rad/s] at these times.
+        normal, friction: force on the tip [N], mean since the frame before, so that no impact falls
+            between two frames.
+        mode: contact mode since the frame before: free if there was no contact, else what lasted
+            longer.
+    """
+
+    run: Run
+    start: float
+    end: float
+    magnification: float
+    time: Array
+    tangential: Array
+    gap: Array
+    slope: Array
+    angle: Array
+    velocity: Array
+    normal: Array
+    friction: Array
+    mode: NDArray[np.int8]
+
+    @property
+    def size(self) -> float:
+        """Length that sets the scale of the picture [m]."""
+        return min(self.run.tip_length, self.run.radius)
+
+    @property
+    def peak(self) -> float:
+        """Largest force of any frame [N], 1 if there is none."""
+        return float(np.nanmax(np.hypot(self.normal, self.friction), initial=0.0)) or 1.0
+
+    def tip_end(self, tangential: Array, gap: Array) -> Array:
+        """Where tip ends are drawn [m], shape (point, 2)."""
+        angle = self.magnification * tangential / self.run.radius
+        height = self.magnification * gap
+        # 1 - cos without cancellation.
+        versine = 2.0 * np.sin(0.5 * angle) ** 2
+        return np.column_stack(
+            (
+                (self.run.radius + height) * np.sin(angle),
+                self.run.radius * versine - height * np.cos(angle),
+            )
+        )
+
+    def force_on_rotor(self, frame: int) -> Array:
+        """The force on the rotor in the axes of the picture [N], shape (2,)."""
+        angle = self.magnification * self.tangential[frame] / self.run.radius
+        normal, tangent = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
+        force = -self.normal[frame] * np.array(normal) - self.friction[frame] * np.array(tangent)
+        return np.asarray(force, dtype=float)
+
+    def contact_spans(self) -> dict[str, Array]:
+        """Times of slip and stick that are shown [s]; see `contactlab.plot.overview_data`."""
+        spans = contact_spans(self.run.root, self.run.contacts)
+        clipped = {mode: np.clip(times, self.start, self.end) for mode, times in spans.items()}
+        return {mode: times[times[:, 1] > times[:, 0]] for mode, times in clipped.items()}
+
+
+def film_of(run: Run, start: float, end: float, frames: int) -> Film:
+    """Choose what the frames of an animation show.
+
+    Args:
+        run: what is shown.
+        start, end: of the part that is shown, within the run [s].
+        frames: how many.
+
+    Raises:
+        UnfitRunError: this part has diverged.
+    """
+    edges = np.linspace(start, end, frames + 1)
+    time = run.time
+    size = min(run.tip_length, run.radius)
+    inside = slice(np.searchsorted(time, start), np.searchsorted(time, end) + 1)
+
+    def recorded(name: str) -> Array:
+        return drawable(np.asarray(run.root[name].values, dtype=float))
+
+    def displacement(name: str) -> Array:
+        # What is larger than the motor itself has diverged.
+        values = recorded(name)
+        return np.where(np.abs(values) < size, values, np.nan)
+
+    extents = [
+        np.abs(displacement(name)[inside]) for name in ("tip_tangential_displacement", "gap")
+    ]
+    if not all(np.isfinite(values).any() for values in extents):
+        raise UnfitRunError(
+            f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
+        )
+    reach = max(float(np.nanmax(values)) for values in extents)
+
+    def at_frames(name: str) -> Array:
+        return np.interp(edges[1:], time, recorded(name))
+
+    spans = contact_spans(run.root, run.contacts)
+    # Recorded forces are means over an interval, of which a contact may have been a part only: the
+    # impulse belongs to that part, and where there was none to all of the interval.
+    interval = np.clip(np.searchsorted(time, edges) - 1, 0, time.size - 2)
+    touching = _time_spent(time, spans["slip"]) + _time_spent(time, spans["stick"])
+    gone = (
+        _time_spent(edges, spans["slip"]) + _time_spent(edges, spans["stick"]) - touching[interval]
+    )
+    part, whole = np.diff(touching)[interval], np.diff(time)[interval]
+    share = (edges - time[interval]) / whole
+    share[part > 1e-9 * whole] = (gone / np.maximum(part, 1e-300))[part > 1e-9 * whole]
+
+    def means(name: str) -> Array:
+        pushes = recorded(name)[1:] * np.diff(time)
+        before = np.concatenate(([0.0], np.cumsum(pushes)))[interval]
+        mean = np.diff(before + pushes[interval] * np.clip(share, 0.0, 1.0)) / np.diff(edges)
+        # What is left of a difference of sums is no force.
+        return np.where(np.abs(mean) > 1e-9 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
+
+    return Film(
+        run=run,
+        start=start,
+        end=end,
+        magnification=_magnification(reach, size),
+        time=edges[1:],
+        tangential=np.interp(edges[1:], time, displacement("tip_tangential_displacement")),
+        gap=np.interp(edges[1:], time, displacement("gap")),
+        slope=at_frames("tip_slope"),
+        angle=at_frames("rotor_angle"),
+        velocity=at_frames("rotor_velocity"),
+        normal=means("normal_force"),
+        friction=means("friction_force"),
+        mode=_modes(edges, run),
+    )
+
+
+def _magnification(reach: float, size: float) -> float:
+    """The largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture."""
+    if reach <= 0.0:
+        return 1.0
+    largest = REACH * size / reach
+    decade = 10.0 ** floor(log10(largest))
+    return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= largest * (1.0 + 1e-9))
+
+
+def _modes(edges: Array, run: Run) -> NDArray[np.int8]:
+    """The contact mode of every interval between edges."""
+    spans = contact_spans(run.root, run.contacts)
+    lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
+    # A contact of no duration is one all the same.
+    starts = np.searchsorted(run.contacts["start_time"].values, edges, side="right")
+    touched = (np.diff(starts) > 0) | (lasted["slip"] + lasted["stick"] > 0.0)
+    sticks = (lasted["stick"] > 0.0) & (lasted["stick"] >= lasted["slip"])
+    return np.where(touched, np.where(sticks, STICK, SLIP), FREE).astype(np.int8)
+
+
+def _time_spent(time: Array, spans: Array) -> Array:
+    """How much of disjoint, ascending spans lies before a time."""
+    if not spans.size:
+        return np.zeros_like(time)
+    lengths = spans[:, 1] - spans[:, 0]
+    after = np.cumsum(lengths)
+    return np.interp(time, spans.ravel(), np.column_stack((after - lengths, after)).ravel())

@@ -1,0 +1,280 @@
+"""The overview picture of a run.
+
+Four panels: the rotor's velocity over the whole run, the path of the tip end beside the rotor's
+surface, and gap and normal force over the last drive periods with the contact modes shaded. Only
+matplotlib's objects are used, so that nothing of a caller's own figures or settings changes.
+"""
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import xarray
+import yaml
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from contactlab.plot.overview_data import (
+    COLUMNS,
+    Window,
+    contact_spans,
+    drawable,
+    envelope,
+    last_periods,
+    middle,
+    span,
+)
+from contactlab.results.files import whole_file
+from contactlab.results.netcdf import reached_end
+from contactlab.results.prefixes import prefixed, prefixed_unit
+
+Array = NDArray[np.float64]
+
+COLOURS: Final = {"slip": "#E69F00", "stick": "#0072B2", "rotor": "#D9D9D9", "fault": "#D55E00"}
+"""After Okabe and Ito, distinct for every kind of colour vision and as greys."""
+
+STYLE: Final[dict[Any, Any]] = {
+    "figure.dpi": 300,
+    "savefig.dpi": 300,
+    "savefig.bbox": None,
+    "text.usetex": False,
+    "font.family": "DejaVu Sans",
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "xtick.major.pad": 4.5,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 0.9,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "patch.linewidth": 0.9,
+}
+
+_SIZE: Final = (7.1, 5.9)
+"""Inches; the width of two columns of a journal."""
+
+_SHADE: Final = {"slip": 0.4, "stick": 0.55}
+"""Opacity; stick is the darker one in a black and white print too."""
+
+
+def overview(tree: xarray.DataTree, path: Path) -> None:
+    """Draw a run and write the picture as PNG.
+
+    Args:
+        tree: a run as from `contactlab.results.netcdf.to_datatree`, complete or not.
+        path: of the picture, in a folder that exists.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    figure = draw_overview(tree)
+    with rc_context(STYLE), whole_file(path) as partial:
+        # Without the default metadata the picture does not depend on matplotlib's version string.
+        figure.savefig(partial, format="png", metadata={"Software": None})
+
+
+def draw_overview(tree: xarray.DataTree) -> Figure:
+    """Draw a run; `overview` without the file.
+
+    Args:
+        tree: a run as from `contactlab.results.netcdf.to_datatree`, complete or not.
+
+    Returns:
+        A figure with the axes velocity, path, gap and force, in this order.
+    """
+    root = tree.to_dataset()
+    contacts = tree.children["contacts"].to_dataset(inherit=False)
+    configuration = yaml.safe_load(root.attrs["configuration"])
+    window = last_periods(root, contacts, configuration)
+    with rc_context(STYLE):
+        figure = Figure(figsize=_SIZE)
+        FigureCanvasAgg(figure)
+        rows = figure.add_gridspec(
+            2, 1, height_ratios=(1, 1.45), left=0.085, right=0.985, top=0.925, bottom=0.075,
+            hspace=0.29,
+        )  # fmt: skip
+        top = rows[0].subgridspec(1, 2, width_ratios=(1.55, 1), wspace=0.25)
+        velocity, path = figure.add_subplot(top[0]), figure.add_subplot(top[1])
+        below = rows[1].subgridspec(2, 1, hspace=0.17)
+        gap = figure.add_subplot(below[0])
+        force = figure.add_subplot(below[1], sharex=gap)
+        _draw_title(figure, root, contacts.sizes["contact"])
+        _draw_velocity(velocity, root)
+        _draw_path(path, window, configuration)
+        _draw_gap(gap, window)
+        _draw_force(force, window)
+        for letter, axes in zip("abcd", (velocity, path, gap, force), strict=True):
+            # Left of the axis, because a power of ten may stand over it.
+            axes.annotate(
+                letter, (0.0, 1.0), (-16.0, 5.0), "axes fraction", "offset points",
+                fontweight="bold",
+            )  # fmt: skip
+        figure.align_ylabels([velocity, gap, force])
+    return figure
+
+
+def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
+    """One factual line over the picture."""
+    time, velocity = float(root["time"][-1]), float(root["rotor_velocity"][-1])
+    contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
+    speed = f"{velocity:.4g}".replace("-", "\u2212")
+    text = (
+        f"{root.attrs['law']}: {contacts} in {prefixed(time, 's')}, "
+        f"rotor velocity {speed} rad/s at the end"
+    )
+    complete = bool(root.attrs["complete"])
+    if not complete:
+        ending = root.attrs["ending"]
+        text += f" \u2013 {ending if reached_end(root.attrs) else f'incomplete: {ending}'}"
+    figure.text(
+        0.012, 0.985, text, va="top", fontsize=9, color="black" if complete else COLOURS["fault"]
+    )
+
+
+def _draw_velocity(axes: Axes, root: xarray.Dataset) -> None:
+    """Rotor velocity over the whole run."""
+    time = root["time"].values
+    unit, scale = prefixed_unit(float(time[-1] - time[0]), "s")
+    line = envelope(time / scale, drawable(root["rotor_velocity"].values))
+    axes.plot(*line, color="black", marker="o" if time.size == 1 else "", markersize=2.5)
+    if time.size > 1:
+        axes.set_xlim(time[0] / scale, time[-1] / scale)
+    axes.set_xlabel(f"time ({unit})")
+    axes.set_ylabel("rotor velocity (rad/s)")
+
+
+def _draw_path(axes: Axes, window: Window, configuration: dict[str, Any]) -> None:
+    """Path of the tip end and the rotor's surface, both from the tip end's place at rest.
+
+    x = -L_tip sin th, y = u + L_tip (cos th - 1); rotor: (0, clearance + R) + R (sin, -cos).
+    """
+    contact, radius = configuration["contact"], configuration["rotor"]["radius"]
+    series = window.series
+    x = drawable(series["tip_tangential_displacement"].values)
+    # 1 - cos th without cancellation.
+    versine = 2.0 * np.sin(0.5 * series["tip_slope"].values) ** 2
+    y = drawable(series["tip_normal_displacement"].values - contact["tip_length"] * versine)
+    surface = float(contact["clearance"])
+    # A distant rotor would shrink the path to a dot.
+    size = max(span(x), span(y))
+    near = size == 0.0 or abs(surface - middle(y)) <= 4.0 * size
+
+    unit, scale = prefixed_unit(max(size, surface if near else 0.0), "m", smallest=0.1)
+    axes.plot(x / scale, y / scale, **_line(window))
+    for value, mode in ((1, "slip"), (2, "stick")):
+        inside = np.where(series["contact_mode"].values == value, y, np.nan)
+        style = _line(window) | {"color": COLOURS[mode], "linewidth": 1.6}
+        axes.plot(x / scale, inside / scale, **style)
+    title = "path of the tip end"
+    if near:
+        # Some depth of the rotor is shown over everything, with room for its name.
+        depth = max(surface, float(np.nanmax(y, initial=surface))) + 0.12 * (size or surface)
+        _set_equal_limits(axes, x / scale, np.append(y, depth) / scale)
+        _draw_rotor(axes, surface / scale, radius / scale)
+        axes.text(0.03, 0.96, "rotor", transform=axes.transAxes, va="top", fontsize=7)
+    else:
+        _set_equal_limits(axes, x / scale, y / scale)
+        title += f", rotor at {prefixed(surface, 'm')}"
+    axes.set_title(title, loc="right", fontsize=7, pad=4)
+    axes.locator_params(nbins=6)
+    axes.set_xlabel(f"tangential displacement ({unit})")
+    axes.set_ylabel(f"normal displacement ({unit})")
+
+
+def _draw_rotor(axes: Axes, surface: float, radius: float) -> None:
+    """The part of the rotor that lies within the limits of a panel, in the panel's unit."""
+    left, right = axes.get_xlim()
+    angle = np.arcsin(np.clip(np.linspace(left, right, 101) / radius, -1.0, 1.0))
+    x, y = radius * np.sin(angle), surface + 2.0 * radius * np.sin(0.5 * angle) ** 2
+    top = np.maximum(y, axes.get_ylim()[1])
+    axes.fill_between(x, y, top, color=COLOURS["rotor"], linewidth=0.0, zorder=0)
+    axes.plot(x, y, color="0.35", linewidth=0.6, scalex=False, scaley=False)
+
+
+def _draw_gap(axes: Axes, window: Window) -> None:
+    """Gap over the last drive periods, and the legend of the shades."""
+    time = (window.series["time"].values - window.end) / window.unit[1]
+    gap = drawable(window.series["gap"].values)
+    unit, scale = prefixed_unit(float(np.nanmax(np.abs(gap), initial=0.0)), "m", smallest=0.1)
+    _shade(axes, window)
+    axes.axhline(0.0, color="0.35", linewidth=0.6)
+    axes.plot(*envelope(time, gap / scale), **_line(window))
+    axes.set_ylabel(f"gap ({unit})")
+    axes.tick_params(labelbottom=False)
+    if window.contacts.sizes["contact"]:
+        axes.legend(
+            handles=[
+                Patch(facecolor=COLOURS[mode], linewidth=0.0, alpha=_SHADE[mode], label=mode)
+                for mode in ("slip", "stick")
+            ],
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.03),
+            ncols=2,
+            borderpad=0.0,
+            borderaxespad=0.0,
+        )
+
+
+def _draw_force(axes: Axes, window: Window) -> None:
+    """Normal force over the last drive periods: means over the record intervals, so steps."""
+    unit, scale = window.unit
+    edges = (window.series["time"].values - window.end) / scale
+    force = drawable(window.series["normal_force"].values)[1:]
+    _shade(axes, window)
+    axes.plot(*envelope(np.repeat(edges, 2)[1:-1], np.repeat(force, 2)), color="black")
+    if window.start < window.end:
+        axes.set_xlim((window.start - window.end) / scale, 0.0)
+    largest = np.nanmax(force, initial=0.0)
+    axes.set_ylim(0.0, 1.08 * largest if largest > 0.0 else 1.0)
+    if not window.contacts.sizes["contact"]:
+        axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", color="0.35")
+    axes.set_xlabel(f"time relative to the end of the run ({unit})")
+    axes.set_ylabel("normal force (N)")
+
+
+def _line(window: Window) -> dict[str, Any]:
+    """How a motion is drawn: as a line, or as points where a line would invent it."""
+    points = {"linestyle": "none", "marker": "o", "markersize": 2.5}
+    return {"color": "black", **(points if window.coarse else {})}
+
+
+def _shade(axes: Axes, window: Window) -> None:
+    """Shade the times of slip and of stick over the whole height of a panel."""
+    _, scale = window.unit
+    for mode, spans in contact_spans(window.series, window.contacts).items():
+        start = np.maximum(spans[:, 0], window.start)
+        # A contact that is shorter than a pixel must still be seen.
+        width = np.maximum(spans[:, 1] - start, (window.end - window.start) / COLUMNS)
+        ranges = np.column_stack((start - window.end, width)) / scale
+        axes.broken_barh(
+            [(left, across) for left, across in ranges],
+            (0.0, 1.0),
+            transform=axes.get_xaxis_transform(),
+            color=COLOURS[mode],
+            alpha=_SHADE[mode],
+            linewidth=0.0,
+            label=mode,
+            zorder=0,
+        )
+
+
+def _set_equal_limits(axes: Axes, x: Array, y: Array) -> None:
+    """Limits around points with the same scale both ways, without changing the panel's shape."""
+    width, height = np.multiply(axes.get_position().size, _SIZE)
+    box = width / height
+    half = 0.56 * max(span(x) / box, span(y))
+    half = half if half > 0.0 else 1.0
+    axes.set_xlim(middle(x) - half * box, middle(x) + half * box)
+    axes.set_ylim(middle(y) - half, middle(y) + half)

@@ -1,0 +1,1 @@
+"""What a run leaves: the dataset, where it came from, the summary."""

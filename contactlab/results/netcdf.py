@@ -1,0 +1,198 @@
+"""A trajectory as an xarray tree and as a netCDF-4 file that stands under its name only when whole.
+
+The root holds the time series and the resonator's quantities, the group `contacts` one row a
+contact; names, dimensions and units are those of `contactlab.variables`. The attributes say what
+ran and with which code. Nothing in the file depends on when, where or on which machine it was
+written, so the same run leaves the same bytes.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import netCDF4
+import numpy as np
+import xarray
+import yaml
+
+from contactlab import variables
+from contactlab.laws.registry import provenance
+from contactlab.results.files import digest_of_file, whole_netcdf
+from contactlab.results.provenance import checkout_state, code_digest, versions
+from contactlab.trajectory import Ending, Trajectory
+from contactlab.variables import Variable
+
+REFERENCES: Final = (
+    "Andersen, B., Blanke, M., Helbo, J. (2001). Two Mode Resonator and Contact Model for Standing "
+    "Wave Piezomotor. Proc. 18th ASME Biennial Conference on Mechanical Vibration and Noise."
+)
+
+_CHUNK: Final = 2**17
+"""Values in a chunk, 1 MiB: one chunk for an ordinary run, and slices of a long one stay cheap."""
+
+
+def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object]) -> xarray.DataTree:
+    """A run as an xarray tree.
+
+    Args:
+        trajectory: what the simulation gave back.
+        configuration: the resolved configuration as plain, nested dictionaries, numbers in SI.
+
+    Returns:
+        The time series and the resonator's quantities at the root and the group `contacts`. The
+        attribute `complete` is 1 for a run that reached its end with a closed ledger and 0 otherwise.
+    """
+    modes = trajectory.motor.modes
+    resonator = {
+        "natural_frequency": modes.natural_frequency,
+        "damping_ratio": modes.damping_ratio,
+        "electromechanical_coupling": modes.shape_coupling,
+    }
+    mode = np.asarray(trajectory.contact_mode, dtype=np.int8)
+    root = xarray.Dataset(
+        _columns(variables.SERIES, trajectory.series)
+        | _columns((variables.CONTACT_MODE,), {variables.CONTACT_MODE.name: mode})
+        | _columns(variables.RESONATOR, resonator),
+        coords=_columns((variables.TIME,), {variables.TIME.name: trajectory.time}),
+        attrs=_attributes(trajectory, configuration),
+    )
+    contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
+    return xarray.DataTree.from_dict({"/": root, "/contacts": contacts})
+
+
+def write(
+    trajectory: Trajectory, configuration: Mapping[str, object], path: Path
+) -> xarray.DataTree:
+    """Write a run to a netCDF-4 file, whole or not at all.
+
+    A run that is not complete is written too, with `complete = 0`.
+
+    Args:
+        trajectory: what the simulation gave back.
+        configuration: the resolved configuration as plain, nested dictionaries, numbers in SI.
+        path: the file's name, in a folder that exists.
+
+    Returns:
+        The tree that was written.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    tree = to_datatree(trajectory, configuration)
+    write_tree(tree, path)
+    return tree
+
+
+def write_tree(tree: xarray.DataTree, path: Path) -> str:
+    """Write what `to_datatree` gives to a netCDF-4 file, whole or not at all.
+
+    Args:
+        tree: the run.
+        path: the file's name, in a folder that exists.
+
+    Returns:
+        Digest of the file, see `contactlab.results.files.digest_of_file`.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    with whole_netcdf(path) as partial:
+        _write_file(tree, partial)
+        return digest_of_file(partial)
+
+
+def reached_end(attributes: Mapping[Any, Any]) -> bool:
+    """Whether the run of a dataset reached its end; one of one's own need not say so.
+
+    Args:
+        attributes: of its root.
+    """
+    unbalanced = attributes.get("ending") == Ending.UNBALANCED.name.lower()
+    return bool(attributes.get("complete", 1)) or unbalanced
+
+
+def _columns(
+    table: Iterable[Variable], values: Mapping[str, np.ndarray]
+) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, object]]]:
+    """Dimensions, values and CF attributes of every variable of a table."""
+    return {entry.name: (entry.dims, values[entry.name], cf_attributes(entry)) for entry in table}
+
+
+def cf_attributes(variable: Variable) -> dict[str, object]:
+    """The CF attributes of a variable, and its symbol."""
+    attributes: dict[str, object] = {
+        "units": variable.units,
+        "long_name": variable.long_name,
+        "symbol": variable.symbol,
+    }
+    if variable.cell_methods:
+        attributes["cell_methods"] = variable.cell_methods
+    if variable.flags:
+        # CF wants the values in the type of the variable itself.
+        attributes["flag_values"] = np.arange(len(variable.flags), dtype=np.int8)
+        attributes["flag_meanings"] = " ".join(variable.flags)
+    return attributes
+
+
+def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> dict[str, object]:
+    """The attributes of the root, `complete` last."""
+    law = trajectory.law
+    code = versions()
+    revision, dirty = checkout_state()
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"Standing-wave piezoelectric motor with the contact law {law.title}",
+        "source": f"contactlab {code['contactlab_version']}, numerical simulation",
+        "references": f"{REFERENCES} Contact law: {law.source}.",
+        "law": law.name,
+        "law_origin": provenance(type(law)),
+        "law_parameters": json.dumps(law.describe()),
+        "duration": float(trajectory.duration),
+        "contact_step": float(trajectory.contact_step),
+        "record_interval": float(trajectory.record_interval),
+        "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
+        **code,
+        "code_digest": code_digest(),
+        "git_revision": revision,
+        "git_dirty": dirty,
+        "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
+        "ending": Ending(trajectory.ending).name.lower(),
+        "message": trajectory.message,
+        "complete": int(trajectory.complete),
+    }
+
+
+def _write_file(tree: xarray.DataTree, path: Path) -> None:
+    """Write all of a tree to a new netCDF-4 file, `complete` after everything else."""
+    with netCDF4.Dataset(path, "w", format="NETCDF4", clobber=False) as file:
+        for node in tree.subtree:
+            group = file if node is tree else file.createGroup(node.path)
+            dataset = node.to_dataset(inherit=False)
+            for dimension, size in dataset.sizes.items():
+                group.createDimension(str(dimension), size)
+            for name, variable in dataset.variables.items():
+                _write_variable(group, str(name), variable)
+            group.setncatts({k: v for k, v in dataset.attrs.items() if k != "complete"})
+        file.sync()
+        file.setncattr("complete", tree.attrs["complete"])
+
+
+def _write_variable(group: netCDF4.Dataset, name: str, variable: xarray.Variable) -> None:
+    """Write one numeric variable, compressed without loss."""
+    target = group.createVariable(
+        name,
+        variable.dtype.str,
+        [str(dimension) for dimension in variable.dims],
+        compression="zlib",
+        complevel=1,
+        shuffle=True,
+        # A chunk is written once it is full; the library would keep 64 MiB of every variable.
+        chunk_cache=8 * _CHUNK,
+        # An empty dimension still wants a chunk of at least one value.
+        chunksizes=[min(max(size, 1), _CHUNK) for size in variable.shape],
+        # A missing value is a NaN, which needs no fill value; every value is written below.
+        fill_value=False,
+    )
+    target.setncatts(variable.attrs)
+    target[...] = variable.values

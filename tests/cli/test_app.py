@@ -1,0 +1,301 @@
+"""The command: what it refuses, what it leaves behind and how it ends."""
+
+import dataclasses
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray
+import yaml
+from support.command_line import Command, left_behind
+from support.conf_files import CONF, options
+from support.synthetic import synthetic_trajectory
+
+from contactlab import engine
+from contactlab.cli import app
+from contactlab.laws import LawError
+from contactlab.trajectory import Ending, Trajectory
+
+
+@pytest.fixture
+def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Ending | BaseException], None]:
+    """Replaces the simulation by one that is over at once and ends as asked."""
+
+    def replace(how: Ending | BaseException) -> None:
+        def simulate(*_: object, **__: object) -> Trajectory:
+            if isinstance(how, BaseException):
+                raise how
+            trajectory = synthetic_trajectory(duration=1e-3)
+            message = "" if how is Ending.COMPLETE else "It ended too early."
+            return dataclasses.replace(trajectory, ending=how, message=message)
+
+        monkeypatch.setattr(engine, "simulate", simulate)
+
+    return replace
+
+
+def configuration_of(path: Path) -> dict[str, dict[str, Any]]:
+    with xarray.open_dataset(path) as root:
+        configuration: dict[str, dict[str, Any]] = yaml.safe_load(root.attrs["configuration"])
+    return configuration
+
+
+def test_help_tells_of_every_group_and_option(command: Command) -> None:
+    status, out, _ = command("--help")
+    assert status == 0
+    for group in (path.name for path in CONF.iterdir() if path.is_dir()):
+        assert f"{group}: {', '.join(options(group))}" in out
+    assert 'eval "$(contactlab -sc install=bash)"' in out
+    assert left_behind() == []
+
+
+def test_configuration_is_shown_and_nothing_run(command: Command) -> None:
+    status, out, _ = command("--cfg", "job", "experiment=case_a", "law=lagrange_stick")
+    assert status == 0
+    shown = yaml.safe_load(out)
+    assert shown["law"] == {"name": "lagrange_stick"}
+    assert shown["drive"]["frequency"] == 3210.0
+    assert left_behind() == []
+
+
+def test_version_is_shown(command: Command) -> None:
+    status, out, _ = command("--version")
+    assert status == 0
+    assert out.startswith("contactlab ")
+    assert "hydra-core 1.3" in out
+
+
+@pytest.mark.parametrize(
+    ("line", "completion"),
+    [
+        ("contactlab law=lagrange_", "law=lagrange_slip law=lagrange_stick"),
+        ("contactlab solver.d", "solver.duration="),
+        ("contactlab law/normal=hertz_p", "law/normal=hertz_point"),
+        ("contactlab law=composed law.normal.s", "law.normal.stiffness="),
+        ("contactlab -m experiment=c", "experiment=case_a"),
+    ],
+)
+def test_tab_completes_options_and_keys(
+    command: Command, monkeypatch: pytest.MonkeyPatch, line: str, completion: str
+) -> None:
+    monkeypatch.setenv("COMP_LINE", line)
+    status, out, _ = command("-sc", "query=bash")
+    assert status == 0
+    assert out.strip() == completion
+
+
+# What it leaves behind
+
+
+def test_a_composed_law_runs_with_any_part_and_says_which(command: Command) -> None:
+    status, _, err = command(
+        "law=composed",
+        "law/normal=linear",
+        "law/damping=none",
+        "law/friction=coulomb",
+        "law.normal.stiffness=2e7",
+        "solver.duration=0.2 ms",
+        "hydra.run.dir=here",
+    )
+    assert status == 0, err
+    assert configuration_of(Path("here/run.nc"))["law"] == {
+        "name": "composed",
+        "normal": {"name": "linear", "stiffness": 2e7},
+        "damping": {"name": "none"},
+        "friction": {"name": "coulomb", "static_ratio": 1.0},
+    }
+
+
+def test_a_sweep_runs_over_parts(command: Command, ending: Callable[[Ending], None]) -> None:
+    ending(Ending.COMPLETE)
+    status, _, err = command(
+        "-m", "law=composed", "law/normal=linear,hertz_point", "hydra.sweep.dir=here"
+    )
+    assert status == 0, err
+    laws = [configuration_of(path)["law"] for path in sorted(Path("here").glob("*/run.nc"))]
+    assert [law["normal"] for law in laws] == [
+        {"name": "hertz_point", "stiffness": 1e10},
+        {"name": "linear", "stiffness": 1e7},
+    ]
+
+
+def test_a_file_of_ones_own_is_an_option(
+    command: Command, ending: Callable[[Ending], None], tmp_path: Path
+) -> None:
+    ending(Ending.COMPLETE)
+    folder = tmp_path / "mine/law"
+    folder.mkdir(parents=True)
+    text = "name: hertz_penalty\nstiffness: 3.0e+10\ntip_radius: null\n"
+    (folder / "stiff.yaml").write_text(text)
+    (folder / "rubber.yaml").write_text(
+        "defaults:\n  - composed\n  - override normal: linear\n  - _self_\nnormal:\n  stiffness: 1e4\n"
+    )
+    for name, stiffness in (("stiff", {"stiffness": 3e10}), ("rubber", {"normal": 1e4})):
+        status, _, err = command("--config-dir", "mine", f"law={name}", "hydra.run.dir=here")
+        assert status == 0, err
+        law = configuration_of(Path("here/run.nc"))["law"]
+        for key, value in stiffness.items():
+            assert law[key] == value or law[key] == {"name": "linear", "stiffness": value}
+
+
+def test_an_exception_of_a_law_is_a_sentence(
+    command: Command, ending: Callable[[Ending | BaseException], None]
+) -> None:
+    ending(LawError("The run ended because the law mine raised KeyError: 'x'."))
+    status, _, err = command("hydra.run.dir=here")
+    assert status == 1
+    sentence, where = err.splitlines()
+    assert sentence == "The run ended because the law mine raised KeyError: 'x'."
+    assert where.endswith("here/run.log.")
+    assert "Traceback" in Path("here/run.log").read_text(encoding="utf-8")
+
+
+def test_run_leaves_dataset_picture_and_summary(command: Command) -> None:
+    status, out, err = command("solver.duration=0.2 ms", "hydra.run.dir=here")
+    assert status == 0, err
+    assert "rotor" in out
+    configuration = configuration_of(Path("here/run.nc"))
+    assert configuration["solver"]["duration"] == 0.2e-3
+    assert configuration["drive"]["frequency"] == pytest.approx(3210.121, rel=1e-6)
+    with xarray.open_dataset("here/run.nc") as root:
+        assert root.attrs["complete"] == 1
+    assert Path("here/run.png").read_bytes().startswith(b"\x89PNG")
+    assert not list(Path("here").glob("*.log"))
+
+
+def test_sweep_runs_every_combination_in_a_directory_of_its_own(command: Command) -> None:
+    status, out, err = command(
+        "solver.duration=0.2 ms", "-m", "law=lagrange_stick,hertz_penalty", "hydra.sweep.dir=here"
+    )
+    assert status == 0, err
+    assert "#0 : " in out
+    directories = sorted(path.parent.name for path in Path("here").glob("*/run.nc"))
+    assert directories == [
+        "law=hertz_penalty,solver.duration=0.2_ms",
+        "law=lagrange_stick,solver.duration=0.2_ms",
+    ]
+    laws = [configuration_of(Path("here") / name / "run.nc")["law"]["name"] for name in directories]
+    assert laws == ["hertz_penalty", "lagrange_stick"]
+
+
+def test_experiment_is_a_change_of_the_default_that_arguments_override(
+    command: Command, ending: Callable[[Ending], None]
+) -> None:
+    ending(Ending.COMPLETE)
+    status, _, err = command("experiment=case_a", "drive.phase=0", "hydra.run.dir=here")
+    assert status == 0, err
+    configuration = configuration_of(Path("here/run.nc"))
+    assert configuration["drive"]["frequency"] == 3210.0
+    assert configuration["drive"]["phase"] == 0.0
+    assert configuration["solver"]["duration"] == 5e-3
+
+
+def test_configuration_may_ask_for_a_sweep_itself(
+    command: Command, ending: Callable[[Ending], None]
+) -> None:
+    ending(Ending.COMPLETE)
+    status, _, err = command("hydra.mode=MULTIRUN", "contact.clearance=1 um,2 um")
+    assert status == 0, err
+    assert len(list(Path("multirun").rglob("run.nc"))) == 2
+
+
+def test_task_can_be_sent_to_another_process() -> None:
+    assert pickle.loads(pickle.dumps(app.run)) is app.run
+
+
+# How it ends
+
+
+@pytest.mark.parametrize(
+    "how", [Ending.DIVERGED, Ending.CHATTERED, Ending.UNBALANCED, Ending.STALLED]
+)
+def test_run_that_is_not_complete_is_written_as_such_with_status_1(
+    command: Command, ending: Callable[[Ending], None], how: Ending
+) -> None:
+    ending(how)
+    status, _, err = command("hydra.run.dir=here")
+    assert status == 1
+    assert "It ended too early." in err
+    with xarray.open_dataset("here/run.nc") as root:
+        assert root.attrs["complete"] == 0
+
+
+def test_sweep_goes_on_after_a_run_that_ended_early_and_has_status_1(
+    command: Command, ending: Callable[[Ending], None]
+) -> None:
+    ending(Ending.DIVERGED)
+    status, _, _ = command("-m", "contact.clearance=1 um,2 um")
+    assert status == 1
+    assert len(list(Path("multirun").rglob("run.nc"))) == 2
+
+
+def test_interrupted_run_leaves_nothing_that_looks_whole(
+    command: Command, ending: Callable[[Ending | BaseException], None]
+) -> None:
+    ending(Ending.COMPLETE)
+    assert command("hydra.run.dir=here")[0] == 0
+
+    ending(KeyboardInterrupt())
+    status, _, err = command("hydra.run.dir=here")
+    assert status == 130
+    assert err == "Interrupted before the run was written.\n"
+    assert not list(Path("here").glob("*run*"))
+
+    ending(Ending.INTERRUPTED)
+    status, _, err = command("hydra.run.dir=here")
+    assert status == 130
+    assert err == "It ended too early.\n"
+    with xarray.open_dataset("here/run.nc") as root:
+        assert root.attrs["complete"] == 0
+
+
+def test_interrupt_stops_a_sweep(
+    command: Command, ending: Callable[[Ending | BaseException], None]
+) -> None:
+    ending(Ending.INTERRUPTED)
+    status, _, _ = command("-m", "contact.clearance=1 um,2 um")
+    assert status == 130
+    assert len(list(Path("multirun").rglob("run.nc"))) == 1
+
+
+def test_disk_that_fails_is_told_in_a_sentence(
+    command: Command, ending: Callable[[Ending], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(*_: object) -> None:
+        raise OSError(28, "No space left on device", "run.nc")
+
+    ending(Ending.COMPLETE)
+    monkeypatch.setattr("contactlab.results.netcdf.write_tree", write)
+    status, _, err = command("hydra.run.dir=here")
+    assert status == 1
+    assert "The run could not be written: " in err
+    assert "No space left on device" in err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send.")
+def test_ctrl_c_ends_the_real_command_with_status_130(tmp_path: Path) -> None:
+    long_run = ["solver.duration=1e4", "record.interval=1e-2", "hydra.run.dir=here"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "contactlab", *long_run],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    patience = time.monotonic() + 60.0
+    while not (tmp_path / "here/.hydra/overrides.yaml").exists() and process.poll() is None:
+        assert time.monotonic() < patience
+        time.sleep(0.05)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60.0)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err
+    if (tmp_path / "here/run.nc").exists():
+        with xarray.open_dataset(tmp_path / "here/run.nc") as root:
+            assert root.attrs["complete"] == 0

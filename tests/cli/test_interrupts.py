@@ -1,0 +1,94 @@
+"""Ctrl-C comes out where a run can stand it."""
+
+import signal
+import threading
+
+import pytest
+
+from contactlab.cli import interrupts
+
+
+class EndedError(Exception):
+    """Stands for the end of the process."""
+
+
+@pytest.fixture(autouse=True)
+def _end_is_an_exception(monkeypatch: pytest.MonkeyPatch) -> None:
+    def end(status: int) -> None:
+        raise EndedError(status)
+
+    monkeypatch.setattr("os._exit", end)
+
+
+def press_ctrl_c() -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def test_ctrl_c_ends_a_start_at_once_with_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    with interrupts.ending_at_once(), pytest.raises(EndedError, match="130"):
+        press_ctrl_c()
+    assert capsys.readouterr().err == "Interrupted before the run was written.\n"
+
+
+def test_ctrl_c_waits_for_the_next_look() -> None:
+    with interrupts.waiting() as look:
+        look()
+        press_ctrl_c()
+        with pytest.raises(KeyboardInterrupt):
+            look()
+        look()
+
+
+def test_ctrl_c_after_the_last_look_is_not_lost() -> None:
+    def simulate() -> None:
+        with interrupts.waiting() as look:
+            look()
+            press_ctrl_c()
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate()
+
+
+def test_ctrl_c_before_the_first_look_or_twice_ends_at_once() -> None:
+    with interrupts.waiting() as look:
+        with pytest.raises(EndedError):
+            press_ctrl_c()
+        look()
+        press_ctrl_c()
+        with pytest.raises(EndedError):
+            press_ctrl_c()
+        with pytest.raises(KeyboardInterrupt):
+            look()
+
+
+def test_ctrl_c_raises_while_files_are_written() -> None:
+    with interrupts.ending_at_once(), interrupts.raising(), pytest.raises(KeyboardInterrupt):
+        press_ctrl_c()
+
+
+def test_handlers_are_restored_and_an_ignored_ctrl_c_stays_ignored() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interrupts.ending_at_once(), interrupts.waiting() as look:
+            press_ctrl_c()
+            look()
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with interrupts.ending_at_once():
+        assert signal.getsignal(signal.SIGINT) is not before
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_threads_other_than_the_main_one_leave_ctrl_c_alone() -> None:
+    seen = []
+
+    def work() -> None:
+        with interrupts.waiting() as look:
+            look()
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert seen == [signal.getsignal(signal.SIGINT)]

@@ -1,0 +1,46 @@
+"""A run does not depend on whether anybody can read what it prints."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from contactlab.metrics import read_run
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="The shell's words for closed streams.")
+
+RUN = "solver.duration=0.2 ms"
+
+
+def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    command = (
+        f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {words}"
+    )
+    return subprocess.run(
+        ["/bin/sh", "-c", command], cwd=folder, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.parametrize(
+    "words", ["2>&-", ">&-", "<&- >&- 2>&-", "> /dev/full", "| true"], ids=lambda words: words
+)
+def test_a_run_is_whole_wherever_its_words_go(words: str, tmp_path: Path) -> None:
+    if "/dev/full" in words and not Path("/dev/full").exists():
+        pytest.skip("No device that is always full.")
+    ran = shell(words, tmp_path)
+    assert json.loads((tmp_path / "run/state.json").read_text())["state"] == "complete"
+    tree = read_run(tmp_path / "run" / "run.nc")
+    assert tree["time"].values[-1] == 0.2e-3
+    assert "Traceback" not in ran.stderr
+    assert "Exception ignored" not in ran.stderr
+    assert ran.returncode == 0
+
+
+def test_a_closed_stream_does_not_hide_a_fault(tmp_path: Path) -> None:
+    ran = shell("law=nosuch 2>&-", tmp_path)
+    assert ran.returncode == 2
+    assert not ran.stdout
+    assert not (tmp_path / "run").exists()

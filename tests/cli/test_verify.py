@@ -1,0 +1,80 @@
+"""`contactlab verify` tells every claim and its verdict, and its exit status is the verdict on all."""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from support.command_line import Command
+
+from contactlab.cli import verify
+from contactlab.cli.verbs import VERBS
+from contactlab.testing import Claim, at_most, close
+from contactlab.testing.flights.touchdowns import random_touchdowns
+from contactlab.testing.references import REFERENCES
+
+GROUPS = "contactlab.cli.verify._groups"
+
+
+def test_an_installed_copy_verifies_itself(command: Command) -> None:
+    status, out, _ = command("verify")
+    assert status == 0
+    rows = out.splitlines()
+    assert sum(row.endswith("holds") for row in rows) > 150
+    # What the law that always slips declares to break is broken, and shown.
+    assert sum(row.endswith("broken, as declared") for row in rows) >= 5
+    assert "0 fail" in rows[-1]
+
+
+@pytest.mark.parametrize(
+    ("claim", "status", "words"),
+    [
+        (close("a true one", 1.0, 1.0, 1e-9), 0, "1 hold"),
+        (close("a false one", 1.1, 1.0, 1e-9), 1, "Failed: a false one: found 1.1"),
+        (close("not a number", float("nan"), 1.0, 1.0), 1, "1 fail"),
+        (at_most("a broken one", 2.0, 1.0).excused("it says so"), 0, "1 are broken"),
+        (at_most("a kept one", 0.0, 1.0).excused("it says so"), 1, "HOLDS, declared broken"),
+    ],
+)
+def test_the_exit_status_is_the_verdict(
+    claim: Claim, status: int, words: str, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    def groups() -> Iterator[tuple[str, Callable[[], list[Claim]]]]:
+        yield "One claim", lambda: [claim]
+
+    monkeypatch.setattr(GROUPS, groups)
+    found, out, _ = command("verify")
+    assert found == status
+    assert words in out
+
+
+def test_an_unknown_option_is_refused_in_a_sentence(command: Command) -> None:
+    status, _, err = command("verify", "--fast")
+    assert status == 2
+    assert "--fast is not understood" in err
+
+
+def test_a_word_that_is_no_verb_is_refused_with_the_verbs(command: Command) -> None:
+    status, _, err = command("verfy")
+    assert status == 2
+    assert f"it must be one of {', '.join(VERBS)}. Did you mean verify?" in err
+
+
+def test_help_names_the_verbs(command: Command) -> None:
+    assert "contactlab verify" in command("--help")[1]
+    assert "random flights" in command("verify", "--help")[1]
+
+
+@pytest.mark.parametrize("reference", [*REFERENCES, random_touchdowns], ids=lambda f: f.__name__)
+def test_what_others_found_is_found(reference: Callable[[], Iterator[Claim]]) -> None:
+    failed = [str(claim) for claim in reference() if not claim.holds]
+    assert not failed, "\n".join(failed)
+
+
+def test_long_claims_are_cut_to_the_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr(
+        GROUPS, lambda: iter([("One", lambda: [at_most("very " * 40 + "long", 0.0, 1.0)])])
+    )
+    assert verify.main([]) == 0
+    assert max(map(len, capsys.readouterr().out.splitlines()[:4])) <= 100

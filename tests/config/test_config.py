@@ -1,0 +1,316 @@
+"""A configuration either builds exactly what it says or is refused with all its faults at once."""
+
+import math
+import subprocess
+import sys
+from itertools import pairwise, product
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+from support.conf_files import CONF, altered, composed, options
+
+from contactlab.config import build, law_defaults, validate
+from contactlab.config.faults import ConfigurationError, known_keys
+from contactlab.config.law_section import section_of, takes_tolerance
+from contactlab.config.rules import MOST_RECORDS
+from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
+
+
+def faults(changes: dict[str, object], **choices: str) -> list[str]:
+    with pytest.raises(ConfigurationError) as caught:
+        build(altered(changes, **choices))
+    return caught.value.faults
+
+
+def test_default_configuration_builds_the_motor_of_the_paper() -> None:
+    setup = build(composed())
+    assert setup.motor.modes.natural_frequency == pytest.approx(
+        [3210.121, 5460.688, 13202.46, 17786.32], rel=1e-6
+    )
+    assert setup.law == HertzPenalty(stiffness=1e10, friction_coefficient=0.3)
+    assert setup.motor.rotor.inertia == 4.8e-5
+    assert setup.motor.geometry.clearance == 1e-6
+    assert setup.duration == 0.02
+    assert setup.record_interval == 1e-6
+
+
+def test_resolved_configuration_holds_the_numbers_that_run() -> None:
+    setup = build(composed())
+    assert setup.configuration["drive"]["frequency"] == setup.motor.modes.natural_frequency[0]
+    assert setup.configuration["drive"]["frequency"] == setup.motor.drive.frequency[0]
+    assert setup.configuration["solver"]["contact_step"] == HertzPenalty.default_contact_step
+    assert setup.configuration["solver"]["tolerance"] == DEFAULT_TOLERANCE
+    assert setup.contact_step == HertzPenalty.default_contact_step
+    assert setup.tolerance == DEFAULT_TOLERANCE
+
+
+def test_resolved_configuration_builds_itself_again() -> None:
+    changes: dict[str, object] = {
+        "law.stiffness": None,
+        "law.tip_radius": "5 mm",
+        "drive.phase": "-36 deg",
+    }
+    first = build(altered(changes))
+    again = build(first.configuration)
+    assert again.configuration == first.configuration
+    assert again.law == first.law
+    assert np.array_equal(again.motor.drive.phasors, first.motor.drive.phasors)
+
+
+@pytest.mark.parametrize(
+    ("law", "resonator", "placement", "piezoceramic"),
+    list(product(*(options(g) for g in ("law", "resonator", "placement", "piezoceramic")))),
+)
+def test_every_choice_builds(law: str, resonator: str, placement: str, piezoceramic: str) -> None:
+    setup = build(
+        composed(law=law, resonator=resonator, placement=placement, piezoceramic=piezoceramic)
+    )
+    assert setup.law.name == law
+    assert setup.configuration["resonator"]["basis"] == resonator
+    assert setup.configuration["placement"] == composed(placement=placement)["placement"]
+
+
+def test_law_has_one_name_as_option_section_and_class() -> None:
+    assert set(options("law")) >= set(LAWS)
+    for name in LAWS:
+        assert LAWS[name].name == name
+        assert composed(law=name)["law"]["name"] == name
+        assert section_of(name).model_fields["name"].annotation == Literal[name]
+
+
+def test_only_compliant_laws_take_a_tolerance() -> None:
+    for name, law in LAWS.items():
+        assert takes_tolerance(name) == section_of(name).takes_tolerance
+        assert takes_tolerance(name) == issubclass(law, PenaltyLaw)
+    assert build(composed(law="lagrange_stick")).tolerance is None
+    (fault,) = faults({"solver.tolerance": 1e-6}, law="lagrange_stick")
+    assert fault.startswith("solver.tolerance is 1e-06; it must be null with law=lagrange_stick")
+
+
+def test_texts_with_units_build_the_same_as_numbers() -> None:
+    texts: dict[str, object] = {
+        "contact.clearance": "1 um",
+        "drive.frequency": "3.21 kHz",
+        "drive.phase": "-36 deg",
+        "solver.duration": "5 ms",
+        "rotor.inertia": "480 g cm**2",
+    }
+    numbers: dict[str, object] = {
+        "contact.clearance": 1e-6,
+        "drive.frequency": 3210,
+        "drive.phase": -math.pi / 5,
+        "solver.duration": 0.005,
+        "rotor.inertia": 4.8e-5,
+    }
+    assert build(altered(texts)).configuration == build(altered(numbers)).configuration
+
+
+def test_stiffness_follows_from_the_tip_radius() -> None:
+    setup = build(altered({"law.stiffness": None, "law.tip_radius": 5e-3}))
+    assert isinstance(setup.law, HertzPenalty)
+    assert setup.law.stiffness == hertz_stiffness(5e-3, 25e-3)
+    assert setup.configuration["law"]["stiffness"] == setup.law.stiffness
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("solver.contact_step", -1e-7, "is -1e-07 s; it must be greater than 0 s. Leave it out"),
+        ("solver.contact_step", 0, "must be greater than 0 s"),
+        ("solver.contact_step", 1.0, "at most 0.02 s, the solver.duration"),
+        ("solver.contact_step", 1e-300, "must be at least 2e-14 s"),
+        ("solver.duration", "abc", "is 'abc', which is not a number; it must be a number"),
+        ("solver.duration", True, "is true, which is not a number"),
+        ("solver.duration", None, "is null, which is not a number"),
+        ("solver.duration", [1.0], "is the list [1.0], which is not a number"),
+        ("solver.duration", {"value": 1.0}, "is a mapping, which is not a number"),
+        ("solver.duration", math.nan, "is nan, which is not finite"),
+        ("solver.duration", math.inf, "is inf, which is not finite"),
+        ("solver.duration", "nan", "which is not finite"),
+        ("solver.duration", 10**400, "which is too large"),
+        ("solver.duration", "5 mm", "whose unit 'mm' cannot be converted to s"),
+        ("solver.duration", "{braces}", "is '{braces}', which is not a number"),
+        ("solver.tolerance", 0.5, "must be at least 1e-14 and at most 0.01"),
+        ("record.interval", 0.03, "is 0.03 s; it must be at most 0.02 s"),
+        ("record.interval", 1e-12, "which makes 2e+10 records; it must be at least 2e-09 s"),
+        ("record.interval", -1, "must be greater than 0 s"),
+        ("contact.clearance", -1e-6, "must be at least 0 m"),
+        ("contact.clearance", "-1 um", "is '-1 um' (-1e-06 m); it must be at least 0 m"),
+        ("contact.friction_coefficient", -0.1, "must be at least 0 and at most 5"),
+        ("contact.friction_coefficient", 30, "must be at least 0 and at most 5"),
+        ("contact.tip_length", 0, "must be greater than 0 m"),
+        ("rotor.radius", 0, "must be greater than 0 m"),
+        ("rotor.inertia", 0, "must be greater than 0 kg m^2"),
+        ("rotor.damping", -1, "must be at least 0 N m s/rad"),
+        ("rotor.load_torque", "strong", "it must be a number in N m, for example '2 mN m'"),
+        ("law.stiffness", 0, "must be greater than 0 N/m^1.5"),
+        ("law.stiffness", None, "law.stiffness and law.tip_radius are both null"),
+        ("law.tip_radius", 5e-3, "exactly one of them must be a number and the other null"),
+        ("law.tip_radius", -1, "must be greater than 0 m"),
+        (
+            "law.name",
+            "lagrange_glue",
+            "must be one of 'composed', 'hertz_penalty', 'lagrange_slip'",
+        ),
+        ("resonator.shapes", 0, "must be at least 1 and at most 40"),
+        ("resonator.shapes", 41, "must be at least 1 and at most 40"),
+        ("resonator.shapes", 4.5, "which is not a whole number"),
+        ("resonator.basis", "wavelets", "must be one of 'ritz', 'finite_element'"),
+        ("resonator.length", -1, "must be greater than 0 m"),
+        ("resonator.tip_mass", -1, "must be at least 0 kg"),
+        ("resonator.tip_inertia", -1, "must be at least 0 kg m^2"),
+        ("resonator.mass_damping", -1, "must be at least 0 1/s"),
+        ("resonator.steel.density", 0, "must be greater than 0 kg/m^3"),
+        ("resonator.steel.poisson_ratio", 0.5, "must be greater than -1 and less than 0.5"),
+        ("placement.start", -1e-3, "must be at least 0 m"),
+        ("placement.start", 0.02, "0 m <= start < end <= 0.0285 m, half of resonator.length"),
+        ("placement.end", 0.03, "0 m <= start < end <= 0.0285 m, half of resonator.length"),
+        ("piezoceramic.bending_modulus", 0, "must be greater than 0 Pa"),
+        ("piezoceramic.constants", "guessed", "must be one of 'bending', 'tensor'"),
+        ("drive.frequency", 0, "must be at least 1e-09 Hz and at most 1e+09 Hz"),
+        ("drive.frequency", "20 krad/s", "cannot be converted to Hz"),
+        ("drive.frequency_ratio", -2, "must be at least 1e-09 and at most 1e+09"),
+        ("rotor", 5, "is 5; it must be a group of keys"),
+    ],
+)
+def test_fault_is_told_with_value_range_and_key(key: str, value: object, words: str) -> None:
+    (fault,) = faults({key: value})
+    assert key in fault
+    assert words in fault
+    assert fault.endswith((".", "?"))
+
+
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [
+        ("solver.contactstep", "solver.contact_step"),
+        ("frequency", "drive.frequency"),
+        ("contact.stiffness", "law.stiffness"),
+        ("drive.voltage1", "drive.voltage_1"),
+        ("laws", "law"),
+    ],
+)
+def test_unknown_key_is_refused_and_the_nearest_one_named(key: str, meant: str) -> None:
+    (fault,) = faults({key: 1.0})
+    assert fault == f"{key} is not a known key. Did you mean {meant}?"
+
+
+def test_unknown_key_like_no_other_is_told_what_there_is() -> None:
+    (fault,) = faults({"rotor.qwxyz": 1.0})
+    assert "it must be one of rotor.radius, rotor.inertia, rotor.damping" in fault
+
+
+def test_key_of_another_law_is_refused() -> None:
+    (fault,) = faults({"law.stiffness": 1e9}, law="lagrange_slip")
+    assert fault.startswith("law.stiffness does not belong to lagrange_slip")
+
+
+def test_missing_keys_and_groups_are_told() -> None:
+    configuration = composed()
+    del configuration["drive"]["phase"], configuration["rotor"], configuration["law"]["name"]
+    with pytest.raises(ConfigurationError) as caught:
+        build(configuration)
+    assert [fault.partition(";")[0] for fault in caught.value.faults] == [
+        "law.name is missing",
+        "drive.phase is missing",
+        "rotor is missing",
+    ]
+
+
+def test_all_faults_come_at_once_those_between_keys_included() -> None:
+    found = faults(
+        {
+            "law.tip_radius": 5e-3,
+            "contact.clearance": -1e-6,
+            "solver.contact_step": "abc",
+            "record.interval": 1.0,
+            "placement.end": 0.05,
+            "resonator.shapes": 0,
+            "drive.amplitude": 3.0,
+            "motor": {},
+        }
+    )
+    starts = [fault.split()[0] for fault in found]
+    assert sorted(starts) == [
+        "contact.clearance",
+        "drive.amplitude",
+        "law.stiffness",
+        "motor",
+        "placement.start",
+        "record.interval",
+        "resonator.shapes",
+        "solver.contact_step",
+    ]
+    assert str(ConfigurationError(found)).splitlines() == found
+
+
+def test_rule_stays_silent_where_one_of_its_keys_is_faulty() -> None:
+    found = faults({"solver.duration": -1, "record.interval": 1.0})
+    assert [fault.split()[0] for fault in found] == ["solver.duration"]
+
+
+def test_as_many_records_as_fit_are_admitted() -> None:
+    assert validate(altered({"record.interval": 0.02 / MOST_RECORDS}))
+
+
+def test_undamped_resonator_runs_off_resonance_only() -> None:
+    undamped: dict[str, object] = {
+        "resonator.mass_damping": 0,
+        "resonator.stiffness_damping": 0,
+    }
+    assert build(altered(undamped | {"drive.frequency": 3210.0}))
+    (fault,) = faults(undamped)
+    assert fault.startswith("drive.frequency is null, that is the first natural frequency")
+    second = build(composed()).motor.modes.natural_frequency[1]
+    (fault,) = faults(undamped | {"drive.frequency": float(second) / 2.0})
+    assert fault.startswith("drive.frequency times drive.frequency_ratio is 5460.688")
+
+
+def test_unstable_elastic_tensor_is_refused() -> None:
+    (fault,) = faults({"piezoceramic.c13": 300e9}, piezoceramic="pz26_datasheet")
+    assert "stores negative energy" in fault
+
+
+def test_every_key_of_conf_is_explained_in_the_line_above() -> None:
+    for path in CONF.glob("*/*.yaml"):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        if path.parent.name == "experiment":
+            assert lines[:1] == ["# @package _global_"]
+            assert lines[1].startswith("# ")
+            continue
+        for above, line in pairwise(lines):
+            _, colon, value = line.partition(":")
+            if colon and value and not line.lstrip().startswith("#"):
+                assert above.lstrip().startswith("# "), f"{path.name}: {line}"
+
+
+def keys_of(section: dict[str, Any], path: str) -> set[str]:
+    """Full keys of a configuration."""
+    found = set()
+    for name, value in section.items():
+        key = f"{path}{name}"
+        found |= keys_of(value, f"{key}.") if isinstance(value, dict) else {key}
+    return found
+
+
+def test_conf_gives_every_key_a_default() -> None:
+    given = set()
+    groups = ("law", "resonator", "piezoceramic")
+    for chosen in product(*(options(group) for group in groups)):
+        given |= keys_of(composed(**dict(zip(groups, chosen, strict=True))), "")
+    for group in law_defaults.groups()[1:]:
+        for option in options(group):
+            given |= keys_of(composed(**{"law": "composed", group: option}), "")
+    assert given == set(known_keys())
+
+
+def test_fault_is_told_before_compiler_and_unit_library_are_loaded() -> None:
+    code = (
+        "import sys, contactlab.config as c\n"
+        "try: c.build({'law': {'name': 'hertz_penalty', 'stiffness': -1.0, 'tip_radius': None}})\n"
+        "except ValueError as error: assert 'law.stiffness' in str(error)\n"
+        "sys.exit(bool({'numba', 'scipy', 'pint', 'hydra', 'xarray'} & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

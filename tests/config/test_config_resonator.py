@@ -1,0 +1,70 @@
+"""The resonator's group: one beam in either basis, and faults told with the basis that was chosen."""
+
+import numpy as np
+import pytest
+from support.conf_files import altered, composed, options
+
+from contactlab.config import build, schema
+from contactlab.config.faults import ConfigurationError
+from contactlab.motor import FiniteElementResonator, beam, finite_element
+
+
+def faults(changes: dict[str, object], resonator: str) -> list[str]:
+    with pytest.raises(ConfigurationError) as caught:
+        build(altered(changes, resonator=resonator))
+    return caught.value.faults
+
+
+def test_bases_describe_the_same_beam() -> None:
+    sections = [composed(resonator=name)["resonator"] for name in options("resonator")]
+    own = {"basis", "shapes", "kept_modes", "static_correction"}
+    beams = [{k: v for k, v in section.items() if k not in own} for section in sections]
+    assert beams[0] == beams[1]
+
+
+def test_finite_elements_build_the_converged_motor() -> None:
+    setup = build(altered({"resonator.kept_modes": 2}, resonator="finite_element"))
+    modes = FiniteElementResonator(kept_modes=2).modes
+    assert np.array_equal(setup.motor.modes.stiffness, modes.stiffness)
+    assert setup.configuration["drive"]["frequency"] == modes.natural_frequency[0]
+    bare = altered(
+        {"resonator.kept_modes": 2, "resonator.static_correction": False},
+        resonator="finite_element",
+    )
+    assert build(bare).motor.modes.stiffness.size == 2
+
+
+def test_most_shapes_is_what_the_beam_vouches_for() -> None:
+    assert schema.MOST_SHAPES == beam.MOST_SHAPES
+
+
+def test_most_kept_modes_is_what_the_finite_elements_vouch_for() -> None:
+    assert schema.MOST_KEPT_MODES == finite_element.MOST_KEPT_MODES
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("resonator.kept_modes", 0, "is 0; it must be at least 1 and at most 40"),
+        ("resonator.kept_modes", 41, "is 41; it must be at least 1 and at most 40"),
+        ("resonator.kept_modes", 2.5, "which is not a whole number"),
+        ("resonator.static_correction", 1, "is 1; it must be true or false. Leave it out"),
+        ("resonator.static_correction", "yes", "is 'yes'; it must be true or false"),
+        ("resonator.shapes", 4, "does not belong to finite_element"),
+    ],
+)
+def test_fault_of_finite_elements_is_told_likewise(key: str, value: object, words: str) -> None:
+    (fault,) = faults({key: value}, "finite_element")
+    assert fault.startswith(key)
+    assert words in fault
+
+
+@pytest.mark.parametrize("resonator", options("resonator"))
+def test_numbers_beyond_double_precision_are_refused(resonator: str) -> None:
+    tiny: dict[str, object] = {
+        "resonator.length": 1e-200,
+        "placement.start": 0,
+        "placement.end": 1e-201,
+    }
+    (fault,) = faults(tiny, resonator)
+    assert "modes that double precision does not resolve" in fault

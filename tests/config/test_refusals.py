@@ -1,0 +1,192 @@
+"""What the command refuses: in sentences, all at once, and nothing is written."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.command_line import Command, left_behind
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["law=hertz"], "law is 'hertz'; it must be one of composed, hertz_penalty"),
+        (["law=hertz"], "Did you mean hertz_penalty?"),
+        (["law=null"], "law is null; it must be one of composed"),
+        (
+            ["experiment=case_b"],
+            "experiment is 'case_b'; it must be one of basis_convergence, case_a,",
+        ),
+        (["solver=5"], "solver is 5; it must be one of default"),
+        (["contactstep=1"], "contactstep is not a known key. Did you mean solver.contact_step?"),
+        (["+drive.gain=2"], "drive.gain is not a known key"),
+        (["+drive.phase=2"], "+drive.phase=2 adds a key that exists"),
+        (["~drive.phase"], "drive.phase is missing"),
+        (["law/foo=bar"], "law/foo is not a known key"),
+        (
+            ["law=lagrange_slip", "law.stiffness=1"],
+            "law.stiffness does not belong to lagrange_slip",
+        ),
+        (
+            ["law=hertz_penalty", "law/normal=linear"],
+            "law/normal=linear does not belong to law=hertz_penalty; it must be absent",
+        ),
+        (
+            ["law=composed", "law/normal=rubber"],
+            "law/normal is 'rubber'; it must be one of hertz_elliptic",
+        ),
+        (["law=composed", "law.normal.name=rubber"], "Choose one by law/normal=NAME"),
+        (
+            ["law=composed", "law.friction.bristle_stiffness=1"],
+            "law.friction.bristle_stiffness does not belong to coulomb",
+        ),
+        (["law=composed", "law.normal.name=linear"], "of one law/normal to another"),
+        (["law=composed", "law.normal={name:linear}"], "Choose one by law/normal=NAME, of hertz_"),
+        (["law=composed", "law.normal=linear"], "must be a choice, law/normal=NAME"),
+        (
+            ["-m", "law=composed", "law.friction.name=coulomb,lugre"],
+            "of one law/friction to another",
+        ),
+        (["law.name=lagrange_stick"], "of one law to another"),
+        (["law.name=nosuch", "solver.tolerance=1e-8"], "Choose one by law=NAME, of composed"),
+        (
+            ["resonator.basis=finite_element"],
+            "Choose one by resonator=NAME, of finite_element, ritz",
+        ),
+        (["piezoceramic.constants=tensor"], "Choose one by piezoceramic=NAME"),
+        (["hydra.sweeper=optuna"], "must be a choice, hydra/sweeper=NAME. Choose one of basic"),
+        (["hydra.launcher=joblib"], "must be a choice, hydra/launcher=NAME"),
+        (["+hydra.foo=1"], "+hydra.foo=1 is no key of Hydra's"),
+        (["hydra.sweper.params={}"], "Did you mean sweeper?"),
+        (["hydra.searchpath=[file:///nowhere]"], "path=/nowhere is not available"),
+        (["hydra.output_subdir=/"], "must be a folder below that of the run"),
+        (["hydra.output_subdir=../above"], "must be a folder below that of the run"),
+        (["hydra.run.dir="], "is empty, as of a shell variable that is not set"),
+        (["hydra.hydra_logging.formatters=1"], "The run could not be started"),
+        (["contact.clearance=1"], "at most 0.001 m, the resonator.beam_thickness"),
+        (["drive.phase=1e17"], "at most 1e+06 rad"),
+        (["drive.voltage_1=1e300"], "at most 100000 V"),
+        (["drive.frequency=1e-320"], "it must be at least 1e-09 Hz"),
+        (["drive.frequency_ratio=1e300"], "at most 1e+09"),
+        (["contact.clearance=" + "9" * 5000], "cannot be read"),
+        (["contact.clearance='1e9999999999 m'"], "which is too large"),
+        (["contact.clearance=" + "{a:" * 500 + "1" + "}" * 500], "nested too deeply"),
+        (["contact.clearance=1\udcb5m"], "has bytes that are no text; it must be UTF-8"),
+        (["hydra.run.dir=a\0b"], "has bytes that are no text"),
+        (["colect", "here"], "There is no verb 'colect'"),
+        (["Verify"], "Did you mean verify?"),
+        (["--multirn"], "Did you mean --multirun?"),
+        (["laws", "hertz"], "Did you mean hertz_penalty or"),
+        (["laws", "--lawz"], "--lawz is not understood"),
+        (["verify", "now"], "'now' is not there; it must be a netCDF-4 file"),
+        (["collect", "here", "--outptu=x"], "Did you mean --output?"),
+        (["collect", ""], "an argument is empty"),
+        (["compare", "here", "--no-refin"], "Did you mean --no-refine?"),
+        (["compare"], "the following arguments are required: DIR"),
+        (["animate", "nowhere/run.nc"], "There is no file 'nowhere/run.nc'"),
+        (["animate", "run.nc", "--fsp", "3"], "Did you mean --fps?"),
+        (["map", "--workers=x", "sweep.drive.phase=1,2"], "invalid int value: 'x'"),
+        (["-m", "drive.phase=range(0,1,1e-9)"], "has 1e+09 values; it must have at most 100000"),
+        (["-m", "drive.phase=range(0,inf,1)"], "does not end"),
+        (["-m", "drive.phase=range(0,1,0)"], "does not end"),
+        (["-m", "drive.phase=range(1,1)"], "a range ends before its STOP"),
+        (["-m", "law=glob(nosuch*)"], "has no values"),
+        (
+            ["-m", "drive.phase=range(0,1000)", "drive.voltage_1=range(0,1000)"],
+            "1000 x 1000 = 1e+06 runs are asked for",
+        ),
+        (["law=composed", "law.normal.stiffness=2 N"], "cannot be converted to N/m^1.5"),
+        (["law=composed", "law.friction.static_ratio=0.5"], "it must be at least 1"),
+        (["law=composed", "~law.normal"], "law.normal is missing"),
+        (["-m", "law=composed", "law/normal=linear,rubber"], "law/normal is 'rubber'"),
+        (["hydra.run.folder=x"], "hydra.run.folder=x cannot be composed"),
+        (["contact.clearance=1", "um"], "um cannot be read; an argument must have the form"),
+        (["rotor.radius=(1"], "rotor.radius=(1 cannot be read"),
+        (["=1"], "=1 has no key"),
+        (["drive.phase=${nothing}"], "Interpolation key 'nothing' not found"),
+        (["solver.duration=1,2"], "gives several values; a single run takes one. Add -m"),
+        (["solver.duration=5 kg"], "whose unit 'kg' cannot be converted to s"),
+        (["solver.contact_step=-1e-7"], "solver.contact_step is -1e-07 s; it must be greater"),
+        (["placement.end=40 mm"], "half of resonator.length"),
+        (["hydra.run.dir=${nothing}"], "hydra.run.dir cannot be resolved"),
+        (["--config-name", "other"], "Cannot find primary config 'other'"),
+        (["--config-dir", "nowhere"], "which is not a directory"),
+        (["--run", "--multirun"], "Only one of --run, --multirun"),
+        (["--resolve"], "can only be used in conjunction with --cfg"),
+        (["--frobnicate"], "unrecognized arguments: --frobnicate"),
+        (["--help", "law=hertz"], "law is 'hertz'; it must be one of"),
+        (["--cfg", "job", "foo=1"], "foo is not a known key"),
+        (["-m", "drive.voltage_1=interval(0,1)"], "does not support sweep type"),
+        (["-m", "law=hertz_penalty,hertz"], "law is 'hertz'; it must be one of"),
+        (["-m", "contact.clearance=1e-6,-1e-6"], "contact.clearance is -1e-06 m"),
+        (["-m", "law=lagrange_slip,lagrange_stick", "hydra.sweep.subdir=x"], "to 2 jobs, which"),
+    ],
+)
+def test_bad_input_is_refused_in_a_sentence_and_nothing_is_written(
+    command: Command, arguments: list[str], words: str
+) -> None:
+    status, _, err = command(*arguments)
+    assert status == 2
+    assert words in err
+    assert "Traceback" not in err
+    assert left_behind() == []
+
+
+def test_faults_of_every_kind_come_at_once(command: Command) -> None:
+    status, out, err = command(
+        "law=hertz",
+        "um",
+        "contact.clearance=-1 um",
+        "record.interval=1 s",
+        "rotor.inertia=heavy",
+        "frequency=3 kHz",
+        "hydra.run.folder=x",
+    )
+    assert status == 2
+    assert out == ""
+    assert sorted(line.split()[0] for line in err.splitlines()) == [
+        "contact.clearance",
+        "frequency",
+        "hydra.run.folder=x",
+        "law",
+        "record.interval",
+        "rotor.inertia",
+        "um",
+    ]
+
+
+def test_faults_of_all_jobs_of_a_sweep_come_before_any_runs(command: Command) -> None:
+    status, out, err = command("-m", "law=lagrange_slip,hertz", "rotor.radius=0.025,-1,0")
+    assert status == 2
+    assert out == ""
+    assert [line.partition(";")[0] for line in err.splitlines()] == [
+        "rotor.radius is -1 m",
+        "rotor.radius is 0 m",
+        "law is 'hertz'",
+    ]
+
+
+@pytest.mark.parametrize("directory", ["/proc/nowhere", "file/below", "file", "back\\\\slash"])
+def test_directory_that_cannot_be_written_is_refused(command: Command, directory: str) -> None:
+    Path("file").touch()
+    for arguments in ([f"hydra.run.dir='{directory}'"], ["-m", f"hydra.sweep.dir='{directory}'"]):
+        status, _, err = command(*arguments)
+        assert status == 2
+        assert "cannot be written to" in err
+        assert "Traceback" not in err
+        assert left_behind() == [Path("file")]
+
+
+def test_real_command_refuses_with_status_2_and_no_traceback(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "contactlab", "solver.contact_step=-1e-7", "law=hertz"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 2
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,190 @@
+"""The step in contact where none is asked for: the law's own, less where the tip has fast modes."""
+
+import numpy as np
+import pytest
+from support.conf_files import composed
+from support.motors import case_a, default_resonator, every_law, hertz, run
+
+from contactlab.checks import SMALLEST_STEP
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.engine import simulate
+from contactlab.engine.contact_step import LARGEST_TURN, default_contact_step
+from contactlab.engine.plant import plant_of
+from contactlab.engine.tables import ROOM, tables_for
+from contactlab.laws import (
+    ContactLaw,
+    LagrangeSlip,
+    LagrangeStick,
+    MoreauJean,
+    MultiplierLaw,
+    Newton,
+    Poisson,
+    Stronge,
+)
+from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
+from contactlab.motor.drive import Drive
+from contactlab.motor.motor import Motor
+from contactlab.testing.plants import block
+from contactlab.trajectory import Trajectory
+
+PROJECTING = (LagrangeStick(), LagrangeSlip(), Newton(), Poisson(), Stronge())
+
+laws = pytest.mark.parametrize("law", PROJECTING, ids=lambda law: law.name)
+
+RINGING = {
+    "shapes": 35,
+    "tip_mass": 4.7e-5,
+    "tip_inertia": 7e-10,
+    "stiffness_damping": 2.3e-11,
+    "mass_damping": 0.41,
+}
+"""A resonator with a light tip and hardly any damping: all of its modes take part in an impact."""
+
+
+def ringing_setup(law: str, step: float | None = None) -> Setup:
+    """A small rotor before it, driven hard."""
+    sections = composed(law=law)
+    changes: dict[str, dict[str, float | None]] = {
+        "resonator": {**RINGING},
+        "drive": {"voltage_1": 470.0, "voltage_2": 160.0, "phase": 2.37, "frequency_ratio": 8.04},
+        "contact": {"friction_coefficient": 0.287, "clearance": 1.41e-6, "tip_length": 5.08e-3},
+        "rotor": {"radius": 3.07e-3, "inertia": 6.12e-8},
+        "solver": {"duration": 2e-3, "contact_step": step},
+    }
+    for section, keys in changes.items():
+        sections[section] |= keys
+    return build(sections)
+
+
+def run_of(setup: Setup) -> Trajectory:
+    found = simulate(
+        setup.motor,
+        setup.law,
+        duration=setup.duration,
+        record_interval=1e-5,
+        contact_step=setup.contact_step,
+    )
+    assert found.ending.reached_end, found.message
+    return found
+
+
+def openness(trajectory: Trajectory) -> float:
+    """Of the ledger, over the work of the drive [1]."""
+    series = trajectory.series
+    return float(np.abs(series["energy_residual"]).max() / np.abs(series["drive_work"]).max())
+
+
+@laws
+def test_the_papers_motor_keeps_the_step_of_the_law(law: MultiplierLaw) -> None:
+    bases = [RitzResonator(shapes=shapes) for shapes in (1, 4, 12, 40)]
+    for resonator in (*bases, FiniteElementResonator(), default_resonator(tip_inertia=0.0)):
+        assert default_contact_step(resonator.modes, law) == law.default_contact_step
+    assert run(case_a(), law, 2e-4).contact_step == law.default_contact_step
+
+
+def test_the_step_is_a_share_of_the_mean_rate_of_the_tips_modes() -> None:
+    rates = np.array([1e6, 3e6, 4e6])
+    row = np.array([1.0, 2.0, 0.5])
+    # The last mode is overdamped, and its slow root is k/c.
+    modes = NormalModes(
+        stiffness=rates**2,
+        damping=np.array([0.0, 1e3, 16e6]),
+        coupling=np.zeros((3, 2)),
+        tip_displacement=row,
+        tip_slope=np.zeros(3),
+        shape_coupling=np.zeros((3, 2)),
+    )
+    mean = np.sqrt((row**2 @ np.array([1e6, 3e6, 1e6]) ** 2) / (row @ row))
+    assert default_contact_step(modes, LagrangeStick()) == pytest.approx(
+        LARGEST_TURN / mean, rel=1e-12
+    )
+
+
+def test_no_step_but_that_of_a_law_that_projects_follows_the_motor() -> None:
+    modes = default_resonator(**RINGING).modes
+    for law in (MoreauJean(), hertz()):
+        assert default_contact_step(modes, law) == law.default_contact_step
+    for law in PROJECTING:
+        assert default_contact_step(modes, law) < 0.2 * law.default_contact_step
+
+
+@pytest.mark.parametrize("given", [None, 5e-8])
+def test_a_configuration_records_the_step_it_runs_with_which_is_its_own_where_it_has_one(
+    given: float | None,
+) -> None:
+    setup = ringing_setup("poisson", given)
+    expected = given or default_contact_step(setup.motor.modes, setup.law)
+    assert setup.contact_step == setup.configuration["solver"]["contact_step"] == expected
+
+
+@pytest.mark.parametrize("law", ["newton", "lagrange_stick", "poisson", "stronge"])
+def test_the_ledger_of_a_ringing_motor_closes(law: str) -> None:
+    found = openness(run_of(ringing_setup(law)))
+    coarse = openness(run_of(ringing_setup(law, 5e-8)))
+    assert coarse > 5e-3
+    assert found < 2e-3
+
+
+def test_what_opens_the_ledger_is_the_way_that_is_put_back() -> None:
+    # The same held forces, the same quadrature, and nothing put back.
+    assert openness(run_of(ringing_setup("moreau_jean"))) < 1e-8
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e-9, 1e-12, 1e-15, 1e-18])
+@pytest.mark.parametrize("exact", [False, True])
+def test_the_ladder_has_room_below_the_step_in_contact(step: float, exact: bool) -> None:
+    for duration in (step, 1e3 * step, step / SMALLEST_STEP):
+        for motor in (case_a(), block()):
+            tables = tables_for(plant_of(motor), step, duration, exact)
+            assert tables.contact_level + ROOM <= tables.built.size <= 70
+            assert tables.fresh_level < tables.built.size
+            assert tables.longest * 0.5**tables.contact_level <= step
+
+
+@pytest.mark.parametrize("step", [1e-13, 1e-17, 1e-20, 1e-22])
+@pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
+def test_however_short_a_step_the_contact_closes_and_turns(law: ContactLaw, step: float) -> None:
+    # Of a hundred steps; a belt without friction, and hardly a force yet where the law is compliant.
+    duration = 100.0 * step
+    found = simulate(
+        block(1e-3, gap_rate=-0.1),
+        law,
+        duration=duration,
+        record_interval=duration,
+        contact_step=step,
+    )
+    assert found.complete, found.message
+    assert found.contacts["start_time"].tolist()[:1] == [0.0]
+    if isinstance(law, MultiplierLaw):
+        assert found.contacts["normal_impulse"][0] >= 1e-4 * (1.0 - 1e-9)
+    else:
+        assert found.contacts["max_penetration"][0] == pytest.approx(0.1 * duration, rel=1e-6)
+
+
+@pytest.mark.parametrize("law", [hertz(), LagrangeStick()], ids=lambda law: law.name)
+@pytest.mark.parametrize("step", [1e-17, 1e-22, 1e-300])
+def test_a_step_that_cannot_move_the_clock_is_refused(law: ContactLaw, step: float) -> None:
+    with pytest.raises(ValueError, match=f"contact step is {step} s; it must be at least 5e-15 s"):
+        simulate(case_a(), law, duration=5e-3, record_interval=1e-5, contact_step=step)
+    sections = composed(law=law.name)
+    sections["solver"] |= {"duration": 5e-3, "contact_step": step}
+    with pytest.raises(ConfigurationError, match="it must be at least 5e-15 s"):
+        build(sections)
+
+
+def test_a_motor_too_fast_for_the_clock_is_refused_and_does_not_hang() -> None:
+    # Steps of its flight would be shorter than the clock resolves, and the run would stand still.
+    slow = block(1e-3, gap_rate=-0.1)
+    drive = Drive(np.array([1e18]), np.ones((2, 1), dtype=np.complex128))
+    fast = Motor(slow.modes, drive, slow.geometry, slow.rotor, slow.preload, slow.start)
+    with pytest.raises(
+        ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"
+    ):
+        simulate(fast, hertz(), duration=1e-3, record_interval=1e-3)
+
+
+def test_a_mode_that_hardly_has_a_period_runs() -> None:
+    # Its period, 2e16 s, is more steps than a whole number counts; no run waits for it.
+    motor = block(1e-3, gap_rate=-0.1, normal_stiffness=1e-34, stiffness=1e-34)
+    found = run(motor, hertz(), 1e-4)
+    assert len(found.contacts["start_time"]) == 1

@@ -1,0 +1,206 @@
+"""What a run may depend on and what it may not, and motions whose course is known in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.motors import case_a, default_motor, every_law, final, hertz, run
+
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw
+from contactlab.motor.drive import Drive
+from contactlab.testing.flights.closed import flight_of
+from contactlab.trajectory import Trajectory
+from contactlab.variables import CONTACTS, SERIES
+
+STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
+
+laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
+
+
+def assert_same_contacts(first: Trajectory, second: Trajectory) -> None:
+    """Bit for bit; an equal NaN is equal."""
+    for name, column in first.contacts.items():
+        np.testing.assert_array_equal(column, second.contacts[name], err_msg=name)
+
+
+def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
+    assert_same_contacts(first, second)
+    for name, column in first.series.items():
+        np.testing.assert_array_equal(column, second.series[name], err_msg=name)
+    assert np.array_equal(first.time, second.time)
+    assert np.array_equal(first.contact_mode, second.contact_mode)
+    assert first.statistics == second.statistics
+
+
+@laws
+def test_a_run_fills_every_variable_at_every_record(law: ContactLaw) -> None:
+    trajectory = run(case_a(), law, 1e-3)
+    assert list(trajectory.series) == [v.name for v in SERIES]
+    assert list(trajectory.contacts) == [v.name for v in CONTACTS]
+    assert {column.shape for column in trajectory.series.values()} == {(101,)}
+    assert trajectory.contact_mode.shape == trajectory.time.shape == (101,)
+    assert all(np.all(np.isfinite(column)) for column in trajectory.series.values())
+
+
+@laws
+def test_the_same_run_twice_is_the_same_bits(law: ContactLaw) -> None:
+    assert_same_bits(run(case_a(), law, 2e-3), run(case_a(), law, 2e-3))
+
+
+@laws
+def test_recording_does_not_change_the_trajectory(law: ContactLaw) -> None:
+    runs = [run(case_a(), law, 2e-3, interval) for interval in (1e-5, 0.7e-6, 2e-3)]
+    for other in runs[1:]:
+        assert_same_contacts(runs[0], other)
+        assert other.statistics == runs[0].statistics
+        for name in ("rotor_velocity", "tip_slope", "gap", "drive_work", "friction_loss"):
+            assert final(other, name) == final(runs[0], name), name
+
+
+@laws
+def test_records_at_the_same_time_are_the_same(law: ContactLaw) -> None:
+    coarse, fine = (run(case_a(), law, 1e-3, interval) for interval in (1e-5, 1e-6))
+    for name in ("tip_normal_displacement", "tip_slope", "rotor_velocity", "drive_work"):
+        both = coarse.series[name], fine.series[name][::10]
+        # 10 k fine intervals and k coarse ones may differ in the last bit of time.
+        assert both[0] == pytest.approx(both[1], abs=1e-12 * np.abs(both[0]).max()), name
+    assert np.array_equal(coarse.contact_mode, fine.contact_mode[::10])
+
+
+@laws
+def test_looking_at_progress_does_not_change_the_trajectory(
+    law: ContactLaw, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    undisturbed = run(case_a(), law, 1e-3)
+    monkeypatch.setattr(STEPS_PER_CALL, 7)
+    seen: list[float] = []
+    watched = simulate(case_a(), law, duration=1e-3, record_interval=1e-5, progress=seen.append)
+    assert len(seen) > 10
+    assert seen == sorted(seen)
+    assert seen[-1] == 1e-3
+    assert_same_bits(undisturbed, watched)
+
+
+@laws
+def test_a_shorter_run_is_the_beginning_of_a_longer_one(law: ContactLaw) -> None:
+    short, long = (run(case_a(), law, duration) for duration in (1e-3, 2e-3))
+    # The last record of the short one may end a step early, no other.
+    for name in ("tip_slope", "rotor_velocity", "damping_loss"):
+        assert np.array_equal(short.series[name][:-1], long.series[name][:100]), name
+    count = len(short.contacts["start_time"]) - 1
+    assert count > 0
+    assert np.array_equal(
+        short.contacts["normal_impulse"][:count], long.contacts["normal_impulse"][:count]
+    )
+
+
+@laws
+@pytest.mark.parametrize(("duration", "interval"), [(1e-3, 3e-4), (1e-3, 1e-3), (7e-4, 1.1e-5)])
+def test_the_last_record_lies_at_the_end_whatever_the_interval(
+    law: ContactLaw, duration: float, interval: float
+) -> None:
+    trajectory = run(case_a(), law, duration, interval)
+    assert trajectory.time[-1] == duration
+    inner = trajectory.time[:-1]
+    assert inner == pytest.approx(interval * np.arange(inner.size), rel=1e-14)
+    assert 0.0 < duration - inner[-1] <= interval * (1.0 + 1e-6)
+    reference = run(case_a(), law, duration, duration)
+    assert final(trajectory, "tip_slope") == final(reference, "tip_slope")
+
+
+@laws
+def test_the_mirrored_motor_turns_the_other_way(law: ContactLaw) -> None:
+    # Electrodes exchanged: patches, slope, slip and rotor are mirrored, height and gap are not.
+    motor = default_motor(initial_velocity=0.2, load_torque=1e-3)
+    drive = Drive(motor.drive.frequency, motor.drive.phasors[::-1].copy())
+    rotor = replace(motor.rotor, initial_velocity=-0.2, load_torque=-1e-3)
+    mirrored = run(replace(motor, drive=drive, rotor=rotor), law, 3e-3)
+    original = run(motor, law, 3e-3)
+    # Gamma is symmetric to round-off only, which contacts amplify.
+    for name, sign in (
+        ("tip_normal_displacement", 1.0),
+        ("gap", 1.0),
+        ("tip_slope", -1.0),
+        ("tip_tangential_displacement", -1.0),
+        ("slip_velocity", -1.0),
+        ("rotor_velocity", -1.0),
+        ("normal_force", 1.0),
+        ("friction_force", -1.0),
+        ("drive_work", 1.0),
+    ):
+        expected = original.series[name]
+        scale = np.abs(expected).max()
+        assert sign * mirrored.series[name] == pytest.approx(expected, abs=1e-7 * scale), name
+
+
+@laws
+def test_without_clearance_the_motor_runs(law: ContactLaw) -> None:
+    trajectory = run(default_motor(clearance=0.0), law, 2e-3)
+    assert len(trajectory.contacts["start_time"]) > 3
+    assert abs(final(trajectory, "rotor_velocity")) > 0.01
+
+
+@laws
+@pytest.mark.parametrize("clearance", [0.0, 1e-6])
+def test_without_drive_nothing_moves_and_nothing_touches(law: ContactLaw, clearance: float) -> None:
+    motor = default_motor(voltage_1=0.0, voltage_2=0.0, clearance=clearance)
+    trajectory = run(motor, law, 1e-3)
+    assert trajectory.contacts["start_time"].size == 0
+    assert np.all(trajectory.series["tip_slope"] == 0.0)
+    assert np.all(trajectory.series["rotor_velocity"] == 0.0)
+    assert np.all(trajectory.contact_mode == 0)
+
+
+def test_free_vibration_is_the_closed_solution() -> None:
+    # Exact flow: no step of the engine shows, with under- and overdamped modes alike.
+    motor = default_motor(clearance=1e-4)
+    trajectory = run(motor, hertz(), 5e-3)
+    gap, _ = flight_of(motor).at(trajectory.time)
+    travel = np.abs(gap - 1e-4).max()
+    assert np.abs(trajectory.series["gap"] - gap).max() < 1e-12 * travel
+
+
+def test_load_torque_turns_the_free_rotor_with_constant_acceleration() -> None:
+    motor = default_motor(clearance=1e-3, load_torque=2e-3, initial_velocity=0.3)
+    trajectory = run(motor, hertz(), 5e-3)
+    time, rate = trajectory.time, 2e-3 / 4.8e-5
+    velocity, angle = 0.3 - rate * time, 0.3 * time - 0.5 * rate * time**2
+    assert trajectory.series["rotor_velocity"] == pytest.approx(velocity, rel=1e-12, abs=1e-13)
+    assert trajectory.series["rotor_angle"] == pytest.approx(angle, rel=1e-11, abs=1e-15)
+
+
+@pytest.mark.parametrize("damping", [1e-6, 1e-3, 5.0])
+def test_damping_slows_the_free_rotor_exponentially(damping: float) -> None:
+    torque, start, inertia = 1e-3, -0.7, 4.8e-5
+    motor = default_motor(
+        clearance=1e-3, rotor_damping=damping, load_torque=torque, initial_velocity=start
+    )
+    trajectory = run(motor, hertz(), 5e-3)
+    settled = -torque / damping
+    decayed = np.expm1(-damping / inertia * trajectory.time)
+    expected = start + (start - settled) * decayed
+    assert trajectory.series["rotor_velocity"] == pytest.approx(expected, rel=1e-12, abs=1e-13)
+
+
+def test_a_rotor_too_heavy_to_move_is_a_wall_with_a_moving_surface() -> None:
+    motor = default_motor(rotor_inertia=1e6, initial_velocity=5.0)
+    trajectory = run(motor, hertz(), 2e-3)
+    assert trajectory.series["rotor_velocity"] == pytest.approx(5.0, rel=1e-9)
+    # The surface is faster than the tip ever is: it slips one way all along.
+    friction = trajectory.contacts["friction_impulse"]
+    assert friction == pytest.approx(0.3 * trajectory.contacts["normal_impulse"], rel=1e-9)
+    assert np.all(trajectory.contacts["stick_duration"] == 0.0)
+
+
+@laws
+@pytest.mark.parametrize(("shapes", "duration"), [(1, 2e-3), (12, 2e-3), (40, 5e-4)])
+def test_any_number_of_shapes_runs_and_keeps_its_ledger(
+    law: ContactLaw, shapes: int, duration: float
+) -> None:
+    frequency = 1000.0 if shapes == 1 else 3210.0
+    trajectory = run(default_motor(shapes=shapes, frequency=frequency), law, duration)
+    assert trajectory.contacts["start_time"].size > 0
+    residual = np.abs(trajectory.series["energy_residual"]).max()
+    allowed = 1e-8 if law.name == "hertz_penalty" else 1e-3
+    assert residual <= allowed * abs(final(trajectory, "drive_work"))

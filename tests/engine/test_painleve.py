@@ -1,0 +1,163 @@
+"""Rigid contacts beyond the critical friction, where a step has several answers or, for slip alone, none."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+import pytest
+from support.conf_files import composed
+
+from contactlab.compiled import kernel
+from contactlab.config import build
+from contactlab.engine import simulate
+from contactlab.laws import LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
+from contactlab.laws.base import SLIP, MultiplierKernel
+from contactlab.motor import NormalModes
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.results.summary import summarise
+from contactlab.testing.plants import silent_drive
+from contactlab.trajectory import Ending, Trajectory
+
+
+@kernel
+def no_impulse(
+    normal_rate: float,
+    tangential_rate: float,
+    gap_rate: float,
+    slip: float,
+    d_nn: float,
+    d_nt: float,
+    d_tt: float,
+    parameters: np.ndarray,
+) -> tuple[float, float, int]:
+    return 0.0, 0.0, SLIP
+
+
+@final
+@dataclass(frozen=True)
+class Silent(MultiplierLaw):
+    """Lets everything through."""
+
+    name: ClassVar[str] = "silent"
+    equation: ClassVar[str] = "p = 0"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 5e-8
+
+    @property
+    def solve(self) -> MultiplierKernel:
+        return no_impulse
+
+
+NORMAL, TANGENTIAL = 10.0, 30.0
+"""Ways of the leaning strut's tip per way of the strut [kg^-1/2]; the critical friction is their ratio."""
+
+RADIUS, TIP_LENGTH, INERTIA = 25e-3, 19e-3, 1e-6
+STEP = 1e-6
+
+
+def leaning_strut(
+    approach: float, rotor_velocity: float, parting: float = 0.0, load_torque: float = 0.0
+) -> Motor:
+    """A strut that can only move along itself, aslant onto a rotor.
+
+    Args:
+        approach: speed at which the gap closes [m/s].
+        rotor_velocity: at the start [rad/s].
+        parting: acceleration along the strut that opens the gap [m/s^2 kg^1/2].
+        load_torque: on the rotor [N m].
+    """
+    return Motor(
+        modes=NormalModes(
+            stiffness=np.zeros(1),
+            damping=np.zeros(1),
+            coupling=np.zeros((1, 2)),
+            tip_displacement=np.array([NORMAL]),
+            tip_slope=np.array([TANGENTIAL / TIP_LENGTH]),
+            shape_coupling=np.zeros((1, 2)),
+        ),
+        drive=silent_drive(),
+        geometry=ContactGeometry(TIP_LENGTH, RADIUS, clearance=1e-10),
+        rotor=Rotor(INERTIA, load_torque=load_torque, initial_velocity=rotor_velocity),
+        preload=np.array([-parting]),
+        start=ModalState(np.zeros(1), np.array([approach / NORMAL])),
+    )
+
+
+def run(motor: Motor, law: MultiplierLaw, duration: float = 1e-4) -> Trajectory:
+    return simulate(motor, law, duration=duration, record_interval=1e-6, contact_step=STEP)
+
+
+@pytest.mark.parametrize("law", ["lagrange_stick", "poisson", "stronge"])
+def test_no_contact_of_a_point_mass_with_strong_friction_makes_energy(law: str) -> None:
+    sections = composed(law=law, resonator="finite_element")
+    sections["resonator"] |= {"tip_inertia": 0.0}
+    sections["rotor"] |= {"radius": 3e-3}
+    sections["contact"] |= {"friction_coefficient": 1.5}
+    sections["drive"] |= {"voltage_1": 600.0, "voltage_2": 600.0}
+    sections["solver"] |= {"duration": 3e-3}
+    setup = build(sections)
+    found = simulate(
+        setup.motor, setup.law, duration=3e-3, record_interval=1e-5, contact_step=setup.contact_step
+    )
+    assert found.complete, found.message
+    loss = found.contacts["energy_loss"]
+    assert loss.size > 5
+    assert loss.min() > 0.0
+
+
+def test_slip_alone_has_no_answer_to_an_approach_and_the_run_says_so() -> None:
+    found = run(leaning_strut(0.1, -40.0), LagrangeSlip(1.0))
+    assert found.ending is Ending.INCONSISTENT
+    assert not found.complete
+    assert "Painleve's paradox" in found.message
+    assert "the friction coefficient 1 " in found.message
+    assert "critical 0.3333" in found.message
+    # It stops at the touch-down: nothing has gone into the rotor.
+    assert found.contacts["start_time"].size == 1
+    assert found.time[-1] <= found.contacts["start_time"][0]
+    assert "incomplete" in summarise(found, 1.0)
+
+
+@pytest.mark.parametrize(("spin", "mu"), [(40.0, 1.0), (-40.0, 0.3)])
+def test_the_other_direction_and_less_friction_are_answered_by_slip_alone(
+    spin: float, mu: float
+) -> None:
+    found = run(leaning_strut(0.1, spin), LagrangeSlip(mu))
+    assert found.complete, found.message
+    assert found.series["gap"].min() > -0.1 * STEP
+
+
+@pytest.mark.parametrize(
+    "law", [LagrangeStick(1.0), Newton(1.0, 0.5), Poisson(1.0, 0.5), Stronge(1.0, 0.5)], ids=repr
+)
+@pytest.mark.parametrize("spin", [40.0, -40.0])
+def test_laws_with_stick_answer_every_approach(law: MultiplierLaw, spin: float) -> None:
+    found = run(leaning_strut(0.1, spin), law)
+    assert found.complete, found.message
+    assert found.contacts["normal_impulse"][0] > 0.0
+    assert found.series["gap"].min() > -0.1 * STEP
+
+
+def test_a_strut_that_jams_holds_a_rotor_and_the_run_counts_its_steps() -> None:
+    # The load alone holds it: friction presses more than what parts the bodies, inside the cone.
+    wedged = leaning_strut(1e-3, 0.0, parting=1.0, load_torque=50.0 * INERTIA / RADIUS)
+    held = run(wedged, LagrangeStick(1.0))
+    assert held.complete, held.message
+    assert held.contacts["duration"].size == 1
+    assert held.contact_mode[-1] == 2
+    assert abs(held.series["rotor_velocity"][-1]) < 1e-12
+    assert held.statistics["wedged_steps"] > 90
+    assert f"{held.statistics['wedged_steps']} steps in contact" in summarise(held, 1.0)
+    # With too little friction it opens, and there is nothing to tell.
+    released = run(wedged, LagrangeStick(0.3))
+    assert released.contact_mode[-1] == 0
+    assert released.statistics["wedged_steps"] == 0
+    assert "Painleve" not in summarise(released, 1.0)
+
+
+def test_a_law_that_does_not_answer_an_approach_is_told_so() -> None:
+    found = run(leaning_strut(0.1, 40.0), Silent())
+    assert found.ending is Ending.INCONSISTENT
+    assert "Check the law" in found.message
+    assert "Painleve" not in found.message

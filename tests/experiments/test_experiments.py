@@ -1,0 +1,160 @@
+"""Every experiment in its short form: it leaves its files, and one number of it is physics."""
+
+import importlib
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import xarray
+from support.conf_files import CONF
+
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+
+Number = Callable[[xarray.Dataset], float]
+
+NUMBERS: dict[str, tuple[Number, float, float]] = {
+    # First natural frequency of placement 2 [Hz], which is printed as 3.21 kHz.
+    "table1_placement": (lambda d: float(d.computed[1, 3]), 3210.121, 1e-3),
+    # A tip that is ahead of the rotor is pushed to the left.
+    "table2_friction_signs": (lambda d: float(np.sign(d.friction_impulse[0])), -1.0, 0.0),
+    # The curvature of a clamped beam's first shape at the clamp, 2 b^2.
+    "fig3_mode_curvature": (
+        lambda d: float(d.curvature[0, 0]) * 0.057**2,
+        2.0 * 4.730040744862704**2,
+        1e-6,
+    ),
+    # Placement 1 keeps 30 % of its height away from the first resonance.
+    "fig4_trajectories": (
+        lambda d: float(np.ptp(d.height[0, 0].values) / np.ptp(d.height[0, 1].values)),
+        0.2993,
+        1e-3,
+    ),
+    # Without clearance the rotor cuts the eight in half: nothing stays above it.
+    "fig7_constrained_trajectories": (
+        lambda d: float(d.tip_normal_displacement.sel(law="lagrange_slip", clearance=0.0).max()),
+        0.0,
+        2e-8,
+    ),
+    # Hertz at 1 um after 5 ms, near the reference case [rad/s].
+    "fig8_rotor_velocity": (lambda d: float(d.transient[2, 1, -1]), -0.44676, 1e-3),
+    # A quarter of the step, four times the peak.
+    "fig9_normal_force": (lambda d: float(d.peak[1] / d.peak[0]), 4.0, 0.1),
+    # What sticks has no slip [m/s].
+    "fig10_sticking": (
+        lambda d: float(
+            np.abs((d.tip_velocity - d.rim_velocity)[2][d.contact_mode[2] == 2]).median()
+        ),
+        0.0,
+        1e-6,
+    ),
+    # Tip mass from Table 1 [g].
+    "identify_table1": (lambda d: 1e3 * float(d.fitted.sel(input="tip mass")), 1.181, 2e-3),
+    # On the curve the frequencies have a ratio of two.
+    "optimum_placement": (lambda d: float(np.abs(d.curve_ratio - 2.0).max()), 0.0, 1e-3),
+    # Converged first natural frequency [Hz].
+    "basis_convergence": (lambda d: float(d.first_frequency[-1]), 2137.532, 5e-3),
+    # Peak over step of the slip law.
+    "impact_step_study": (lambda d: float(d.peak_exponent[0]), -1.0, 0.02),
+    # Turning the phase by pi changes nothing: from -pi to pi the velocity comes back [rad/s].
+    "drive_phase_map": (
+        lambda d: float(np.abs(d.rotor_velocity[0, :, 0] - d.rotor_velocity[0, :, -1]).max()),
+        0.0,
+        1e-6,
+    ),
+    # More friction turns it faster.
+    "friction_sweep": (
+        lambda d: float(np.sign(np.abs(d.rotor_velocity[2]).diff("friction_coefficient"))[0]),
+        1.0,
+        0.0,
+    ),
+    # A force made as impulse over step fails at every point, whatever the motor does.
+    "law_comparison": (
+        lambda d: float(d.fails.sel(metric="peak_force_step_dependence").mean("point")[1]),
+        1.0,
+        0.0,
+    ),
+    # The configured motor's stall torque [N m], as a run of its own on a belt at rest has it.
+    "optimise_motor": (lambda d: float(d.stall_torque.sel(motor=-1)), 5.2094e-3, 1e-6),
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def scripts_are_importable() -> Iterator[None]:
+    sys.path.insert(0, str(EXPERIMENTS))
+    yield
+    sys.path.remove(str(EXPERIMENTS))
+
+
+@cache
+def module(name: str) -> ModuleType:
+    return importlib.import_module(name)
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_short_form_leaves_its_files_and_its_number(name: str, tmp_path: Path) -> None:
+    result = module("harness").perform(module(name), tmp_path, short=True)
+    assert result.says
+    assert result.rows
+    assert (tmp_path / "figure.png").stat().st_size > 5000
+    assert (tmp_path / "figure.pdf").read_bytes().startswith(b"%PDF")
+    assert len((tmp_path / "table.csv").read_text().splitlines()) == 1 + len(result.rows)
+    number, expected, tolerance = NUMBERS[name]
+    with xarray.open_dataset(tmp_path / "data.nc") as data:
+        assert data.attrs["finding"] == result.sentence
+        assert "law:" in data.attrs["configuration"]
+        assert number(data) == pytest.approx(expected, rel=0.0, abs=tolerance)
+
+
+def test_every_experiment_is_tested_shown_and_configured() -> None:
+    everything = module("all")
+    assert set(NUMBERS) == {*everything.PAPER, *everything.BEYOND}
+    assert {path.stem for path in (CONF / "experiment").glob("*.yaml")} == {*NUMBERS, "case_a"}
+
+
+def test_the_page_holds_its_pictures_and_says_what_does_not_hold(tmp_path: Path) -> None:
+    name = "table2_friction_signs"
+    result = module("harness").perform(module(name), tmp_path)
+    page = module("all").page([result])
+    assert "data:image/png;base64," in page
+    assert "src='http" not in page
+    assert "1 of 1 findings hold" in page
+    fields = {**result.__dict__, "holds": False, "sentence": "a < b"}
+    wrong = type(result)(**fields)
+    assert "Does not hold.</b> a &lt; b" in module("all").page([wrong])
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("contact.clearance=-1", "contact.clearance"),
+        ("no.such=1", "no.such"),
+        ("nonsense", "nonsense"),
+    ],
+)
+def test_a_fault_is_a_sentence_and_leaves_nothing(
+    override: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name, folder = "table2_friction_signs", tmp_path / "out"
+    assert module("harness").main(module(name).__name__, [f"output={folder}", override]) == 2
+    assert words in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_laws_that_are_named_are_compared_and_unknown_ones_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    comparison = module("law_comparison")
+    assert comparison.run(["nonsense"]) == 2
+    assert "There is no law 'nonsense'" in capsys.readouterr().err
+    setup = module("harness").setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
+    comparison.NAMED[:] = ["composed", "newton"]
+    try:
+        laws = comparison.laws_with(setup)
+    finally:
+        comparison.NAMED[:] = []
+    assert list(laws) == [*comparison.PAPER, "composed", "newton"]
+    assert {law.friction_limit for law in laws.values()} == {0.2}

@@ -1,0 +1,66 @@
+"""Random configurations of the command end as they must, and what they leave keeps every invariant.
+
+`python experiments/random_runs.py` does the same for thousands; docs/random_runs.md has its figures.
+"""
+
+import shlex
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from support.command_line import Command
+from support.long_forms import cases
+
+from contactlab.metrics import INVARIANTS
+
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+
+NUMBERS = range(244)
+"""Each law seventeen times, and each combination of the parts of a composed one."""
+
+
+@pytest.fixture(scope="module")
+def script() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(EXPERIMENTS))
+    yield import_module("random_runs")
+    sys.path.remove(str(EXPERIMENTS))
+
+
+@pytest.mark.parametrize("number", cases(NUMBERS, [*range(14), *range(119, 244, 8)]))
+def test_a_random_configuration_is_refused_or_keeps_every_invariant(
+    number: int, script: ModuleType
+) -> None:
+    outcome = script.outcome_of(number)
+    assert not outcome.broken, script.command_line(number)
+    assert (outcome.ending == "complete") != bool(outcome.message)
+
+
+def test_a_number_gives_the_same_configuration_and_the_same_figures(script: ModuleType) -> None:
+    first, again = script.outcome_of(3), script.outcome_of(3)
+    assert first.figures == again.figures
+    assert script.command_line(3) == script.command_line(3) != script.command_line(3, seed=1)
+
+
+def test_the_command_line_that_is_printed_is_that_run(script: ModuleType, command: Command) -> None:
+    outcome = script.outcome_of(5)
+    words = shlex.split(script.command_line(5))[1:]
+    status, out, _ = command(*words, "record.picture=false", "hydra.run.dir=here")
+    assert status == 0
+    assert f"{outcome.contacts}, " in out
+    assert command("verify", "here")[0] == 0
+
+
+def test_the_table_has_every_law_and_says_what_is_broken(script: ModuleType) -> None:
+    outcomes = script.outcomes_of([0, 3, 5])
+    rows = script.table(outcomes)
+    assert [row["law"] for row in rows] == ["hertz_penalty", "moreau_jean", "poisson"]
+    page = script.page(outcomes, "a test")
+    assert all(key in page for key in INVARIANTS)
+    assert "Complete runs that break an invariant: 0." in page
+    figures = dict(outcomes[0].figures) | {"phantom_contacts": 0.5}
+    wrong = script.Outcome(0, "hertz_penalty", "complete", figures=figures)
+    assert wrong.broken == ["phantom_contacts"]
+    assert "Complete runs that break an invariant: 1." in script.page([wrong], "a test")

@@ -1,0 +1,314 @@
+"""Laws of other packages: installed beside contactlab they are laws like its own; broken they harm none."""
+
+from pathlib import Path
+
+import pytest
+import xarray
+import yaml
+from support.packages import EXAMPLE, Elsewhere
+
+SHORT = "solver.duration=0.2 ms"
+
+BROKEN = {
+    "law_of_a_module_that_is_not_there": ("nowhere:Law", "ModuleNotFoundError"),
+    "law_of_a_module_that_fails": ("failing:Law", "ZeroDivisionError: division by zero"),
+    "law_that_is_not_there": ("various:Missing", "AttributeError"),
+    "law_that_is_a_number": ("various:NUMBER", "is no subclass of"),
+    "law_of_another_name": ("various:Misnamed", "calls itself 'another'"),
+    "law_without_kernel": ("various:Abstract", "lacks force"),
+    "law_that_is_no_dataclass": ("various:Plain", "is no dataclass"),
+    "law_that_is_undeclared": ("various:Undeclared", "field stiffness without a declaration"),
+    "hertz_penalty": ("various:Thief", "takes the name of one of contactlab's own"),
+    "two words": ("various:TwoWords", "it must be one word"),
+}
+
+VARIOUS = """
+from dataclasses import dataclass
+from typing import Annotated
+from contactlab.laws import HertzPenalty, PenaltyLaw
+from contactlab.laws.parameter import Parameter
+
+NUMBER = 1
+
+class Law(PenaltyLaw):
+    equation = "N = k d"
+    source = "a test"
+    default_contact_step = 4e-6
+
+@dataclass(frozen=True)
+class Misnamed(Law):
+    name = "another"
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        return -parameters[0] * gap, 0.0, 0.5 * parameters[0] * gap * gap, 0.0
+
+@dataclass(frozen=True)
+class Abstract(Law):
+    name = "law_without_kernel"
+
+class Plain(Law):
+    name = "law_that_is_no_dataclass"
+    force = Misnamed.force
+
+@dataclass(frozen=True)
+class Undeclared(Misnamed):
+    name = "law_that_is_undeclared"
+    stiffness: float = 1.0
+
+@dataclass(frozen=True)
+class Smooth(Misnamed):
+    name = "smooth"
+    stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)] = 1e7
+
+@dataclass(frozen=True)
+class Contradicting(Smooth):
+    name = "contradicting"
+    friction_kind = 2
+
+@dataclass(frozen=True)
+class NegativeBound(Smooth):
+    name = "negative_bound"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        return -1e7 * gap, 1e6 * gap, 5e6 * gap * gap, 0.0
+
+@dataclass(frozen=True)
+class PastTheEnd(Smooth):
+    name = "past_the_end"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        return -1e7 * gap, -parameters[1] * gap, 5e6 * gap * gap, 0.0
+
+@dataclass(frozen=True)
+class Raising(Smooth):
+    name = "raising"
+
+    @property
+    def force(self):
+        return {}["kernel"]
+
+@dataclass(frozen=True)
+class Leaving(Smooth):
+    name = "leaving"
+
+    @staticmethod
+    def force(gap, gap_rate, slip, approach, parameters):
+        raise SystemExit(0)
+
+@dataclass(frozen=True)
+class WithoutDefault(Misnamed):
+    name = "without_default"
+    stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
+"""
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
+    """Three packages: the example, a broken one, and one that has the name of a law of the second."""
+    made = Elsewhere(tmp_path_factory.mktemp("packages"), tmp_path_factory.mktemp("elsewhere"))
+    made.install_example()
+    entries = {name: entry for name, (entry, _) in BROKEN.items()}
+    more = {"without_default": "various:WithoutDefault", "twice": "various:Law"} | {
+        "smooth": "various:Smooth",
+        "contradicting": "various:Contradicting",
+        "negative_bound": "various:NegativeBound",
+        "past_the_end": "various:PastTheEnd",
+        "raising": "various:Raising",
+        "leaving": "various:Leaving",
+    }
+    modules = {"various": VARIOUS, "failing": "1 / 0"}
+    made.install("broken-laws", "0.1", entries | more, modules)
+    made.install("other-laws", "0.2", {"twice": "various:Law"}, {})
+    return made
+
+
+def law_of(run: Path) -> tuple[str, dict[str, object]]:
+    """The law's name and its section, as a run recorded them."""
+    with xarray.open_dataset(run) as root:
+        return root.attrs["law"], yaml.safe_load(root.attrs["configuration"])["law"]
+
+
+def test_it_is_listed_with_all_that_it_declares_and_its_origin(elsewhere: Elsewhere) -> None:
+    status, out, err = elsewhere.command("laws", "power_law")
+    assert status == 0, err
+    assert "A force that grows with a power of the penetration, with Coulomb friction." in out
+    assert "parameter exponent: p, exponent, default 1.5, at least 1 and at most 4" in out
+    assert "package: example-law 1.2.3 (power_law:PowerLaw)" in out
+
+
+@pytest.mark.parametrize(
+    ("line", "completion"),
+    [("law=pow", "law=power_law"), ("law=power_law law.exp", "law.exponent=")],
+)
+def test_tab_completes_it(elsewhere: Elsewhere, line: str, completion: str) -> None:
+    status, out, _ = elsewhere.command("-sc", "query=bash", COMP_LINE=f"contactlab {line}")
+    assert status == 0
+    assert out.strip() == completion
+
+
+def test_help_lists_it(elsewhere: Elsewhere) -> None:
+    status, out, _ = elsewhere.command("--help")
+    assert status == 0
+    assert "power_law" in out
+
+
+def test_it_runs_and_the_run_says_so(elsewhere: Elsewhere) -> None:
+    arguments = ("law=power_law", "law.exponent=2", "law.depth=2 um", SHORT, "hydra.run.dir=run")
+    status, _, err = elsewhere.command(*arguments)
+    assert status == 0, err
+    name, section = law_of(elsewhere.folder / "run/run.nc")
+    assert name == "power_law"
+    with xarray.open_dataset(elsewhere.folder / "run/run.nc") as root:
+        assert root.attrs["law_origin"] == "example-law 1.2.3"
+    assert section == {"name": "power_law", "load": 10.0, "depth": 2e-6, "exponent": 2.0}
+
+
+def test_its_declarations_are_the_rules_of_its_keys(elsewhere: Elsewhere) -> None:
+    status, _, err = elsewhere.command(
+        "law=power_law", "law.exponent=7", "law.load=3 m", "law.stiffness=1", "law.lode=2"
+    )
+    assert status == 2
+    assert "law.exponent is 7; it must be at least 1 and at most 4" in err
+    assert "law.load is '3 m', whose unit 'm' cannot be converted to N" in err
+    assert "law.stiffness does not belong to power_law" in err
+    assert "law.lode is not a known key. Did you mean law.load?" in err
+
+
+def test_a_sweep_runs_over_it_and_the_packages_own(elsewhere: Elsewhere) -> None:
+    status, _, err = elsewhere.command(
+        "-m", "law=power_law,hertz_penalty", SHORT, "hydra.sweep.dir=sweep"
+    )
+    assert status == 0, err
+    runs = sorted((elsewhere.folder / "sweep").glob("*/run.nc"))
+    assert [law_of(run)[0] for run in runs] == ["hertz_penalty", "power_law"]
+
+
+def test_its_contract_holds_in_three_lines(elsewhere: Elsewhere) -> None:
+    test = EXAMPLE / "test_power_law.py"
+    (elsewhere.folder / test.name).write_text(test.read_text(encoding="utf-8"), encoding="utf-8")
+    status, out, _ = elsewhere.python("-m", "pytest", "-q", "-p", "no:cacheprovider", test.name)
+    assert status == 0, out
+    assert "16 passed" in out
+
+
+def test_broken_laws_are_listed_with_the_reason(elsewhere: Elsewhere) -> None:
+    status, out, err = elsewhere.command("laws")
+    assert (status, err) == (0, "")
+    words = " ".join(out.split())
+    for name, (_, reason) in BROKEN.items():
+        assert f"{name}: not usable" in words
+        assert reason in words
+    assert words.count("has the name of a law of another package") == 2
+    assert "package: contactlab" in words
+
+
+@pytest.mark.parametrize("name", [name for name in BROKEN if name.startswith("law_")])
+def test_a_broken_law_is_refused_in_a_sentence(elsewhere: Elsewhere, name: str) -> None:
+    status, _, err = elsewhere.command(f"law={name}", "contact.clearance=-1")
+    assert status == 2
+    law, clearance = err.splitlines()
+    assert law.startswith(f"law.name is '{name}', which cannot run.")
+    assert BROKEN[name][1] in law
+    assert clearance.startswith("contact.clearance is -1 m")
+
+
+FRICTION = "contact.friction_coefficient"
+IDLE = f"{FRICTION} is set, but law=smooth has no friction coefficient of that name"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["law=smooth", f"{FRICTION}=0.2"],
+        ["-m", "law=smooth", f"{FRICTION}=0.1,0.2"],
+        ["map", "law=smooth", f"sweep.{FRICTION}=0.1,0.2"],
+        ["map", "law=smooth", f"{FRICTION}=0.2", "sweep.contact.clearance=0,1e-6"],
+    ],
+)
+def test_a_friction_coefficient_on_which_nothing_depends_is_refused(
+    elsewhere: Elsewhere, arguments: list[str]
+) -> None:
+    status, _, err = elsewhere.command(*arguments)
+    assert status == 2
+    assert err == f"{IDLE}; it must be left out. Set the keys of the law, or choose another one.\n"
+
+
+def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(
+    elsewhere: Elsewhere,
+) -> None:
+    arguments = ("-m", "law=smooth,hertz_penalty", f"{FRICTION}=0.1,0.2", SHORT)
+    status, _, err = elsewhere.command(*arguments, "hydra.sweep.dir=friction")
+    assert status == 0, err
+    assert err.count(IDLE) == 1
+    assert len(list((elsewhere.folder / "friction").glob("*/run.nc"))) == 4
+    arguments = ("map", "sweep.law=smooth,hertz_penalty", f"sweep.{FRICTION}=0.1,0.2", SHORT)
+    status, _, err = elsewhere.command(*arguments, "--output", "friction_map")
+    assert status == 0, err
+    assert err.count(IDLE) == 1
+    status, _, err = elsewhere.command("law=smooth", SHORT, "hydra.run.dir=smooth")
+    assert (status, err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("contradicting", "its friction_kind is CREEPING, but it has no kernel of friction"),
+        ("negative_bound", "the friction bound is -1e-06 N"),
+        ("past_the_end", "reads parameters that there are not"),
+        ("raising", "its force raised KeyError: 'kernel'. Mend the law.\n"),
+        ("leaving", "the law leaving raised SystemExit: 0"),
+    ],
+)
+@pytest.mark.parametrize("verb", [(), ("-m",)], ids=["run", "sweep"])
+def test_a_law_that_contradicts_itself_is_refused_before_anything_is_written(
+    elsewhere: Elsewhere, name: str, words: str, verb: tuple[str, ...]
+) -> None:
+    places = ("hydra.run.dir=refused", "hydra.sweep.dir=refused")
+    status, _, err = elsewhere.command(*verb, f"law={name}", *places)
+    assert status == 2
+    assert words in err
+    assert not (elsewhere.folder / "refused").exists()
+
+
+def test_broken_laws_harm_no_other(elsewhere: Elsewhere) -> None:
+    status, _, err = elsewhere.command("law=hertz_penalty", SHORT, "hydra.run.dir=own")
+    assert (status, err) == (0, "")
+    assert law_of(elsewhere.folder / "own/run.nc")[0] == "hertz_penalty"
+    status, _, err = elsewhere.command("law=twice")
+    assert status == 2
+    assert "law is 'twice'; it must be one of " in err
+
+
+def test_a_parameter_without_default_has_to_be_given(elsewhere: Elsewhere) -> None:
+    status, _, err = elsewhere.command("law=without_default")
+    assert status == 2
+    assert err.startswith(
+        "law.stiffness is missing; it must be a number that is greater than 0 N/m"
+    )
+    arguments = ("law=without_default", "law.stiffness=1e7", "law.name=another")
+    assert "law.name=another would hand the parameters of" in elsewhere.command(*arguments)[2]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "unwanted"),
+    [
+        (["--help"], {"numba", "power_law", "failing"}),
+        (["-sc", "query=bash"], {"numba", "power_law", "failing"}),
+        (["law=hertz"], {"power_law", "failing"}),
+        (["law.stiffness=-1"], {"numba", "power_law", "failing"}),
+    ],
+)
+def test_nothing_is_imported_to_list_the_laws(
+    elsewhere: Elsewhere, arguments: list[str], unwanted: set[str]
+) -> None:
+    code = (
+        "import sys\n"
+        "from contactlab.cli import main as cli\n"
+        f"sys.argv = ['contactlab', *{arguments}]\n"
+        "cli.main()\n"
+        f"sys.exit(bool({unwanted} & set(sys.modules)))"
+    )
+    status, _, err = elsewhere.python("-c", code, COMP_LINE="contactlab law/normal=")
+    assert status == 0, err

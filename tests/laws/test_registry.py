@@ -1,0 +1,165 @@
+"""The registry of laws, what follows from declarations, and the listing of it all."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import pytest
+from support.command_line import Command
+
+from contactlab import laws
+from contactlab.config.units import from_cf, to_si
+from contactlab.laws import HertzPenalty, PenaltyLaw, law_class, law_names, origin_of
+from contactlab.laws.declaration import PARTS, made, members_of
+from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter, parameters_of
+from contactlab.laws.registry import LAWS
+
+
+def test_every_law_of_the_package_is_found_by_its_name() -> None:
+    assert set(law_names()) >= set(LAWS)
+    for name in LAWS:
+        assert law_class(name).name == name
+        assert origin_of(name).package == "contactlab"
+        assert hasattr(laws, law_class(name).__name__)
+
+
+def test_every_law_and_part_that_is_written_is_in_a_table() -> None:
+    home = Path(laws.__file__).parent
+    tables = {".": LAWS} | dict(PARTS.items())
+    for folder, table in tables.items():
+        written = {
+            found
+            for path in (home / folder).glob("*.py")
+            for found in re.findall(
+                r"^class (\w+)\((?:PenaltyLaw|MultiplierLaw|NormalForce|Damping|Friction)\):",
+                path.read_text(encoding="utf-8"),
+                re.MULTILINE,
+            )
+        }
+        assert written == {entry.partition(":")[2] for entry in table.entries.values()}
+    for family, table in PARTS.items():
+        assert all(part.name == name and part.family == family for name, part in table.items())
+
+
+def test_an_unknown_law_is_told_with_those_there_are() -> None:
+    with pytest.raises(
+        ValueError, match="There is no law 'glue'; it must be one of composed, hertz"
+    ):
+        law_class("glue")
+    with pytest.raises(AttributeError):
+        _ = laws.Glue
+
+
+def is_known(unit: str) -> bool:
+    """Whether a text in the unit is converted."""
+    spelled = f"{unit[2:]}^-1" if unit.startswith("1/") else unit
+    return to_si("2" if unit == "1" else f"2 {spelled}", unit) == 2.0
+
+
+@pytest.mark.parametrize(
+    ("cf", "written"),
+    [
+        ("N m-1.5", "N/m^1.5"),
+        ("1", "1"),
+        ("N s m-1", "N s/m"),
+        ("m-1", "1/m"),
+        ("kg m-1 s-2", "kg/m/s^2"),
+        ("J m-2", "J/m^2"),
+    ],
+)
+def test_units_of_cf_are_those_of_a_configuration(cf: str, written: str) -> None:
+    assert from_cf(cf) == written
+    assert is_known(written)
+
+
+def test_every_declared_unit_is_known() -> None:
+    owners = [*LAWS.values(), *(part for table in PARTS.values() for part in table.values())]
+    for owner in owners:
+        for declared in parameters_of(owner).values():
+            assert is_known(from_cf(declared.units))
+
+
+def test_every_parameter_of_a_law_and_part_has_a_default() -> None:
+    for owner in [*LAWS.values(), *(part for table in PARTS.values() for part in table.values())]:
+        assert all(member.default is not None for member in members_of(owner))
+
+
+def test_a_field_without_declaration_is_told() -> None:
+    @dataclass(frozen=True)
+    class Undeclared(HertzPenalty):  # type: ignore[misc]
+        name: ClassVar[str] = "undeclared"
+        friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.1
+        loss: Annotated[float, "none"] = 1.0
+
+    with pytest.raises(ValueError, match="undeclared has the field loss without a declaration"):
+        members_of(Undeclared)
+
+
+def test_the_listing_has_every_law_and_part_with_its_parameters(command: Command) -> None:
+    status, out, err = command("laws")
+    assert (status, err) == (0, "")
+    words = " ".join(out.split())
+    for owner in [*LAWS.values(), *(part for table in PARTS.values() for part in table.values())]:
+        assert " ".join(owner.equation.split()) in words
+        assert " ".join(owner.source.split()) in words
+        for name, declared in parameters_of(owner).items():
+            assert f"parameter {name}: {declared.symbol}" in words
+    for reason in law_class("lagrange_slip").violations.values():
+        assert " ".join(reason.split()) in words
+
+
+def test_the_listing_has_one_law_or_part(command: Command) -> None:
+    for asked in ("coulomb", "friction/coulomb"):
+        status, out, _ = command("laws", asked)
+        assert status == 0
+        assert out.startswith("friction/coulomb\n")
+        assert "hertz" not in out
+    status, out, err = command("laws", "hertz_penalti")
+    assert (status, out) == (2, "")
+    assert err == "There is no law or part 'hertz_penalti'. Did you mean hertz_penalty?\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("newton", "default contact step: at most 5e-08 s"),
+        ("moreau_jean", "default contact step: 5e-08 s"),
+        ("hertz_penalty", "default contact step: 4e-06 s"),
+        ("lugre", "deflection of the bristles [m], odd in a mirror"),
+    ],
+)
+def test_the_listing_says_what_is_a_bound_and_what_a_mirror_does(
+    command: Command, name: str, words: str
+) -> None:
+    status, out, _ = command("laws", name)
+    assert status == 0
+    assert words in " ".join(out.split())
+
+
+@dataclass(frozen=True)
+class Whole(PenaltyLaw):
+    """A law with a whole number among its parameters."""
+
+    name: ClassVar[str] = "whole"
+    equation: ClassVar[str] = "N = k d^n"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+
+    power: Annotated[int, Parameter("n", "1", "power", at_least=1.0)] = 2
+
+    @property
+    def force(self) -> Any:
+        return None
+
+
+def test_a_whole_number_of_a_law_is_made_from_a_key() -> None:
+    assert made(Whole, {"power": 3.0}, 0.3) == Whole(3)
+    with pytest.raises(TypeError, match=r"power is 2.5; it must be a whole number"):
+        made(Whole, {"power": 2.5}, 0.3)
+
+
+def test_the_range_of_a_law_is_that_of_its_key(command: Command) -> None:
+    declared: Parameter = parameters_of(LAWS["hertz_penalty"])["stiffness"]
+    assert declared.above == 0.0
+    assert "law.stiffness is 0" in command("law.stiffness=0")[2]

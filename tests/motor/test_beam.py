@@ -1,0 +1,175 @@
+"""The shapes are the eigenshapes of a clamped-clamped Bernoulli-Euler beam, up to forty of them."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from contactlab.motor.beam import MOST_SHAPES, ClampedBeam
+
+LENGTH = 57e-3
+COUNTS = [1, 2, 4, 11, 12, 25, MOST_SHAPES]
+
+CATALOGUE = [4.730040744862704, 7.853204624095838, 10.995607838001671, 14.137165491257464]
+"""b L of the first four shapes as any textbook lists them."""
+
+
+def quadrature(start: float, end: float, panels: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights of a composite Gauss rule, other than the package's single panel."""
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    edges = np.linspace(start, end, panels + 1)
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (nodes + 1.0)).ravel(), (half * weights).ravel()
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_shapes_are_orthogonal_with_the_square_of_the_length_as_scale(count: int) -> None:
+    beam = ClampedBeam(LENGTH, count)
+    assert np.abs(beam.integrate(0.0, LENGTH) / LENGTH - np.eye(count)).max() < 1e-10
+    x, weights = quadrature(0.0, LENGTH, 60)
+    values = beam.evaluate(x)
+    assert np.abs((values * weights) @ values.T / LENGTH - np.eye(count)).max() < 1e-10
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_both_ends_are_clamped(count: int) -> None:
+    beam = ClampedBeam(LENGTH, count)
+    ends = np.array([0.0, LENGTH])
+    assert np.abs(beam.evaluate(ends)).max() < 1e-10
+    slopes = beam.evaluate(ends, 1) / beam.wave_numbers[:, None]
+    assert np.abs(slopes).max() < 1e-10
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_curvatures_are_orthogonal_with_the_fourth_power_of_the_wave_number(count: int) -> None:
+    # int psi'' phi'' = int psi'''' phi + boundary terms that the clamps kill, and psi'''' = b^4 psi.
+    beam = ClampedBeam(LENGTH, count)
+    b = beam.wave_numbers
+    scaled = beam.integrate(0.0, LENGTH, 2) / (LENGTH * np.outer(b**2, b**2))
+    assert np.abs(scaled - np.eye(count)).max() < 1e-10
+
+
+def test_every_derivative_is_the_derivative_of_the_one_below() -> None:
+    beam = ClampedBeam(LENGTH, MOST_SHAPES)
+    x = np.linspace(0.05, 0.95, 37) * LENGTH
+    for derivative in (1, 2):
+        for row, b in enumerate(beam.wave_numbers):
+            h = 1e-3 / b
+            below = [beam.evaluate(x + k * h, derivative - 1)[row] for k in (-2, -1, 1, 2)]
+            difference = (below[0] - 8.0 * below[1] + 8.0 * below[2] - below[3]) / (12.0 * h)
+            error = np.abs(difference - beam.evaluate(x, derivative)[row]).max() / b**derivative
+            # Fourth-order differences with b h = 1e-3: truncation 1e-12 / 30, round-off some
+            # 1e-16 of b x (up to 130) over 1e-3.
+            assert error < 1e-10
+
+
+def test_curvature_obeys_the_beam_equation_at_every_point() -> None:
+    # psi'''' = b^4 psi with psi'''' as second difference of psi''; truncation (b h)^4 / 90.
+    beam = ClampedBeam(LENGTH, MOST_SHAPES)
+    x = np.linspace(0.02, 0.98, 41) * LENGTH
+    for row, b in enumerate(beam.wave_numbers):
+        h = 1e-2 / b
+        c = [beam.evaluate(x + k * h, 2)[row] / b**2 for k in (-2, -1, 0, 1, 2)]
+        fourth = (-c[0] + 16.0 * c[1] - 30.0 * c[2] + 16.0 * c[3] - c[4]) / 12e-4
+        assert np.abs(fourth - beam.evaluate(x)[row]).max() < 1e-9
+
+
+@pytest.mark.parametrize("part", [(0.016, 0.178), (0.3, 0.31), (0.5, 1.0)])
+def test_bending_over_a_patch_is_the_change_of_slope(part: tuple[float, float]) -> None:
+    # What the coupling to a patch rests on: int psi'' over [a1, a2] = psi'(a2) - psi'(a1).
+    beam = ClampedBeam(LENGTH, MOST_SHAPES)
+    start, end = part[0] * LENGTH, part[1] * LENGTH
+    x, weights = quadrature(start, end, 60)
+    turn = beam.evaluate(end, 1) - beam.evaluate(start, 1)
+    assert np.abs(beam.evaluate(x, 2) @ weights - turn).max() < 1e-11 * beam.wave_numbers[-1]
+
+
+def test_integrals_over_parts_add_up_to_the_whole() -> None:
+    beam = ClampedBeam(LENGTH, MOST_SHAPES)
+    for derivative in (0, 1, 2):
+        cuts = [0.0, 0.016 * LENGTH, 0.178 * LENGTH, LENGTH]
+        parts = [beam.integrate(a, b, derivative) for a, b in pairwise(cuts)]
+        whole = beam.integrate(0.0, LENGTH, derivative)
+        assert np.abs(sum(parts) - whole).max() < 1e-12 * np.abs(whole).max()
+
+
+def test_low_shapes_are_the_textbook_form_and_its_derivatives() -> None:
+    beam = ClampedBeam(LENGTH, 4)
+    x = np.linspace(0.0, LENGTH, 101)
+    assert beam.wave_numbers * LENGTH == pytest.approx(CATALOGUE, rel=1e-14)
+    for row, root in enumerate(CATALOGUE):
+        z, b = root * x / LENGTH, root / LENGTH
+        s = (np.cosh(root) - np.cos(root)) / (np.sinh(root) - np.sin(root))
+        textbook = [
+            np.cosh(z) - np.cos(z) - s * (np.sinh(z) - np.sin(z)),
+            b * (np.sinh(z) + np.sin(z) - s * (np.cosh(z) - np.cos(z))),
+            b**2 * (np.cosh(z) + np.cos(z) - s * (np.sinh(z) + np.sin(z))),
+        ]
+        for derivative, expected in enumerate(textbook):
+            error = np.abs(beam.evaluate(x, derivative)[row] - expected).max()
+            # cosh(14) times round-off is what the textbook form itself loses.
+            assert error < 1e-9 * np.abs(expected).max()
+
+
+def test_textbook_form_has_lost_every_digit_at_the_fifteenth_shape() -> None:
+    # Why the package writes the shapes differently: cosh and sinh of 48 differ by less than one bit.
+    x = np.linspace(0.0, LENGTH, 101)
+    beam = ClampedBeam(LENGTH, 15)
+    root = beam.wave_numbers[-1] * LENGTH
+    z = root * x / LENGTH
+    s = (np.cosh(root) - np.cos(root)) / (np.sinh(root) - np.sin(root))
+    textbook = np.cosh(z) - np.cos(z) - s * (np.sinh(z) - np.sin(z))
+    assert np.abs(textbook - beam.evaluate(x)[-1]).max() > 1.0
+
+
+def test_wave_numbers_are_one_root_in_each_half_turn() -> None:
+    roots = ClampedBeam(LENGTH, MOST_SHAPES).wave_numbers * LENGTH
+    assert np.abs(np.cos(roots) - 1.0 / np.cosh(roots)).max() < 1e-13
+    centres = (np.arange(1, MOST_SHAPES + 1) + 0.5) * np.pi
+    assert np.abs(roots - centres).max() < 0.02
+    assert np.all(np.diff(roots) > 0.0)
+
+
+def test_shapes_alternate_between_symmetric_and_antisymmetric_about_the_middle() -> None:
+    beam = ClampedBeam(LENGTH, MOST_SHAPES)
+    x = np.linspace(0.0, LENGTH, 57)
+    parity = (-1.0) ** np.arange(MOST_SHAPES)
+    assert np.abs(beam.evaluate(LENGTH - x) - parity[:, None] * beam.evaluate(x)).max() < 1e-11
+    slopes = beam.evaluate(LENGTH - x, 1) + parity[:, None] * beam.evaluate(x, 1)
+    assert np.abs(slopes / beam.wave_numbers[:, None]).max() < 1e-11
+
+
+def test_shape_i_crosses_zero_one_time_less_than_its_number() -> None:
+    # An even number of points: the middle, where the odd shapes vanish, is not one of them.
+    x = np.linspace(0.0, LENGTH, 20000)[10:-10]
+    values = ClampedBeam(LENGTH, MOST_SHAPES).evaluate(x)
+    crossings = (np.diff(np.sign(values), axis=1) != 0.0).sum(axis=1)
+    assert crossings.tolist() == list(range(MOST_SHAPES))
+
+
+def test_shapes_scale_with_the_length_alone() -> None:
+    short, long = ClampedBeam(0.01, 6), ClampedBeam(2.0, 6)
+    share = np.linspace(0.0, 1.0, 11)
+    for derivative in (0, 1, 2):
+        scaled = long.evaluate(2.0 * share, derivative) * 200.0**derivative
+        reference = short.evaluate(0.01 * share, derivative)
+        assert np.abs(scaled - reference).max() < 1e-12 * np.abs(reference).max()
+
+
+def test_results_have_the_shape_of_the_position() -> None:
+    beam = ClampedBeam(LENGTH, 3)
+    assert beam.evaluate(0.01).shape == (3,)
+    assert beam.evaluate(np.array([0.01, 0.02])).shape == (3, 2)
+    assert beam.evaluate(np.array([0.01, 0.02]))[:, 0] == pytest.approx(beam.evaluate(0.01))
+
+
+@pytest.mark.parametrize("count", [0, -1, MOST_SHAPES + 1])
+def test_a_number_of_shapes_out_of_range_is_refused_with_the_range(count: int) -> None:
+    with pytest.raises(ValueError, match=rf"{count}; it must lie between 1 and {MOST_SHAPES}"):
+        ClampedBeam(LENGTH, count)
+
+
+@pytest.mark.parametrize("derivative", [-1, 3])
+def test_an_unknown_derivative_is_refused(derivative: int) -> None:
+    with pytest.raises(ValueError, match=rf"{derivative}; it must be 0, 1 or 2"):
+        ClampedBeam(LENGTH, 2).evaluate(0.01, derivative)

@@ -1,0 +1,196 @@
+"""The finite elements are converged: judged by exact transfer matrices and by the paper's own basis."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracle.stepped_beam import natural_frequencies
+from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
+from threadpoolctl import threadpool_limits
+
+from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator
+from contactlab.motor.finite_element import FREQUENCY_ERROR
+from contactlab.motor.materials import Piezoceramic
+
+PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]
+
+
+@pytest.mark.parametrize("kept", [1, 4, 6, 12])
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_every_kept_frequency_is_the_exact_one_from_above_within_the_stated_error(
+    placement: dict[str, float], kept: int
+) -> None:
+    resonator = FiniteElementResonator(kept_modes=kept, **placement)
+    exact = natural_frequencies(stepped_beam(resonator), highest=150e3)[:kept]
+    error = resonator.modes.natural_frequency[:kept] / exact - 1.0
+    assert np.all(error > 0.0)
+    assert np.all(error < FREQUENCY_ERROR)
+
+
+def test_forty_modes_keep_the_stated_error() -> None:
+    # Elements of twice the size have sixteen times the error.
+    resonator = FiniteElementResonator(kept_modes=40)
+    coarse = resonator.discretise(tuple(count // 2 for count in resonator.mesh))
+    frequencies = np.sqrt(coarse.lowest(40)[0]) / (2.0 * np.pi)
+    difference = frequencies / resonator.modes.natural_frequency[:40] - 1.0
+    assert np.all(difference > 0.0)
+    assert difference.max() < 15.0 * FREQUENCY_ERROR
+
+
+def test_placement_2_has_its_known_converged_frequencies() -> None:
+    frequencies = FiniteElementResonator().modes.natural_frequency
+    assert frequencies[:2] == pytest.approx([2137.5, 3766.3], abs=0.05)
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_stepped_frequencies_converge_with_the_fourth_power_of_the_element(
+    placement: dict[str, float],
+) -> None:
+    resonator = FiniteElementResonator(**placement)
+    exact = natural_frequencies(stepped_beam(resonator), highest=30e3)[:4]
+    errors = []
+    for refinement in (1, 2, 4):
+        squares, _ = resonator.discretise(tuple(refinement * n for n in (2, 3, 4))).lowest(4)
+        errors.append(np.sqrt(squares) / (2.0 * np.pi * exact) - 1.0)
+    assert -np.diff(np.log2(errors), axis=0) == pytest.approx(4.0, abs=0.15)
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_the_papers_basis_comes_down_towards_the_finite_elements(
+    placement: dict[str, float],
+) -> None:
+    converged = FiniteElementResonator(**placement).modes.natural_frequency[:4]
+    gaps = [
+        default_resonator(shapes=n, **placement).modes.natural_frequency[:4] - converged
+        for n in (4, 8, 16, 24)
+    ]
+    assert np.all(np.array(gaps) > 0.0)
+    assert np.all(np.diff(gaps, axis=0) < 0.0)
+
+
+def test_without_patches_and_tip_inertia_both_bases_agree() -> None:
+    # Curvature jumps at patch edges and under a tip that resists turning; without either, only the
+    # shear force jumps, under the tip's mass, and forty shapes follow that.
+    bare = Piezoceramic(bending_modulus=1e-3, density=1e-9)
+    given = {"piezoceramic": bare, "tip_inertia": 0.0}
+    few = FiniteElementResonator(kept_modes=4, static_correction=False, **given).modes
+    many = RitzResonator(shapes=40, **given).modes
+    assert few.natural_frequency == pytest.approx(many.natural_frequency[:4], rel=2e-5)
+    for name in ("tip_displacement", "tip_slope"):
+        ours, theirs = np.abs(getattr(few, name)), np.abs(getattr(many, name)[:4])
+        assert ours == pytest.approx(theirs, rel=1e-4, abs=1e-8 * theirs.max())
+
+
+def test_couplings_without_patch_stiffness_are_those_of_the_papers_basis() -> None:
+    # No tip either: then modes and shapes are the same functions, in the same scale.
+    smooth = Piezoceramic(bending_modulus=1e-3, density=1e-9)
+    given = {"piezoceramic": smooth, "tip_mass": 0.0, "tip_inertia": 0.0}
+    modes = FiniteElementResonator(kept_modes=6, static_correction=False, **given).modes
+    shapes = RitzResonator(shapes=6, **given).modes.shape_coupling
+    assert np.abs(modes.shape_coupling) == pytest.approx(np.abs(shapes), rel=2e-4)
+
+
+def test_damping_is_proportional_and_overdamps_the_high_modes() -> None:
+    modes = FiniteElementResonator().modes
+    assert modes.damping == pytest.approx(7.5 + 2e-5 * modes.stiffness, rel=1e-14)
+    assert np.all(np.diff(modes.damping_ratio) > 0.0)
+    assert modes.damping_ratio[0] < 0.2
+    assert modes.damping_ratio[4] > 1.0
+
+
+def test_symmetric_modes_lift_the_tip_and_antisymmetric_ones_turn_it() -> None:
+    modes = FiniteElementResonator(kept_modes=8).modes
+    lifts = np.abs(modes.tip_displacement) > 1e-9 * np.abs(modes.tip_displacement).max()
+    turns = np.abs(modes.tip_slope) > 1e-9 * np.abs(modes.tip_slope).max()
+    assert np.all(lifts != turns)
+    parity = np.where(lifts, 1.0, -1.0)
+    assert modes.coupling[:, 1] == pytest.approx(parity * modes.coupling[:, 0], rel=1e-8)
+
+
+def test_the_sign_of_a_mode_follows_the_tip() -> None:
+    modes = FiniteElementResonator(kept_modes=12).modes
+    assert np.all(modes.tip_displacement + 57e-3 * modes.tip_slope > 0.0)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-9])
+def test_patches_may_begin_at_the_clamp_or_hardly_beside_it(start: float) -> None:
+    near = FiniteElementResonator(patch_start=start).modes
+    beside = FiniteElementResonator(patch_start=1e-6).modes
+    # A micrometre of bare beam at the clamp: 0.1 per mille of the patch.
+    assert near.natural_frequency[:6] == pytest.approx(beside.natural_frequency[:6], rel=1e-3)
+    assert np.all(near.natural_frequency[:6] > beside.natural_frequency[:6])
+
+
+def test_a_mesh_beyond_measure_is_refused() -> None:
+    # Where thick patches leave free a little of a light beam, and the first mesh sees little of that.
+    extreme = FiniteElementResonator(
+        kept_modes=40,
+        patch_start=0.0,
+        patch_end=27.5e-3,
+        patch_thickness=1.0,
+        piezoceramic=Piezoceramic(density=2.4),
+        tip_mass=0.0,
+        tip_inertia=0.0,
+    )
+    with pytest.raises(ValueError, match=r"40 kept modes need \d+ elements; there may be 2000"):
+        _ = extreme.modes
+
+
+@pytest.mark.parametrize(
+    ("basis", "changes"),
+    [
+        # Forty modes of patches as heavy as worlds: the highest one's 1 / omega^2 is round-off of the
+        # lowest one's, of either sign.
+        (
+            FiniteElementResonator(kept_modes=40),
+            {
+                "piezoceramic": Piezoceramic(density=1e30),
+                "patch_start": 10e-3,
+                "patch_end": 10.1e-3,
+            },
+        ),
+        (FiniteElementResonator(kept_modes=40), {"tip_inertia": 1e6}),
+        (RitzResonator(shapes=40), {"tip_inertia": 1e6}),
+        (RitzResonator(shapes=40), {"piezoceramic": Piezoceramic(density=1e30)}),
+        # Numbers that overflow.
+        (FiniteElementResonator(), {"length": 1e-200, "patch_start": 0.0, "patch_end": 1e-201}),
+        (RitzResonator(), {"length": 1e-200, "patch_start": 0.0, "patch_end": 1e-201}),
+    ],
+)
+def test_modes_that_round_off_makes_are_refused(
+    basis: PatchedBeam, changes: dict[str, object]
+) -> None:
+    with pytest.raises(ValueError, match="modes that double precision does not resolve"):
+        _ = replace(basis, **changes).modes
+
+
+@pytest.mark.parametrize(
+    "basis", [FiniteElementResonator(kept_modes=12), RitzResonator(shapes=40)], ids=["fe", "ritz"]
+)
+def test_a_tip_of_a_kilogram_is_resolved(basis: PatchedBeam) -> None:
+    # The low modes then are those of a mass on the beam as a spring: a heavier one swings the slower.
+    first = [replace(basis, tip_mass=mass).modes.natural_frequency[0] for mass in (0.5, 1.0)]
+    assert first[0] / first[1] == pytest.approx(2.0**0.5, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "basis", [FiniteElementResonator(kept_modes=12), RitzResonator(shapes=40)], ids=["fe", "ritz"]
+)
+def test_modes_do_not_depend_on_the_number_of_threads(basis: PatchedBeam) -> None:
+    found = []
+    for threads in (1, 2):
+        with threadpool_limits(threads, user_api="blas"):
+            found.append(vars(replace(basis).modes))
+    for name, values in found[0].items():
+        assert np.array_equal(values, found[1][name]), name
+
+
+@pytest.mark.parametrize("kept", [0, 41])
+def test_more_modes_than_are_verified_are_refused(kept: int) -> None:
+    with pytest.raises(ValueError, match=f"is {kept}; it must lie between 1 and 40"):
+        FiniteElementResonator(kept_modes=kept)
+
+
+def test_patches_that_meet_their_mirror_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"0 <= start < end <= 0\.0285 m"):
+        FiniteElementResonator(patch_end=29e-3)

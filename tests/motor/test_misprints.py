@@ -1,0 +1,149 @@
+"""What the paper prints and cannot mean: each equation as printed, and why it must be read otherwise.
+
+Misprints of the resonator (eqs. 23, 27, 28, 31, the lever of the coupling) are in `test_resonator.py`.
+"""
+
+from math import cos, sin
+
+import numpy as np
+import pytest
+from support.motors import case_a, default_motor, run
+
+from contactlab.engine.plant import delassus, plant_of
+from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.motor.geometry import contact_frame
+from contactlab.motor.motor import Motor
+from contactlab.testing.plants import FLAT, block
+
+Array = np.ndarray
+
+
+def contact_rows(motor: Motor, u: float, th: float) -> tuple[Array, Array]:
+    """Normal and tangential row of resonator and rotor, mass-orthonormal coordinates [kg^-1/2]."""
+    plant = plant_of(motor)
+    _, n_u, n_th, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
+    normal = n_u * plant.row_u + n_th * plant.row_th
+    return normal, t_u * plant.row_u + t_th * plant.row_th + plant.row_r
+
+
+def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
+    # A mass that sticks to the rotor's rim: m v R + J Omega stays.
+    mass, velocity, radius, inertia = 0.01, 0.5, 25e-3, 4.8e-5
+    lever = radius**2 / inertia
+
+    def after(arm: float) -> tuple[float, float]:
+        """Velocities of mass and rim after the stick impulse, with the torque's arm as a factor of F."""
+        p = -velocity / (1.0 / mass + radius * arm / inertia)
+        return velocity + p / mass, -radius * arm * p / inertia
+
+    kept = mass * velocity * radius
+    tip, rim = after(radius)
+    assert tip == pytest.approx(rim, rel=1e-14)
+    assert mass * tip * radius + inertia * rim / radius == pytest.approx(kept, rel=1e-14)
+    tip, rim = after(1.0)
+    assert tip == pytest.approx(rim, rel=1e-14)
+    assert mass * tip * radius + inertia * rim / radius > 5.0 * kept
+    # The engine has the radius: what the rotor turns is its share of the Delassus matrix.
+    _, tangential = contact_rows(case_a(), 0.0, 0.0)
+    assert tangential[-1] ** 2 == pytest.approx(lever, rel=1e-14)
+
+
+def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
+    mu, gap_rate = 0.3, -0.05
+    plant = plant_of(case_a())
+    _, n_u, n_th, t_u, t_th = contact_frame(0.0, 1e-4, plant.tip_length, plant.radius, 1e-6)
+    d_nn, d_nt, d_tt = delassus(plant, n_u, n_th, t_u, t_th)
+    law = LagrangeSlip(mu)
+
+    def left(friction_in_eq_51: float) -> float:
+        """Gap rate after an impulse from eq. 51 with this factor before its friction term."""
+        p_n = -gap_rate / (d_nn - friction_in_eq_51 * d_nt)
+        return gap_rate + d_nn * p_n - mu * d_nt * p_n
+
+    assert left(mu) == pytest.approx(0.0, abs=1e-16)
+    assert abs(left(mu * mu)) > 1e-5 * abs(gap_rate)
+    p_n, p_t, _ = law.solve(gap_rate, 1.0, gap_rate, 1.0, d_nn, d_nt, d_tt, law.parameters())
+    assert gap_rate + d_nn * p_n + d_nt * p_t == pytest.approx(0.0, abs=1e-16)
+
+
+def test_eq_59_as_printed_is_no_scalar_equation_and_without_the_stray_velocity_it_is() -> None:
+    rng = np.random.default_rng(0)
+    gradient, velocity, force = (
+        rng.normal(size=(1, 4)),
+        rng.normal(size=(4, 1)),
+        rng.normal(size=(4, 1)),
+    )
+    inverse_mass = np.linalg.inv(np.diag(rng.uniform(1.0, 2.0, 4)))
+    left = gradient @ inverse_mass @ gradient.T
+    printed = gradient @ velocity * (inverse_mass @ force)
+    meant = gradient @ inverse_mass @ force
+    assert left.shape == meant.shape == (1, 1)
+    assert printed.shape == (4, 1)
+
+
+@pytest.mark.parametrize("th", [1e-4, 1e-3, 1e-2])
+def test_eqs_43_and_46_name_two_tangents_of_which_only_the_second_is_one(th: float) -> None:
+    motor = case_a()
+    arm, radius, clearance = 19e-3, 25e-3, 1e-6
+    d = np.array([-arm * sin(th), arm * cos(th) - arm - clearance - radius])
+    normal = d / np.linalg.norm(d)
+    written = np.array([-cos(th), sin(th)])
+    turned = np.array([normal[1], -normal[0]])
+    assert turned @ normal == pytest.approx(0.0, abs=1e-16)
+    # Off by the tip's angle and that of the normal: the friction would have a normal part.
+    assert abs(written @ normal) == pytest.approx(th * (1.0 - arm / radius), rel=1e-2)
+    # The engine's tangent is minus the second one.
+    _, _, _, t_u, _ = contact_frame(0.0, th, arm, radius, motor.geometry.clearance)
+    assert t_u == pytest.approx(-turned[1], rel=1e-14)
+
+
+def test_eq_66_with_the_sign_of_the_tips_velocity_can_lose_its_mass() -> None:
+    _, tangential = contact_rows(case_a(), 0.0, 0.0)
+    row = tangential[:-1]
+    rotor = 4.8e-5 / 25e-3**2
+    for sign, definite in ((1.0, True), (-1.0, False)):
+        mass = np.eye(row.size) + sign * rotor * np.outer(row, row)
+        assert (np.linalg.eigvalsh(mass).min() > 0.0) == definite
+    # Without the sign it is the mass of resonator and rotor joined: a Schur complement.
+    joined = np.linalg.inv(np.eye(row.size) + rotor * np.outer(row, row))
+    stuck = np.eye(row.size) - np.outer(row, row) / (row @ row + 1.0 / rotor)
+    np.testing.assert_allclose(joined, stuck, rtol=0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("law", [HertzPenalty(1e9, 0.5), LagrangeStick(0.5)], ids=lambda x: x.name)
+def test_eq_63_must_carry_the_load_or_the_rotor_runs_away_in_stick(law: ContactLaw) -> None:
+    # A block that is tied to the ground sticks to a loaded belt: the friction holds the load.
+    weight, load = 10.0, 2.0
+    height = -((weight / 1e9) ** (2.0 / 3.0)) if isinstance(law, HertzPenalty) else 0.0
+    motor = block(1.0, height=height, weight=weight, stiffness=1e9, belt_mass=1.0)
+    rotor = motor.rotor
+    loaded = Motor(
+        motor.modes,
+        motor.drive,
+        motor.geometry,
+        type(rotor)(inertia=rotor.inertia, load_torque=load * FLAT),
+        motor.preload,
+        motor.start,
+    )
+    trajectory = run(loaded, law, 0.02, 0.02, 1e-6)
+    mean = trajectory.contacts["friction_impulse"][0] / trajectory.contacts["duration"][0]
+    # J Omegadot = -R F - tau: at rest F = -tau/R. Dropped, the belt would have gone tau t / J.
+    assert mean == pytest.approx(-load, rel=0.05)
+    runaway = load * 0.02
+    assert abs(FLAT * trajectory.series["rotor_velocity"][-1]) < 0.01 * runaway
+
+
+def test_the_slip_law_reverses_the_slip_in_nearly_every_impact() -> None:
+    impacts = reversals = 0
+    for changes in ({}, {"phase": 0.6}, {"clearance": 0.3e-6, "voltage_1": 150.0}):
+        motor, law, step = default_motor(**changes), LagrangeSlip(0.3), 5e-9
+        trajectory = run(motor, law, 2e-3, 2e-9, step)
+        start = trajectory.contacts["start_time"]
+        slip = trajectory.series["slip_velocity"]
+        before = np.searchsorted(trajectory.time, start) - 1
+        after = np.searchsorted(trajectory.time, start + 1.2 * step)
+        inside = after < slip.size
+        impacts += int(inside.sum())
+        reversals += int((slip[before[inside]] * slip[after[inside]] < 0.0).sum())
+    assert impacts >= 15
+    assert reversals >= 0.9 * impacts

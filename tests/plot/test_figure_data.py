@@ -1,0 +1,144 @@
+"""What is drawn is what was recorded."""
+
+import numpy as np
+import pytest
+import xarray
+from support.synthetic import (
+    CONFIGURATION,
+    CONTACT_DURATION,
+    FREQUENCY,
+    STICK_SHARE,
+    synthetic_trajectory,
+)
+
+from contactlab.plot.overview_data import COLUMNS, contact_spans, drawable, envelope, last_periods
+from contactlab.results.netcdf import to_datatree
+
+
+def datasets(tree: xarray.DataTree) -> tuple[xarray.Dataset, xarray.Dataset]:
+    """Root and contacts of a run."""
+    return tree.to_dataset(), tree["contacts"].to_dataset(inherit=False)
+
+
+def spans_of(
+    time: list[float], mode: list[int], rows: list[tuple[float, float, float]]
+) -> dict[str, list[list[float]]]:
+    """Spans for records and for contacts of start, duration and stick duration."""
+    series = xarray.Dataset({"contact_mode": ("time", np.array(mode, dtype=np.int8))})
+    table = np.array(rows, dtype=float).reshape(-1, 3)
+    names = ("start_time", "duration", "stick_duration")
+    contacts = xarray.Dataset({n: ("contact", table[:, i]) for i, n in enumerate(names)})
+    spans = contact_spans(series.assign_coords(time=np.array(time)), contacts)
+    return {name: values.tolist() for name, values in spans.items()}
+
+
+def test_a_contact_is_shaded_from_touch_down_to_release() -> None:
+    spans = spans_of([0, 1, 2, 3, 4], [0, 1, 1, 0, 0], [(0.75, 1.5, 0.0)])
+    assert spans == {"slip": [[0.75, 2.25]], "stick": []}
+
+
+def test_modes_change_half_way_between_two_records() -> None:
+    spans = spans_of([0, 1, 2, 3, 4], [0, 1, 2, 2, 1], [(0.75, 3.5, 1.8)])
+    assert spans == {"slip": [[0.75, 1.5], [3.5, 4.25]], "stick": [[1.5, 3.5]]}
+
+
+@pytest.mark.parametrize(("stick", "mode"), [(0.3, "stick"), (0.1, "slip")])
+def test_a_contact_between_two_records_takes_the_mode_of_its_larger_part(
+    stick: float, mode: str
+) -> None:
+    spans = spans_of([0, 1, 2], [0, 0, 0], [(1.25, 0.5, stick)])
+    assert spans[mode] == [[1.25, 1.75]]
+    assert sum(map(len, spans.values())) == 1
+
+
+def test_contacts_that_follow_each_other_stay_apart() -> None:
+    spans = spans_of([0, 1, 2, 3], [1, 1, 2, 1], [(0, 1.25, 0), (1.5, 1.0, 1), (2.75, 1, 0)])
+    assert spans == {"slip": [[0, 1.25], [2.75, 3.75]], "stick": [[1.5, 2.5]]}
+
+
+def test_no_contact_has_no_span() -> None:
+    assert spans_of([0, 1], [0, 0], []) == {"slip": [], "stick": []}
+
+
+@pytest.mark.parametrize("interval", [1e-6, 7e-6, 100e-6])
+def test_spans_add_up_to_the_time_in_contact_at_any_record_interval(interval: float) -> None:
+    root, contacts = datasets(to_datatree(synthetic_trajectory(interval=interval), CONFIGURATION))
+    spans = np.concatenate(list(contact_spans(root, contacts).values()))
+    spans = spans[np.argsort(spans[:, 0])]
+    assert np.sum(spans[:, 1] - spans[:, 0]) == pytest.approx(float(contacts["duration"].sum()))
+    assert np.all(spans[1:, 0] >= spans[:-1, 1] - 1e-15)
+
+
+def test_stick_is_shaded_where_it_was_to_half_a_record() -> None:
+    root, contacts = datasets(to_datatree(synthetic_trajectory(), CONFIGURATION))
+    stick = contact_spans(root, contacts)["stick"]
+    expected = contacts["start_time"].values[:, None] + CONTACT_DURATION * np.array(STICK_SHARE)
+    np.testing.assert_allclose(stick, expected, atol=0.51e-6)
+
+
+def test_the_window_is_the_last_three_drive_periods() -> None:
+    window = last_periods(
+        *datasets(to_datatree(synthetic_trajectory(), CONFIGURATION)), CONFIGURATION
+    )
+    assert window.end == 5e-3
+    assert window.end - window.start == pytest.approx(3.0 / FREQUENCY)
+    assert window.series["time"][0] <= window.start < window.series["time"][1]
+    assert window.contacts.sizes["contact"] == 3
+    assert not window.coarse
+
+
+def test_a_shorter_run_is_shown_whole() -> None:
+    tree = to_datatree(synthetic_trajectory(duration=250e-6), CONFIGURATION)
+    window = last_periods(*datasets(tree), CONFIGURATION)
+    assert (window.start, window.end) == (0.0, 250e-6)
+
+
+def test_a_drive_without_a_frequency_is_driven_at_the_first_natural_frequency() -> None:
+    root, contacts = datasets(to_datatree(synthetic_trajectory(), CONFIGURATION))
+    window = last_periods(root, contacts, {"drive": {"frequency": None}})
+    first = float(root["natural_frequency"][0])
+    assert window.end - window.start == pytest.approx(3.0 / first)
+
+
+def test_records_far_apart_are_not_joined() -> None:
+    tree = to_datatree(synthetic_trajectory(interval=100e-6), CONFIGURATION)
+    assert last_periods(*datasets(tree), CONFIGURATION).coarse
+
+
+def test_a_short_line_is_drawn_as_it_is() -> None:
+    x = np.linspace(0.0, 1.0, 4 * COLUMNS)
+    y = np.sin(x)
+    assert envelope(x, y)[0] is x
+    assert envelope(x, y)[1] is y
+
+
+def test_an_envelope_loses_no_peak() -> None:
+    x = np.linspace(0.0, 1.0, 300_001)
+    y = np.sin(x)
+    y[[1234, 200_000]] = 7.0, -7.0
+    short_x, short_y = envelope(x, y)
+    assert short_x.size <= 4 * COLUMNS
+    assert np.all(np.diff(short_x) >= 0.0)
+    for index, peak in ((1234, 7.0), (200_000, -7.0)):
+        assert abs(short_x[short_y == peak] - x[index]) <= 1.0 / COLUMNS
+    assert (short_x[0], short_y[0]) == (x[0], y[0])
+    assert (short_x[-1], short_y[-1]) == (x[-1], y[-1])
+
+
+def test_an_envelope_draws_no_slope_across_a_step() -> None:
+    x = np.linspace(0.0, 1.0, 300_001)
+    y = np.where(x < 0.5, 0.0, 1.0)
+    short_x, short_y = envelope(x, y)
+    between = (short_x > 0.5 + 1.0 / COLUMNS) | (short_x < 0.5 - 1.0 / COLUMNS)
+    np.testing.assert_array_equal(short_y[between], short_x[between] > 0.5)
+
+
+def test_an_envelope_passes_over_what_is_missing() -> None:
+    x = np.linspace(0.0, 1.0, 100_001)
+    y = np.where(x > 0.9, np.nan, x)
+    assert np.nanmax(envelope(x, y)[1]) == pytest.approx(0.9, abs=1e-4)
+
+
+def test_what_cannot_be_drawn_is_left_out() -> None:
+    values = np.array([1.0, np.nan, np.inf, -np.inf, 1e300, -2.0])
+    np.testing.assert_array_equal(drawable(values), [1.0, np.nan, np.nan, np.nan, np.nan, -2.0])

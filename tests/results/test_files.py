@@ -1,0 +1,211 @@
+"""A file stands under its name whole, or the folder is as it was."""
+
+import errno
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from contactlab.results import files, partials
+from contactlab.results.files import whole_file, whole_netcdf
+from contactlab.results.partials import remove_left
+
+
+def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    with whole_file(path) as partial:
+        partial.write_text("whole")
+        assert not path.exists()
+        assert partial.parent == tmp_path
+        assert partial.name.startswith(".run.nc.")
+        assert partial.name.endswith(".partial")
+    assert path.read_text() == "whole"
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, ValueError, MemoryError])
+def test_whatever_stops_the_body_leaves_nothing(tmp_path: Path, stop: type[BaseException]) -> None:
+    def stop_half_way() -> None:
+        with whole_file(tmp_path / "run.nc") as partial:
+            partial.write_text("ha")
+            raise stop
+
+    with pytest.raises(stop):
+        stop_half_way()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_file_leaves_its_predecessor_alone(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    path.write_text("before")
+
+    def fail() -> None:
+        with whole_file(path) as partial:
+            partial.write_text("after")
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(OSError, match="cannot be written"):
+        fail()
+    assert path.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
+
+
+def test_a_failed_synchronisation_fails_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_descriptor: int) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr(os, "fsync", fail)
+
+    def write() -> None:
+        with whole_file(tmp_path / "run.nc") as partial:
+            partial.write_text("whole")
+
+    with pytest.raises(OSError, match=r"'run\.nc' cannot be written"):
+        write()
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_file_is_on_the_disk_before_it_takes_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps: list[str] = []
+    synchronise, replace = os.fsync, Path.replace
+
+    def note_synchronise(descriptor: int) -> None:
+        steps.append("fsync")
+        synchronise(descriptor)
+
+    def note_replace(self: Path, target: Path) -> Path:
+        steps.append("name")
+        return replace(self, target)
+
+    monkeypatch.setattr(os, "fsync", note_synchronise)
+    monkeypatch.setattr(Path, "replace", note_replace)
+    with whole_file(tmp_path / "run.nc") as partial:
+        partial.write_text("whole")
+    assert steps == ["fsync", "name", "fsync"]
+
+
+def test_a_missing_folder_is_refused_in_a_sentence_that_names_it(tmp_path: Path) -> None:
+    def write() -> None:
+        with whole_file(tmp_path / "nowhere" / "run.nc"):
+            pytest.fail("The body must not run.")
+
+    with pytest.raises(
+        OSError, match=r"'run.nc' cannot be written, its folder does not exist"
+    ) as e:
+        write()
+    assert e.value.filename == str(tmp_path / "nowhere")
+
+
+def test_a_file_in_place_of_the_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+
+    def write() -> None:
+        with whole_file(tmp_path / "file" / "run.nc"):
+            pytest.fail("The body must not run.")
+
+    with pytest.raises(NotADirectoryError):
+        write()
+
+
+def left_by(process: int | str, machine: str, folder: Path) -> Path:
+    """A temporary file that is there still."""
+    left = folder / f".run.nc.{machine}-{process}-0123abcd.partial"
+    left.write_text("ha")
+    return left
+
+
+def dead_process() -> int:
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    return ended.pid
+
+
+def test_what_a_killed_process_left_goes_with_the_next_file(tmp_path: Path) -> None:
+    killed = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import os, signal\n"
+            "from pathlib import Path\n"
+            "from contactlab.results.files import whole_file\n"
+            "with whole_file(Path('run.nc')) as partial:\n"
+            "    partial.write_text('ha')\n"
+            "    os.kill(os.getpid(), signal.SIGKILL)\n",
+        ],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(files.__file__).parents[2])},
+        check=False,
+    )
+    assert killed.returncode == -9
+    assert len(list(tmp_path.glob(".run.nc.*.partial"))) == 1
+    with whole_file(tmp_path / "other.nc") as partial:
+        partial.write_text("whole")
+    assert list(tmp_path.iterdir()) == [tmp_path / "other.nc"]
+
+
+def test_what_somebody_may_be_writing_stays(tmp_path: Path) -> None:
+    mine = partials._machine()
+    kept = [
+        left_by(os.getpid(), mine, tmp_path),
+        left_by(os.getppid(), mine, tmp_path),
+        # A process of that number on another machine cannot be asked.
+        left_by(dead_process(), "00000000", tmp_path),
+        tmp_path / ".run.nc.partial",
+        tmp_path / "run.nc.0123abcd.partial",
+    ]
+    for path in kept:
+        path.write_text("mine")
+    remove_left(tmp_path)
+    assert set(tmp_path.iterdir()) == set(kept)
+
+
+def test_what_another_machine_has_not_touched_for_days_goes(tmp_path: Path) -> None:
+    old, older = left_by(1, "00000000", tmp_path), tmp_path / ".run.nc.0123abcd.partial"
+    older.write_text("of an earlier version")
+    for path in (old, older):
+        os.utime(path, (0.0, time.time() - partials.FOREIGN_AFTER - 10.0))
+    fresh = left_by(2, "00000000", tmp_path)
+    remove_left(tmp_path)
+    assert list(tmp_path.iterdir()) == [fresh]
+
+
+def test_a_fresh_file_takes_the_place_of_no_other(tmp_path: Path) -> None:
+    path = tmp_path / "plan.json"
+
+    def begin(text: str) -> None:
+        with whole_file(path, fresh=True) as partial:
+            partial.write_text(text)
+
+    begin("first")
+    with pytest.raises(FileExistsError):
+        begin("second")
+    assert path.read_text() == "first"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_netcdf_file_that_cannot_be_written_tells_the_cause_of_the_system(tmp_path: Path) -> None:
+    """Whatever the library says: a little more cannot be written either, and the system knows why."""
+    resource = pytest.importorskip("resource")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def write() -> None:
+        with whole_netcdf(tmp_path / "run.nc") as partial:
+            partial.write_bytes(bytes(10_000))
+            raise RuntimeError("NetCDF: HDF error")
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, hard))
+    try:
+        with pytest.raises(OSError, match=r"'run\.nc' cannot be written \(File too large\)"):
+            write()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with pytest.raises(OSError, match=r"\(the netCDF library says: NetCDF: HDF error\)"):
+        write()
+    assert not list(tmp_path.iterdir())

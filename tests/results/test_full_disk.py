@@ -1,0 +1,80 @@
+"""A disk that is full is told in a sentence with the system's own words, and nothing half-written stays."""
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from support.command_line import Command
+from support.folders import left_run
+from support.map_folders import begun
+
+from contactlab.comparison import compare
+from contactlab.sweeps import collect
+from contactlab.sweeps.chunks import CHUNKS
+
+resource = pytest.importorskip("resource")
+
+CAUSE = "File too large"
+
+
+@contextmanager
+def full(size: int) -> Iterator[None]:
+    """No file can grow beyond a size [bytes]."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    # What a library still holds of the file that failed must not complain later.
+    gc.collect()
+
+
+def files(folder: Path) -> set[Path]:
+    return {path for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_collection_that_finds_no_space_leaves_the_one_before(tmp_path: Path) -> None:
+    left_run(tmp_path / "1")
+    collect(tmp_path, series=["gap"])
+    before = (tmp_path / "collected.nc").read_bytes()
+    there = files(tmp_path)
+    for size in (0, 10_000, len(before) - 10):
+        with full(size), pytest.raises(OSError, match=rf"'collected\.nc' cannot be .*{CAUSE}"):
+            collect(tmp_path, series=["gap"])
+        assert files(tmp_path) == there
+        assert (tmp_path / "collected.nc").read_bytes() == before
+    collect(tmp_path, series=["gap"])
+
+
+def test_a_map_that_finds_no_space_keeps_its_chunks(tmp_path: Path) -> None:
+    folder = begun(tmp_path, finished=3, series=("gap",))
+    there = files(tmp_path)
+    with full(9_000), pytest.raises(OSError, match=rf"'map\.nc' cannot be written \({CAUSE}\)"):
+        folder.merge()
+    assert files(tmp_path) == there
+    assert len(list((tmp_path / CHUNKS).iterdir())) == 3
+    assert not (folder.merge()["status"] == 7).any()
+
+
+def test_a_comparison_that_finds_no_space_says_so(tmp_path: Path) -> None:
+    left_run(tmp_path / "1")
+    with full(9_000), pytest.raises(OSError, match=rf"cannot be written \({CAUSE}\)"):
+        compare([tmp_path / "1"], tmp_path / "out", refine=False)
+    assert not list(tmp_path.rglob("*.partial"))
+
+
+def test_the_command_says_it_in_a_sentence(command: Command, tmp_path: Path) -> None:
+    left_run(Path("runs/1"))
+    begun(Path("map"), finished=3)
+    with full(9_000):
+        for folder, file in (("runs", "collected.nc"), ("map", "map.nc")):
+            status, _, err = command("collect", folder)
+            assert status == 2
+            assert f"'{file}' cannot be written ({CAUSE}); choose a folder" in err
+            assert f"The place is '{folder}'." in err
+            assert "Errno" not in err
+            assert "NetCDF" not in err
+            assert "Traceback" not in err

@@ -1,0 +1,97 @@
+"""The text at the end of a run says what the trajectory holds."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from support.motors import default_motor
+from support.synthetic import synthetic_trajectory
+
+from contactlab.engine import simulate
+from contactlab.laws import HertzPenalty
+from contactlab.results.prefixes import prefixed
+from contactlab.results.summary import summarise
+from contactlab.trajectory import Ending
+
+
+def lines_of(text: str) -> dict[str, str]:
+    """Value by label."""
+    split = (line.split("  ", maxsplit=1) for line in text.splitlines())
+    return {label: value.strip() for label, value in split}
+
+
+def test_every_number_is_that_of_the_trajectory() -> None:
+    lines = lines_of(summarise(synthetic_trajectory(), wall_time=1.25e-3))
+    assert lines == {
+        "law": "hertz_penalty (stiffness 1e+10, friction_coefficient 0.3, contact step 2 us)",
+        "contacts": "16, 960 us in contact, 240 us of it sticking",
+        "rotor velocity": "-0.441758 rad/s after 5 ms",
+        "peak normal force": "9 N",
+        "normal impulse": "0.00550039 N s in all",
+        "ledger residual": "-9.6e-14 J, 7.1e-12 of the drive work",
+        "speed": "5 ms of motor in 1.25 ms, 4 times real time",
+    }
+
+
+def test_values_are_aligned_and_plain() -> None:
+    text = summarise(synthetic_trajectory(), wall_time=1.25e-3)
+    lines = text.splitlines()
+    column = lines[0].index("hertz_penalty")
+    assert all(line[column - 1] == " " != line[column] for line in lines)
+    assert text.isascii()
+
+
+def test_a_run_without_contact_says_so() -> None:
+    trajectory = synthetic_trajectory(contact=False)
+    lines = lines_of(summarise(trajectory, wall_time=1e-3))
+    way = trajectory.motor.geometry.clearance - float(trajectory.series["gap"].min())
+    assert lines["contacts"] == (
+        f"none: of the clearance, 1 um, the tip bridged at most {prefixed(way, 'm')}. "
+        "Lower contact.clearance or raise the drive's voltages.".replace("µ", "u")
+    )
+    assert lines["peak normal force"] == "0 N"
+
+
+def test_a_run_cut_short_ends_with_its_reason() -> None:
+    trajectory = synthetic_trajectory(ending=Ending.DIVERGED, message="The gap is no number.")
+    lines = summarise(trajectory, wall_time=1e-3).splitlines()
+    assert lines[-1].split(maxsplit=1) == ["incomplete", "The gap is no number."]
+
+
+def test_a_run_with_an_open_ledger_is_not_called_incomplete() -> None:
+    trajectory = synthetic_trajectory(ending=Ending.UNBALANCED, message="The ledger is open.")
+    lines = summarise(trajectory, wall_time=1e-3).splitlines()
+    assert lines[-1].split(maxsplit=1) == ["unbalanced", "The ledger is open."]
+    assert not any(line.startswith("incomplete") for line in lines)
+
+
+def test_a_complete_run_has_no_reason() -> None:
+    assert "incomplete" not in summarise(synthetic_trajectory(), wall_time=1e-3)
+
+
+@pytest.mark.parametrize("torque", [1e-3, -1e-3])
+def test_a_load_brakes_one_direction_and_drives_the_other(torque: float) -> None:
+    """J dOmega/dt = -tau, and the work of the rotor on the load is tau times the angle."""
+    motor = default_motor(clearance=1e-3, load_torque=torque, initial_velocity=-0.5)
+    law = HertzPenalty(stiffness=1e10, friction_coefficient=0.3)
+    run = simulate(motor, law, duration=5e-3, record_interval=1e-3)
+    change = run.series["rotor_velocity"][-1] - run.series["rotor_velocity"][0]
+    assert change == pytest.approx(-torque * 5e-3 / motor.rotor.inertia)
+    work = torque * run.series["rotor_angle"][-1]
+    assert run.series["load_work"][-1] == pytest.approx(work)
+    what = "drives the motor and works on it" if torque > 0.0 else "brakes the motor and takes"
+    assert lines_of(summarise(run, wall_time=1e-3))["load"] == f"{what}: {abs(work):.4g} J"
+
+
+@pytest.mark.parametrize("records", [1, 2])
+def test_a_run_of_hardly_any_record_divides_by_nothing(records: int) -> None:
+    whole = synthetic_trajectory(contact=False)
+    trajectory = dataclasses.replace(
+        whole,
+        time=whole.time[:records],
+        series={name: np.zeros(records) for name in whole.series},
+        contact_mode=whole.contact_mode[:records],
+    )
+    lines = lines_of(summarise(trajectory, wall_time=0.0))
+    assert lines["ledger residual"] == "0 J, no drive work"
+    assert "real time" not in lines["speed"]

@@ -1,0 +1,114 @@
+"""One run that cannot be read is told of, and the others are collected."""
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray
+from support.synthetic import CONFIGURATION, synthetic_trajectory
+
+from contactlab.comparison import ComparisonError, compare
+from contactlab.metrics import is_complete, read_run
+from contactlab.results.netcdf import to_datatree, write_tree
+from contactlab.sweeps import collect
+from contactlab.sweeps.job import COMPLETE, Job, State, write_state
+from contactlab.sweeps.status import Status
+
+
+def left_run(
+    folder: Path, configuration: dict[str, Any], choices: dict[str, Any], **attributes: object
+) -> None:
+    """A complete run that was asked for these options and this clearance."""
+    folder.mkdir(parents=True)
+    tree = to_datatree(synthetic_trajectory(duration=1e-3), CONFIGURATION)
+    tree.attrs |= attributes
+    digest = write_tree(tree, folder / "run.nc")
+    job = Job("key", ("contact.clearance=1",), choices, configuration)
+    write_state(folder, State(COMPLETE, job, digest=digest))
+
+
+def sound(clearance: float) -> dict[str, Any]:
+    configuration: dict[str, Any] = copy.deepcopy(CONFIGURATION)
+    configuration["contact"]["clearance"] = clearance
+    return configuration
+
+
+def test_a_law_that_is_no_longer_installed_harms_no_other_run(tmp_path: Path) -> None:
+    gone = sound(1e-6) | {"law": {"name": "gone", "hardness": 1.0}}
+    left_run(tmp_path / "1", gone, {"law": "gone"}, law="gone")
+    left_run(tmp_path / "2", sound(1e-6), {"law": "hertz_penalty"})
+    found = collect(tmp_path)
+    assert found.sizes == {"law": 2}
+    assert (found["status"] == Status.COMPLETE).all()
+    assert found["peak_force"].notnull().all()
+
+
+@pytest.mark.parametrize("text", [None, 5, [1], {"law": {"name": ["x"]}}, {"status": 1, "a/b": 2}])
+def test_a_configuration_that_is_none_harms_no_other_run(tmp_path: Path, text: object) -> None:
+    for name, clearance in (("1", 1e-6), ("2", 2e-6), ("3", 3e-6)):
+        left_run(tmp_path / name, sound(clearance), {})
+    state = tmp_path / "1" / "state.json"
+    read = json.loads(state.read_text())
+    read["job"]["configuration"] = text
+    state.write_text(json.dumps(read))
+    assert (collect(tmp_path)["status"] == Status.COMPLETE).all()
+
+
+@pytest.mark.parametrize(
+    "change", [{"state": {}}, {"state": "complete", "job": {"overrides": 3}}, {"reason": None}]
+)
+def test_a_state_that_is_none_harms_no_other_run(tmp_path: Path, change: dict[str, object]) -> None:
+    left_run(tmp_path / "1", sound(1e-6), {})
+    left_run(tmp_path / "2", sound(2e-6), {})
+    state = tmp_path / "1" / "state.json"
+    state.write_text(json.dumps(json.loads(state.read_text()) | change))
+    found = collect(tmp_path)
+    assert found["status"].size == 2
+    assert int((found["status"] == Status.COMPLETE).sum()) >= 1
+
+
+@pytest.mark.parametrize("said", ["yes", "1", 2, -1, float("nan"), [1, 1]])
+def test_complete_is_one_or_zero(tmp_path: Path, said: object) -> None:
+    left_run(tmp_path / "1", sound(1e-6), {}, complete=said)
+    left_run(tmp_path / "2", sound(2e-6), {})
+    words = "has the attribute complete = "
+    with pytest.raises(ValueError, match=words):
+        read_run(tmp_path / "1" / "run.nc")
+    with pytest.raises(ComparisonError, match=words):
+        compare([tmp_path / "1"], refine=False)
+    for name in ("1", "2"):
+        (tmp_path / name / "state.json").unlink()
+    found = collect(tmp_path)
+    assert sorted(found["status"].values.ravel().tolist()) == [Status.COMPLETE, Status.FAILED]
+    assert words in " ".join(found["reason"].values.ravel().tolist())
+
+
+@pytest.mark.parametrize(("said", "meant"), [(1, True), (1.0, True), (0, False), (None, True)])
+def test_who_says_that_a_run_is_complete_may_say_it_in_any_number(
+    said: float | None, meant: bool
+) -> None:
+    tree = to_datatree(synthetic_trajectory(duration=1e-3), CONFIGURATION)
+    tree.attrs.pop("complete")
+    if said is not None:
+        tree.attrs["complete"] = said
+    assert isinstance(tree, xarray.DataTree)
+    assert is_complete(read_run(tree)) is meant
+
+
+def test_units_come_from_the_runs_whose_configurations_can_be_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left_run(tmp_path / "1", sound(1e-6), {})
+    left_run(tmp_path / "2", sound(2e-6), {})
+    asked: list[object] = []
+
+    def check(configuration: object) -> object:
+        asked.append(configuration)
+        raise ValueError("There is no law 'gone'.")
+
+    monkeypatch.setattr("contactlab.sweeps.layout.validate", check)
+    assert (collect(tmp_path)["status"] == Status.COMPLETE).all()
+    # The second is asked for what the first could not tell.
+    assert len(asked) == 2

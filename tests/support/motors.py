@@ -1,0 +1,161 @@
+"""Motors of the tests: one dictionary of parameters builds the package's motor and the oracle's.
+
+The parameters are the oracle's words, SI units; by default the paper's motor, placement 2 of Table 1.
+"""
+
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+from oracle import OracleMotor
+
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.motor import RitzResonator
+from contactlab.motor.drive import Drive
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.materials import Piezoceramic, Steel
+from contactlab.motor.motor import Motor, Rotor
+from contactlab.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+DEFAULTS: dict[str, float] = {
+    "length": 57e-3,
+    "width": 16e-3,
+    "beam_thickness": 1e-3,
+    "piezo_thickness": 1e-3,
+    "patch_start": 0.914e-3,
+    "patch_end": 10.146e-3,
+    "tip_mass": 1.181e-3,
+    "tip_inertia": 1.321e-7,
+    "tip_length": 19e-3,
+    "rotor_radius": 25e-3,
+    "rotor_inertia": 4.8e-5,
+    "rotor_damping": 0.0,
+    "load_torque": 0.0,
+    "initial_velocity": 0.0,
+    "clearance": 1e-6,
+    "friction_coefficient": 0.3,
+    "voltage_1": 100.0,
+    "voltage_2": 100.0,
+    "frequency": 3210.0,
+    "frequency_ratio": 2.0,
+    "phase": -pi / 5.0,
+    "shapes": 4,
+    "mass_damping": 7.5,
+    "stiffness_damping": 2e-5,
+    "steel_modulus": 210e9,
+    "steel_poisson": 0.3,
+    "steel_density": 7850.0,
+    "piezo_bending_modulus": 94.295e9,
+    "piezo_bending_coupling": 9.196,
+    "piezo_density": 7700.0,
+}
+"""Case A but for the law: the drive's first tone is given, not the first natural frequency."""
+
+PLACEMENT_1 = {"patch_start": 15.968e-3, "patch_end": 25.065e-3}
+PLACEMENT_2 = {"patch_start": 0.914e-3, "patch_end": 10.146e-3}
+
+STIFFNESS = 1e10
+"""Hertz stiffness of case A [N m^-3/2]."""
+
+
+def parameters_with(**changes: float) -> dict[str, float]:
+    """The default parameters with some of them changed; an unknown name is an error."""
+    unknown = changes.keys() - DEFAULTS.keys()
+    if unknown:
+        raise KeyError(f"The motor has no {sorted(unknown)}; it has {sorted(DEFAULTS)}.")
+    return DEFAULTS | changes
+
+
+def default_resonator(**changes: float) -> RitzResonator:
+    """The package's resonator with some parameters changed."""
+    p = parameters_with(**changes)
+    return RitzResonator(
+        length=p["length"],
+        width=p["width"],
+        beam_thickness=p["beam_thickness"],
+        patch_thickness=p["piezo_thickness"],
+        patch_start=p["patch_start"],
+        patch_end=p["patch_end"],
+        tip_mass=p["tip_mass"],
+        tip_inertia=p["tip_inertia"],
+        steel=Steel(p["steel_modulus"], p["steel_poisson"], p["steel_density"]),
+        piezoceramic=Piezoceramic(
+            p["piezo_bending_modulus"], p["piezo_bending_coupling"], p["piezo_density"]
+        ),
+        shapes=int(p["shapes"]),
+        mass_damping=p["mass_damping"],
+        stiffness_damping=p["stiffness_damping"],
+    )
+
+
+def default_motor(**changes: float) -> Motor:
+    """The package's motor with some parameters changed."""
+    p = parameters_with(**changes)
+    drive = Drive.two_mode(
+        p["voltage_1"], p["voltage_2"], p["frequency"], p["frequency_ratio"], p["phase"]
+    )
+    return Motor(
+        modes=default_resonator(**changes).modes,
+        drive=drive,
+        geometry=ContactGeometry(p["tip_length"], p["rotor_radius"], p["clearance"]),
+        rotor=Rotor(
+            p["rotor_inertia"], p["rotor_damping"], p["load_torque"], p["initial_velocity"]
+        ),
+    )
+
+
+def oracle_motor(**changes: float) -> OracleMotor:
+    """The oracle's motor with some parameters changed."""
+    p = parameters_with(**changes)
+    return OracleMotor(**(p | {"shapes": int(p["shapes"])}))  # type: ignore[arg-type]
+
+
+def case_a() -> Motor:
+    """The reference case: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
+    return default_motor()
+
+
+def hertz(friction_coefficient: float = 0.3, stiffness: float = STIFFNESS) -> HertzPenalty:
+    """The compliant law of case A."""
+    return HertzPenalty(stiffness=stiffness, friction_coefficient=friction_coefficient)
+
+
+def every_law(friction_coefficient: float = 0.3) -> list[ContactLaw]:
+    """One of each law."""
+    return [
+        hertz(friction_coefficient),
+        LagrangeStick(friction_coefficient),
+        LagrangeSlip(friction_coefficient),
+    ]
+
+
+def run(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float = 5e-3,
+    record_interval: float = 1e-5,
+    contact_step: float | None = None,
+) -> Trajectory:
+    """A run that must reach its end."""
+    trajectory = simulate(
+        motor,
+        law,
+        duration=duration,
+        record_interval=record_interval,
+        contact_step=contact_step,
+    )
+    assert trajectory.complete, trajectory.message
+    return trajectory
+
+
+def final(trajectory: Trajectory, name: str) -> float:
+    """Last record of a series."""
+    return float(trajectory.series[name][-1])
+
+
+def total(trajectory: Trajectory, name: str) -> float:
+    """Sum of a column of the contacts."""
+    return float(trajectory.contacts[name].sum())

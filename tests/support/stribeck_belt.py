@@ -1,0 +1,168 @@
+"""A block on a belt under a law whose friction bound varies with the slip, and its motion as an ODE."""
+
+from dataclasses import dataclass
+from math import exp
+from typing import Annotated, ClassVar, final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from contactlab.compiled import kernel
+from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.laws.parameter import Parameter
+from contactlab.motor.motor import Motor
+from contactlab.testing.plants import block
+
+Array = NDArray[np.float64]
+
+MASS, WEIGHT, SPRING = 1e-2, 10.0, 1e5
+"""Block on a belt [kg], [N], [N/m]."""
+
+
+def number(symbol: str, units: str) -> Parameter:
+    """A parameter that may be zero."""
+    return Parameter(symbol, units, symbol, at_least=0.0)
+
+
+@final
+@dataclass(frozen=True)
+class Stribeck(PenaltyLaw):
+    """N = k d, |F| <= mu(v) max(N - N_0, 0) with mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p)."""
+
+    name: ClassVar[str] = "stribeck"
+    equation: ClassVar[str] = "|F| <= mu(v) max(N - N_0, 0)"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+
+    stiffness: Annotated[float, number("k", "N m-1")] = 1e7
+    static_friction: Annotated[float, number("mu_s", "1")] = 0.4
+    kinetic_friction: Annotated[float, number("mu", "1")] = 0.2
+    stribeck_velocity: Annotated[float, number("v_s", "m s-1")] = 1e-2
+    power: Annotated[float, number("p", "1")] = 2.0
+    threshold: Annotated[float, number("N_0", "N")] = 0.0
+
+    @property
+    def friction_limit(self) -> float:
+        return self.static_friction
+
+    @property
+    def force(self) -> PenaltyKernel:
+        return stribeck_force
+
+    def bound(self, normal: float, slip: float) -> float:
+        """The same in Python."""
+        fall = exp(-((abs(slip) / self.stribeck_velocity) ** self.power))
+        mu = self.kinetic_friction + (self.static_friction - self.kinetic_friction) * fall
+        return mu * max(normal - self.threshold, 0.0)
+
+
+@kernel
+def stribeck_force(
+    gap: float, gap_rate: float, slip: float, approach: float, p: Array
+) -> tuple[float, float, float, float]:
+    normal = -p[0] * gap
+    mu = p[2] + (p[1] - p[2]) * exp(-((abs(slip) / p[3]) ** p[4]))
+    return normal, mu * max(normal - p[5], 0.0), -0.5 * normal * gap, 0.0
+
+
+@final
+@dataclass(frozen=True)
+class Belt:
+    """A block that its weight presses on a belt and a spring of 1e5 N/m pulls to way zero.
+
+    Args:
+        law: of the contact.
+        depth: penetration at the start [m].
+        way, velocity: along the belt at the start [m], [m/s].
+        belt_velocity: [m/s].
+    """
+
+    law: Stribeck
+    depth: float
+    way: float = 0.0
+    velocity: float = 0.05
+    belt_velocity: float = 0.05
+
+    @property
+    def motor(self) -> Motor:
+        """The same for the engine."""
+        return block(
+            MASS,
+            height=-self.depth,
+            weight=WEIGHT,
+            way=self.way,
+            velocity=self.velocity,
+            stiffness=SPRING,
+            belt_velocity=self.belt_velocity,
+        )
+
+    def end(self, duration: float) -> Array:
+        """Way and velocity [m], [m/s] after a time, every switch an event of an ODE at 1e-12.
+
+        Raises:
+            RuntimeError: the switches do not end.
+        """
+        t, y = 0.0, np.array([self.depth, 0.0, self.way, self.velocity])
+        mode = int(np.sign(self.velocity - self.belt_velocity)) or self._mode_from_rest(y)
+        for _ in range(200):
+            solved = solve_ivp(
+                self._rates,
+                (t, duration),
+                y,
+                method="DOP853",
+                rtol=1e-12,
+                atol=[1e-17, 1e-13, 1e-16, 1e-13],
+                events=[_leaves, _begins],
+                max_step=2e-5,
+                args=(self, mode),
+            )
+            t, y = float(solved.t[-1]), solved.y[:, -1].copy()
+            if solved.status == 0:
+                return y[2:]
+            if len(solved.t_events[0]):
+                y[3] = self.belt_velocity
+                # Stick that has reached its bound must slip, whatever round-off says of it.
+                mode = self._mode_from_rest(y) if mode != 0 else int(np.sign(-y[2]))
+            else:
+                # Past the kink, so that it is not found again.
+                y[:2] += 1e-14 * np.array([y[1], self._sinking(y)])
+        raise RuntimeError(f"More than 200 switches before {t} s.")
+
+    def _sinking(self, y: Array) -> float:
+        return float((WEIGHT - self.law.stiffness * y[0]) / MASS)
+
+    def bound(self, y: Array, slip: float) -> float:
+        """Largest friction [N] at a slip [m/s]."""
+        return self.law.bound(self.law.stiffness * y[0], slip)
+
+    def _mode_from_rest(self, y: Array) -> int:
+        pull = -SPRING * y[2]
+        if abs(pull) <= self.bound(y, 0.0):
+            return 0
+        return 1 if pull > 0.0 else -1
+
+    @staticmethod
+    def _rates(_: float, y: Array, belt: "Belt", mode: int) -> list[float]:
+        if mode == 0:
+            return [y[1], belt._sinking(y), belt.belt_velocity, 0.0]
+        rubbed = -mode * belt.bound(y, max(mode * (y[3] - belt.belt_velocity), 0.0))
+        return [y[1], belt._sinking(y), y[3], (rubbed - SPRING * y[2]) / MASS]
+
+
+def _leaves(_: float, y: Array, belt: Belt, mode: int) -> float:
+    """Falls through zero where stick reaches its bound or slip its end."""
+    if mode == 0:
+        return belt.bound(y, 0.0) - SPRING * abs(float(y[2]))
+    return float(mode * (y[3] - belt.belt_velocity))
+
+
+def _begins(_: float, y: Array, belt: Belt, mode: int) -> float:
+    """Zero where the bound begins or ends, which is a kink: there the ODE is begun anew."""
+    if belt.law.threshold == 0.0:
+        return 1.0
+    return float(belt.law.stiffness * y[0] - belt.law.threshold)
+
+
+_leaves.terminal, _leaves.direction = True, -1.0  # type: ignore[attr-defined]
+_begins.terminal = True  # type: ignore[attr-defined]

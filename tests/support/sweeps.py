@@ -1,0 +1,80 @@
+"""Sweeps whose simulation is over at once, so that tests may have many of them."""
+
+import dataclasses
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hydra.core.plugins import Plugins
+from hydra.core.utils import JobReturn
+from hydra.plugins.launcher import Launcher
+from hydra.plugins.sweeper import Sweeper
+from hydra.types import HydraContext, TaskFunction
+from omegaconf import DictConfig
+from support.synthetic import synthetic_trajectory
+
+from contactlab.motor.motor import Motor
+from contactlab.trajectory import Ending, Trajectory
+
+QUICK = ("record.picture=false", "hydra.sweep.dir=sweep")
+"""Overrides that all these sweeps have."""
+
+
+@dataclass
+class Simulations:
+    """Stands for `contactlab.engine.simulate`.
+
+    Args:
+        seen: clearances that were simulated [um], in their order.
+        endings: how a run ends by its clearance [um], a complete one where nothing is said.
+        duration: of the runs by clearance [s].
+    """
+
+    seen: list[float] = field(default_factory=list)
+    endings: dict[float, Ending | BaseException] = field(default_factory=dict)
+    duration: Callable[[float], float] = lambda _: 1e-3
+
+    def __call__(self, motor: Motor, *_: object, **__: object) -> Trajectory:
+        clearance = round(motor.geometry.clearance * 1e6, 9)
+        self.seen.append(clearance)
+        how = self.endings.get(clearance, Ending.COMPLETE)
+        if isinstance(how, BaseException):
+            raise how
+        message = "" if how is Ending.COMPLETE else "It ended too early."
+        trajectory = synthetic_trajectory(duration=self.duration(clearance))
+        return dataclasses.replace(trajectory, ending=how, message=message)
+
+
+class ChoosingSweeper(Sweeper):
+    """Chooses its values while it runs, as an optimiser does, and one that is refused."""
+
+    def __init__(self, **_: object) -> None:
+        self.launcher: Launcher
+
+    def setup(
+        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
+    ) -> None:
+        self.launcher = Plugins.instance().instantiate_launcher(
+            hydra_context=hydra_context, task_function=task_function, config=config
+        )
+
+    def sweep(self, arguments: list[str]) -> list[JobReturn]:
+        returned: list[JobReturn] = []
+        for number, clearance in enumerate(("1e-6", "2e-6", "-1e-6")):
+            batch = [[*arguments, f"contact.clearance={clearance}"]]
+            returned += self.launcher.launch(batch, initial_job_idx=number)
+        return returned
+
+
+def folder(clearance: str, *before: str) -> Path:
+    """The folder of a job of such a sweep; Hydra spells values as Python does."""
+    lines = sorted([f"contact.clearance={clearance}", *before, "record.picture=False"])
+    return Path("sweep") / ",".join(lines)
+
+
+def state_of(place: Path) -> dict[str, Any]:
+    """What a run's folder says of it."""
+    read: dict[str, Any] = json.loads((place / "state.json").read_text(encoding="utf-8"))
+    return read

@@ -1,0 +1,363 @@
+"""Runs as one dataset: every run in its cell, what is missing with a reason, from the folders alone."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import xarray
+import yaml
+from hydra.core.plugins import Plugins
+from support import sweeps
+from support.command_line import Command
+from support.sweeps import QUICK, ChoosingSweeper, Simulations, folder, state_of
+
+from contactlab import engine
+from contactlab.metrics import METRICS, assess, read_run
+from contactlab.sweeps import collect
+from contactlab.sweeps.status import Status
+from contactlab.trajectory import Ending
+
+GRID = ("law=lagrange_stick,hertz_penalty", "contact.clearance=2 um,1e-6,3e-6")
+
+
+@pytest.fixture
+def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
+    # Runs that differ, so that none can stand for another.
+    made = Simulations(duration=lambda clearance: 1e-3 * clearance)
+    monkeypatch.setattr(engine, "simulate", made)
+    return made
+
+
+def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
+    command: Command, simulations: Simulations
+) -> None:
+    status, out, err = command("-m", *GRID, *QUICK)
+    assert status == 0, err
+    assert "6 complete\nCollected in sweep/collected.nc: law 2 x contact.clearance 3." in out
+    with xarray.open_dataset("sweep/collected.nc") as found:
+        assert found["peak_force"].dims == ("law", "contact.clearance")
+        assert found["law"].values.tolist() == ["hertz_penalty", "lagrange_stick"]
+        assert found["contact.clearance"].values.tolist() == [1e-6, 2e-6, 3e-6]
+        assert found["contact.clearance"].attrs["units"] == "m"
+        assert found.attrs["complete"] == 1
+        assert found.attrs["runs"] == found.attrs["runs_complete"] == 6
+        assert found.attrs["law"] == "hertz_penalty lagrange_stick"
+        common = yaml.safe_load(found.attrs["configuration"])
+        assert "clearance" not in common["contact"]
+        assert common["contact"]["tip_length"] == 0.019
+        assert set(METRICS) <= set(found.data_vars)
+        for law in found["law"].values:
+            for clearance in found["contact.clearance"].values:
+                cell = found.sel({"law": law, "contact.clearance": clearance})
+                run = read_run(Path("sweep") / str(cell["job"].values) / "run.nc")
+                ran = yaml.safe_load(run.attrs["configuration"])
+                assert (ran["law"]["name"], ran["contact"]["clearance"]) == (law, clearance)
+                expected = assess(run)
+                for key in METRICS:
+                    np.testing.assert_equal(float(cell[key]), expected[key])
+                assert cell["status"] == Status.COMPLETE
+                assert str(cell["reason"].values) == ""
+
+
+def test_what_is_not_complete_is_missing_with_a_reason(
+    command: Command, simulations: Simulations
+) -> None:
+    simulations.endings = {
+        2.0: RuntimeError("no luck"),
+        3.0: Ending.CHATTERED,
+        4.0: Ending.INTERRUPTED,
+    }
+    values = "contact.clearance=1e-6,2e-6,3e-6,4e-6,5e-6"
+    assert command("-m", values, *QUICK)[0] == 130
+    found = collect("sweep")
+    assert found.sizes == {"contact.clearance": 5}
+    assert found["status"].values.tolist() == [
+        Status.COMPLETE,
+        Status.FAILED,
+        Status.CHATTERED,
+        Status.INTERRUPTED,
+        Status.ABSENT,
+    ]
+    assert found["reason"].values.tolist() == [
+        "",
+        "The run raised RuntimeError: no luck.",
+        "It ended too early.",
+        "It ended too early.",
+        "The run has not begun.",
+    ]
+    assert np.isfinite(found["peak_force"].values).tolist() == [True] + [False] * 4
+    assert found.attrs["complete"] == 0
+    assert found.attrs["runs_absent"] == 1
+    # The file is written with the same content, and flags that say what the codes are.
+    with xarray.open_dataset("sweep/collected.nc") as read:
+        xarray.testing.assert_identical(read.load(), found)
+        meanings = read["status"].attrs["flag_meanings"].split()
+        assert [meanings[code] for code in read["status"].values[:2]] == ["complete", "failed"]
+
+
+def test_a_run_with_an_open_ledger_keeps_its_numbers_and_says_so(
+    command: Command, simulations: Simulations
+) -> None:
+    simulations.endings = {2.0: Ending.UNBALANCED, 3.0: Ending.STALLED}
+    status, out, err = command("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
+    assert status == 1
+    assert "It ended too early." in err
+    assert "1 unbalanced" in out
+    states = [json.loads((folder(f"{n}e-06") / "state.json").read_text()) for n in (1, 2, 3)]
+    assert [state["state"] for state in states] == ["complete", "unbalanced", "stalled"]
+    found = collect("sweep")
+    expected = [Status.COMPLETE, Status.UNBALANCED, Status.STALLED]
+    assert found["status"].values.tolist() == expected
+    assert found["reason"].values.tolist() == ["", *["It ended too early."] * 2]
+    assert np.isfinite(found["peak_force"].values).tolist() == [True, True, False]
+    assert (found.attrs["complete"], found.attrs["runs_unbalanced"]) == (0, 1)
+    # The datasets alone tell the same.
+    for number in (1, 2, 3):
+        (folder(f"{number}e-06") / "state.json").unlink()
+    again = collect("sweep")
+    assert again["status"].values.tolist() == expected
+    np.testing.assert_array_equal(again["peak_force"], found["peak_force"])
+
+
+def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Simulations) -> None:
+    assert command("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)[0] == 0
+    state = folder("1e-06") / "state.json"
+    state.write_text(state.read_text().replace('"complete"', '"running"'))
+    data = (folder("2e-06") / "run.nc").read_bytes()
+    (folder("2e-06") / "run.nc").write_bytes(data[: len(data) // 2])
+    noise = bytes(np.random.default_rng(1).integers(0, 256, len(data), dtype=np.uint8))
+    (folder("3e-06") / "run.nc").write_bytes(noise)
+    state = folder("3e-06") / "state.json"
+    state.write_text(state.read_text().replace(state_of(folder("3e-06"))["digest"], ""))
+    status, out, err = command("collect", "sweep")
+    assert status == 0, err
+    assert "2 failed\n1 unfinished\n" in out
+    found = collect("sweep")
+    assert found["status"].values.tolist() == [Status.UNFINISHED, Status.FAILED, Status.FAILED]
+    unfinished, cut, unreadable = found["reason"].values.tolist()
+    assert "it was killed, or it is still running" in unfinished
+    assert "is not as its run left it" in cut
+    assert "cannot be read as netCDF-4" in unreadable
+    assert not np.isfinite(found["peak_force"]).any()
+
+
+def test_a_sweep_that_was_extended_is_one_grid_with_the_empty_cells_told(
+    command: Command, simulations: Simulations
+) -> None:
+    assert (
+        command("-m", "law=hertz_penalty,lagrange_stick", "contact.clearance=1e-6", *QUICK)[0] == 0
+    )
+    assert command("-m", "law=hertz_penalty", "contact.clearance=2e-6,3e-6", *QUICK)[0] == 0
+    found = collect("sweep")
+    assert found.sizes == {"law": 2, "contact.clearance": 3}
+    rows = found.sel(law="lagrange_stick")
+    assert rows["status"].values.tolist() == [Status.COMPLETE, Status.ABSENT, Status.ABSENT]
+    assert rows["reason"].values.tolist() == ["", *["No run was asked for."] * 2]
+    assert (found.attrs["runs"], found.attrs["runs_absent"]) == (4, 0)
+
+
+def test_values_that_only_some_runs_were_asked_for_are_known_of_all(
+    command: Command, simulations: Simulations
+) -> None:
+    """The first sweep says nothing of the phase, and has the default's."""
+    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+    assert command("-m", "contact.clearance=1e-6,2e-6", "drive.phase=0", *QUICK)[0] == 0
+    found = collect("sweep")
+    assert found["drive.phase"].values == pytest.approx([-np.pi / 5, 0.0])
+    assert found.sizes == {"contact.clearance": 2, "drive.phase": 2}
+
+
+def test_points_that_form_no_grid_are_a_list_with_all_parameters(
+    command: Command, simulations: Simulations
+) -> None:
+    points = [(1.0, 0.1), (2.0, 0.25), (4.0, 0.2), (5.0, 0.4)]
+    for clearance, friction in points:
+        lines = (f"contact.clearance={clearance} um", f"contact.friction_coefficient={friction}")
+        assert command("-m", *lines, *QUICK)[0] == 0
+    with xarray.open_dataset("sweep/collected.nc") as found:
+        assert found.sizes == {"run": 4}
+        pairs = zip(
+            found["contact.clearance"].values,
+            found["contact.friction_coefficient"].values,
+            strict=True,
+        )
+        assert list(pairs) == [(float(f"{c}e-6"), mu) for c, mu in points]
+        assert found["contact.friction_coefficient"].attrs["units"] == "1"
+        for n, (clearance, _) in enumerate(points):
+            assert f"clearance={clearance}" in str(found["job"][n].values)
+
+
+def test_parameters_of_one_law_are_missing_in_the_others(
+    command: Command, simulations: Simulations
+) -> None:
+    assert command("-m", "law=lagrange_stick", *QUICK)[0] == 0
+    assert command("-m", "law=hertz_penalty", "law.stiffness=1e10,2e10", *QUICK)[0] == 0
+    found = collect("sweep")
+    assert found.sizes == {"run": 3}
+    stiffness = dict(zip(found["job"].values, found["law.stiffness"].values, strict=True))
+    assert sorted(stiffness.values())[:2] == [1e10, 2e10]
+    assert found["law.stiffness"].attrs["units"] == "N m-1.5"
+    assert np.isnan(found["law.stiffness"].where(found["law"] == "lagrange_stick", drop=True)).all()
+
+
+def test_parts_and_placements_are_dimensions_and_what_follows_from_them_is_none(
+    command: Command, simulations: Simulations
+) -> None:
+    groups = ("law=composed", "law/normal=linear,hertz_point", "placement=placement_1,placement_2")
+    assert command("-m", *groups, *QUICK)[0] == 0
+    found = collect("sweep")
+    assert dict(found.sizes) == {"placement": 2, "law.normal": 2}
+    assert found["law.normal"].values.tolist() == ["hertz_point", "linear"]
+    assert "drive.frequency" not in found.coords
+
+
+def test_runs_without_a_state_are_told_apart_by_their_configurations(
+    command: Command, simulations: Simulations
+) -> None:
+    assert command("-m", *GRID, *QUICK)[0] == 0
+    expected = collect("sweep", "with.nc")
+    for name in ("state.json", "sweep.json"):
+        for path in Path("sweep").rglob(name):
+            path.unlink()
+    found = collect("sweep", "without.nc")
+    assert found.sizes == {"law": 2, "contact.clearance": 3}
+    xarray.testing.assert_identical(found[list(METRICS)].drop_attrs(), _ordered(expected, found))
+    # What follows from the law stands beside it.
+    steps = found["solver.contact_step"]
+    assert steps.dims == ("law", "contact.clearance")
+    assert np.unique(steps.sel(law="lagrange_stick")).tolist() == [5e-8]
+    # A dataset of one's own may say nothing at all of itself.
+    shutil.move(str(next(Path("sweep").glob("*/run.nc"))), "sweep/run.nc")
+    assert collect("sweep").sizes == {"law": 2, "contact.clearance": 3}
+
+
+def _ordered(expected: xarray.Dataset, found: xarray.Dataset) -> xarray.Dataset:
+    beside = [name for name in found.coords if name not in expected.coords]
+    return (
+        expected[list(METRICS)].assign_coords({name: found[name] for name in beside}).drop_attrs()
+    )
+
+
+def test_one_run_alone_is_collected(command: Command, simulations: Simulations) -> None:
+    assert command("contact.clearance=1e-6", "hydra.run.dir=here")[0] == 0
+    found = collect("here")
+    assert found.sizes == {"run": 1}
+    assert found["job"].values.tolist() == ["."]
+    assert found.attrs["complete"] == 1
+
+
+def test_the_same_sweep_gives_the_same_bytes(command: Command, simulations: Simulations) -> None:
+    files = []
+    for _ in range(2):
+        assert command("-m", *GRID, *QUICK)[0] == 0
+        files.append(Path("sweep/collected.nc").read_bytes())
+        collect("sweep", "again.nc")
+        files.append(Path("again.nc").read_bytes())
+        shutil.rmtree("sweep")
+    assert len(set(files)) == 1
+
+
+def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simulations) -> None:
+    simulations.duration = lambda _: 1e-3
+    simulations.endings = {2.0: RuntimeError("no luck")}
+    assert command("-m", *GRID, *QUICK)[0] == 1
+    names = "rotor_velocity,gap"
+    status, out, err = command("collect", "sweep", "--series", names, "--output", "all.nc")
+    assert status == 0, err
+    assert "Collected in all.nc" in out
+    with xarray.open_datatree("all.nc", decode_times=False) as tree:
+        assert set(METRICS) <= set(tree.data_vars)
+        series = tree["series"]
+        assert series["gap"].dims == ("law", "contact.clearance", "time")
+        assert series["gap"].attrs["units"] == "m"
+        failed = series["gap"].sel({"contact.clearance": 2e-6})
+        assert np.isnan(failed).all()
+        cell = {"law": "lagrange_stick", "contact.clearance": 3e-6}
+        run = read_run(Path("sweep") / str(tree["job"].sel(cell).values) / "run.nc")
+        for name in names.split(","):
+            np.testing.assert_array_equal(series[name].sel(cell), run[name])
+        np.testing.assert_array_equal(series["time"], run["time"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "'nowhere' is not there; it must be a folder of runs."),
+        (["."], "holds no run, nor does a folder below it"),
+        (["sweep", "--series", "speed"], "speed is no time series; it must be of tip_normal"),
+        (["sweep", "--series", "gap"], "for time series they must be the same"),
+        (["sweep", "--output", "nowhere/all.nc"], "its folder does not exist; create it first"),
+    ],
+)
+def test_what_cannot_be_collected_is_a_sentence_and_leaves_no_file(
+    command: Command, simulations: Simulations, arguments: list[str], words: str
+) -> None:
+    if arguments[0] == "sweep":
+        assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+        Path("sweep/collected.nc").unlink()
+    status, _, err = command("collect", *arguments)
+    assert status == 2
+    assert words in err
+    assert "Traceback" not in err
+    assert not list(Path().rglob("*.partial"))
+    assert not list(Path().rglob("collected.nc"))
+
+
+def test_a_sweep_keeps_its_status_where_it_cannot_be_collected(
+    command: Command, simulations: Simulations
+) -> None:
+    Path("sweep/collected.nc").mkdir(parents=True)
+    status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
+    assert status == 0
+    assert "The runs could not be collected: " in err
+    assert "Traceback" not in err
+
+
+def test_files_of_ones_own_by_our_names_harm_nothing(
+    command: Command, simulations: Simulations
+) -> None:
+    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+    Path("sweep/sweep.json").write_text("[1]")
+    (folder("2e-06") / "state.json").write_text('{"state": "complete"}')
+    Path("sweep/mine").mkdir()
+    Path("sweep/mine/state.json").write_text("no json")
+    found = collect("sweep")
+    assert sorted(found["status"].values.ravel().tolist()) == [0, 0, Status.FAILED]
+    assert "state.json cannot be read, and there is no run.nc" in str(found["reason"].values)
+
+
+def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
+    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Where Hydra's plugins live.
+    monkeypatch.setattr(ChoosingSweeper, "__module__", "hydra_plugins.choosing")
+    Plugins.instance().register(ChoosingSweeper)
+    monkeypatch.setitem(sys.modules, "hydra_plugins", ModuleType("hydra_plugins"))
+    monkeypatch.setitem(sys.modules, "hydra_plugins.choosing", sweeps)
+    sweeper = "hydra.sweeper._target_=hydra_plugins.choosing.ChoosingSweeper"
+    for _ in range(2):
+        status, _, err = command("-m", "drive.phase=0", sweeper, *QUICK)
+        assert status == 2
+        assert "contact.clearance is -1e-06 m; it must be at least 0 m" in err
+    assert simulations.seen == [1.0, 2.0]
+    found = collect("sweep")
+    assert found["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]
+    assert "contact.clearance is -1e-06 m" in str(found["reason"].values[2])
+    assert found["contact.clearance"].values[:2].tolist() == [1e-6, 2e-6]
+
+
+def test_no_picture_is_drawn_where_none_is_wanted(
+    command: Command, simulations: Simulations
+) -> None:
+    for wanted in (True, False):
+        status, out, err = command(f"record.picture={wanted}", f"hydra.run.dir=drawn_{wanted}")
+        assert status == 0, err
+        assert Path(f"drawn_{wanted}", "run.png").exists() is wanted
+        assert ("run.png" in out) is wanted
+    status, _, err = command("record.picture=5")
+    assert status == 2
+    assert "record.picture is 5; it must be true or false." in err

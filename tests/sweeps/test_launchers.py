@@ -1,0 +1,158 @@
+"""A sweep with several processes: the same files, the same statuses, the same end by Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import psutil
+import pytest
+from omegaconf import OmegaConf
+from support.command_line import Command
+
+from contactlab.cli.map_launcher import run_chunk
+from contactlab.sweeps.chunks import MapError
+
+JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
+
+ENDLESS = ("contact.clearance=1e-6,2e-6", "solver.duration=1e4", "record.interval=1")
+
+PATIENCE = 120.0
+"""Seconds for what takes ten, because the engine may have to be compiled first."""
+
+needs_signals = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals.")
+
+
+@contextmanager
+def endless_sweep(folder: Path) -> Iterator[tuple[subprocess.Popen[str], list[psutil.Process]]]:
+    """The command with two workers, both at work, and all the processes it has begun."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "contactlab", "-m", *JOBLIB, *ENDLESS, "hydra.sweep.dir=swept"],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    children: list[psutil.Process] = []
+    try:
+        patience = time.monotonic() + PATIENCE
+        while len(list(folder.glob("swept/*/.hydra/overrides.yaml"))) < 2:
+            assert process.poll() is None, process.communicate()
+            assert time.monotonic() < patience
+            time.sleep(0.05)
+        children = psutil.Process(process.pid).children(recursive=True)
+        yield process, children
+    finally:
+        process.kill()
+        process.communicate()
+        for child in children:
+            with suppress(psutil.NoSuchProcess):
+                child.kill()
+
+
+def all_end(processes: list[psutil.Process]) -> bool:
+    """Whether none of them runs on; the dead may wait for whoever collects them."""
+    patience = time.monotonic() + 10.0
+    while any(map(runs, processes)):
+        if time.monotonic() > patience:
+            return False
+        time.sleep(0.1)
+    return True
+
+
+def runs(process: psutil.Process) -> bool:
+    with suppress(psutil.NoSuchProcess):
+        return process.status() != psutil.STATUS_ZOMBIE
+    return False
+
+
+def runs_below(folder: str) -> dict[str, bytes]:
+    return {path.parent.name: path.read_bytes() for path in Path(folder).glob("*/run.nc")}
+
+
+def test_two_processes_leave_the_same_bits_and_status_as_one(command: Command) -> None:
+    # The last voltage drives the tip deep into the rotor, and its run is left incomplete.
+    soft = "law.stiffness=1e3"
+    swept = ["drive.voltage_1=90,100,1e5", soft, "solver.duration=1 ms"]
+    assert command("-m", *swept, "hydra.sweep.dir=one")[0] == 1
+    # In a process of its own, with which its workers end.
+    two = [sys.executable, "-m", "contactlab", "-m", *JOBLIB, *swept, "hydra.sweep.dir=two"]
+    done = subprocess.run(two, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 1, done.stderr
+    expected = runs_below("one")
+    assert len(expected) == 3
+    assert runs_below("two") == expected
+
+
+@needs_signals
+@pytest.mark.parametrize("whole_group", [True, False], ids=["terminal", "command_alone"])
+def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(
+    tmp_path: Path, whole_group: bool
+) -> None:
+    with endless_sweep(tmp_path) as (process, children):
+        assert len(children) >= 2
+        (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 130, err
+        assert err
+        assert all(line.startswith("Interrupted ") for line in err.splitlines())
+        assert all_end(children)
+
+
+@needs_signals
+def test_a_lost_worker_ends_the_sweep_with_a_sentence(tmp_path: Path) -> None:
+    with endless_sweep(tmp_path) as (process, children):
+        busiest = max(children, key=lambda child: child.memory_info().rss)
+        busiest.kill()
+        _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1
+    assert "The sweep stopped: TerminatedWorkerError: A worker process" in err
+    assert "Traceback" not in err
+
+
+def test_a_cluster_that_is_not_there_is_told_in_a_sentence(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", "")
+    status, _, err = command("-m", "hydra/launcher=submitit_slurm", "contact.clearance=1e-6,2e-6")
+    assert status == 1
+    assert err.startswith('The sweep stopped: RuntimeError: Could not detect "srun"')
+
+
+def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Command) -> None:
+    status, _, err = command("-m", *JOBLIB, "law=nonsense")
+    assert status == 2
+    assert err.startswith("law is 'nonsense'; it must be one of")
+    assert "n_jobs" not in err
+
+
+def test_a_chunk_of_a_map_is_not_run_by_other_code(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = ["map", "sweep.drive.phase=0,1", "solver.duration=1 ms", "--output=here"]
+    assert command(*begun)[0] == 0
+    Path("here/map.nc").unlink()
+    monkeypatch.setattr("contactlab.sweeps.job.code_digest", lambda: "other")
+    folder = OmegaConf.create({"map": {"folder": "here", "chunk": 0, "workers": 1}})
+    with pytest.raises(MapError, match="begun by other code"):
+        run_chunk(folder)
+
+
+def test_the_chunks_of_a_map_may_be_jobs_of_a_launcher(command: Command) -> None:
+    swept = ["map", "sweep.drive.phase=linspace(-3,3,9)", "--chunk=3", "solver.duration=1 ms"]
+    assert command(*swept, "--output=one")[0] == 0
+    # In a process of its own, with which its workers end.
+    two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "--output=two"]
+    done = subprocess.run(two, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 0, done.stderr
+    assert Path("two/map.nc").read_bytes() == Path("one/map.nc").read_bytes()
+    assert sorted(path.name for path in Path("two").iterdir()) == [
+        "map.nc",
+        "map.nc.sha256",
+        "plan.json",
+    ]
