@@ -18,7 +18,7 @@ from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
 from contactlab.laws.registry import law_class, law_names
 
 if TYPE_CHECKING:
-    from contactlab.laws.parameter import Parameter
+    from contactlab.parameter import Parameter
 
 Stiffness = Annotated[
     float | None,

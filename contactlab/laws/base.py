@@ -18,8 +18,9 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from contactlab.laws.parameter import Parameter, check_parameters, parameters_of
+from contactlab.laws.parameter import check_parameters
 from contactlab.laws.soundness import refuse_unsound
+from contactlab.parameter import Parameter, parameters_of
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from contactlab.laws.damping import Undamped
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.friction.cone import cone_bound
 from contactlab.laws.normal import HertzPoint
-from contactlab.laws.parameter import Parameter, parameters_of
 from contactlab.laws.part import Damping, Friction, NormalForce, Part
+from contactlab.parameter import Parameter, parameters_of
 
 Array = NDArray[np.float64]
 

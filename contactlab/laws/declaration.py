@@ -15,8 +15,8 @@ from contactlab.laws.table import Table
 
 if TYPE_CHECKING:
     from contactlab.laws.base import ContactLaw
-    from contactlab.laws.parameter import Parameter
     from contactlab.laws.part import Part
+    from contactlab.parameter import Parameter
 
 PARTS: Mapping[str, Table[Any]] = {
     "normal": NORMAL_FORCES,
@@ -56,8 +56,8 @@ def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
     Raises:
         ValueError: a sentence on a field that is neither a declared number nor a part.
     """
-    from contactlab.laws.parameter import parameters_of
     from contactlab.laws.part import Damping, Friction, NormalForce
+    from contactlab.parameter import parameters_of
 
     families = {NormalForce: "normal", Damping: "damping", Friction: "friction"}
     try:

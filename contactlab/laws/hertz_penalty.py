@@ -13,7 +13,8 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Undamped
 from contactlab.laws.friction.coulomb import Coulomb
 from contactlab.laws.normal.hertz_point import HertzPoint, hertz_elastic
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

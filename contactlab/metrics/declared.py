@@ -4,9 +4,9 @@ from typing import Any
 
 from contactlab.laws.base import SPRING_AND_SLIDER
 from contactlab.laws.declaration import PARTS
-from contactlab.laws.parameter import parameters_of
 from contactlab.laws.registry import law_class
 from contactlab.metrics.record import Record
+from contactlab.parameter import parameters_of
 
 
 def parameter_units(record: Record) -> dict[str, str]:

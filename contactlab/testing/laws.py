@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
-from contactlab.laws.parameter import Parameter
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

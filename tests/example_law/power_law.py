@@ -5,7 +5,8 @@ from typing import Annotated, ClassVar
 
 from contactlab.compiled import kernel
 from contactlab.laws import PenaltyLaw
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.parameter import Parameter
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,9 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.normal import NORMAL_FORCES
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import ElasticKernel, Friction, NormalForce
+from contactlab.parameter import Parameter
 from contactlab.testing.contract.bench import Bench, paper_motor
 from contactlab.testing.contract.properties import check
 from contactlab.testing.plants import block

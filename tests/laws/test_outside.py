@@ -26,7 +26,7 @@ VARIOUS = """
 from dataclasses import dataclass
 from typing import Annotated
 from contactlab.laws import HertzPenalty, PenaltyLaw
-from contactlab.laws.parameter import Parameter
+from contactlab.parameter import Parameter
 
 NUMBER = 1
 

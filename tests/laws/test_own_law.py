@@ -10,10 +10,10 @@ from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, MultiplierKernel, PenaltyKernel
-from contactlab.laws.parameter import Parameter
 from contactlab.motor import RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
+from contactlab.parameter import Parameter
 
 DAMPING = 5.0
 

@@ -13,13 +13,13 @@ from contactlab.laws import HertzPenalty, LagrangeStick, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
-from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import NormalForce
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.materials import Steel
 from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.parameter import Parameter
 from contactlab.sweeps.grid import MotorGrid, simulate_many
 from contactlab.testing.contract.bench import paper_motor
 

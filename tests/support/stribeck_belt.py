@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyKernel, PenaltyLaw
-from contactlab.laws.parameter import Parameter
 from contactlab.motor.motor import Motor
+from contactlab.parameter import Parameter
 from contactlab.testing.plants import block
 
 Array = NDArray[np.float64]

@@ -19,7 +19,8 @@ from contactlab.laws import (
 )
 from contactlab.laws.base import SLIP, STICK, MultiplierKernel, PenaltyKernel
 from contactlab.laws.lagrange_stick import stick_impulse, stick_or_slip_impulse
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.parameter import Parameter
 from contactlab.testing import LawContract
 from contactlab.testing.contract import bench as bench_module
 from contactlab.testing.contract.bench import Bench

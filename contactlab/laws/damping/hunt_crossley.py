@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.damping.hysteresis import ACHIEVED_RESTITUTION, closing_number, refuse_beyond
-from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import DampedKernel, Damping, NormalForce
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from math import exp, log, log1p
 
 from scipy.optimize import brentq
 
-from contactlab.laws.parameter import Parameter
+from contactlab.parameter import Parameter
 
 ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
 

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from contactlab.compiled import kernel
 from contactlab.laws.damping.hysteresis import ACHIEVED_RESTITUTION
-from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import DampedKernel, Damping, NormalForce
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction
+from contactlab.parameter import Parameter
 
 STATIC_RATIO = Parameter("mu_s/mu", "1", "static over kinetic coefficient", at_least=1.0)
 """Shared by the friction laws that hold more than they drag."""

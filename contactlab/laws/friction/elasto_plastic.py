@@ -18,8 +18,9 @@ from contactlab.laws.friction.lugre import (
     STRIBECK_VELOCITY,
     stribeck,
 )
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from contactlab.compiled import kernel
 from contactlab.laws.base import CREEPING
 from contactlab.laws.friction.coulomb import STATIC_RATIO
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

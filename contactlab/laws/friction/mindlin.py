@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import SPRING_AND_SLIDER
-from contactlab.laws.parameter import FRICTION_COEFFICIENT, Parameter
+from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 

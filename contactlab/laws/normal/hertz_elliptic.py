@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from contactlab.laws.normal.hertz_point import hertz_elastic
-from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import ElasticKernel, NormalForce
+from contactlab.parameter import Parameter
 
 STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
 """Effective modulus of steel on steel [Pa]."""

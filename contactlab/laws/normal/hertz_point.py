@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.laws.parameter import Parameter
 from contactlab.laws.part import ElasticKernel, NormalForce
+from contactlab.parameter import Parameter
 
 Array = NDArray[np.float64]
 
