@@ -60,7 +60,7 @@ def main() -> int:
         raise
     # Whatever a job raises is told by the job: this is of Hydra, whose exceptions have many kinds.
     except Exception as error:
-        return refuse(sentences(error))
+        return refuse(sentences(error, sys.argv[1:]))
     return COMPLETE
 
 

@@ -9,9 +9,15 @@ from pathlib import Path
 from typing import Any, final
 
 from hydra.conf import HydraConf
+from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.errors import MissingConfigException, OverrideParseException, SearchPathException
+from hydra.errors import (
+    HydraException,
+    MissingConfigException,
+    OverrideParseException,
+    SearchPathException,
+)
 from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
@@ -32,6 +38,10 @@ IN_FILE = 60
 
 WORTH_SAYING = 100e6
 """Bytes on disk that one wants to know of beforehand."""
+
+_SEVERAL = (
+    "{} gives several values; a single run takes one. Add -m to run every combination."
+)
 
 
 @final
@@ -90,6 +100,7 @@ def misplaced(lines: Iterable[str]) -> list[str]:
         lines: the arguments as typed, which Hydra can read.
     """
     faults = []
+    options = GlobalHydra.instance().config_loader().get_group_options
     for override in OverridesParser.create().parse_overrides(list(lines)):
         line, key = override.input_line, override.key_or_group
         value = None if override.is_delete() or override.is_sweep_override() else override.value()
@@ -99,11 +110,15 @@ def misplaced(lines: Iterable[str]) -> list[str]:
                 "Leave it out for the default."
             )
         if not override.is_hydra_override() and gives_several(str(line)):
-            faults.append(
-                f"{line} gives several values; a single run takes one. Add -m to run every combination."
-            )
+            faults.append(_SEVERAL.format(line))
+        group = key.replace(".", "/")
         if override.is_delete():
             continue
+        if "." in key and not isinstance(value, dict) and (known := options(group)):
+            faults.append(
+                f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
+                f"Choose one of {', '.join(known)}."
+            )
         for below in flat({key: value if isinstance(value, dict) and value else None}):
             if group := group_told_by(below):
                 faults.append(
@@ -137,8 +152,13 @@ def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
     )
 
 
-def sentences(error: Exception) -> list[str]:
-    """Say in our words what ended a command, before or around its work."""
+def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
+    """Say in our words what ended a command, before or around its work.
+
+    Args:
+        error: of Hydra's, or of what it calls.
+        lines: the arguments as typed.
+    """
     match error:
         case ConfigurationError():
             return error.faults
@@ -157,20 +177,26 @@ def sentences(error: Exception) -> list[str]:
             return [f"{one_line(error)} It must be a folder; create it."]
         case RecursionError():
             return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
+    said = str(error)
     # What Hydra says of a key that is not there; the schema does not get to see it.
-    if unknown := re.search(r"Could not override '([^']+)'", str(error)):
+    if unknown := re.search(r"Could not override '([^']+)'", said):
         return [_unknown(unknown[1])]
-    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", str(error), re.M):
+    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
+        return [_SEVERAL.format(several[1])]
+    if said.startswith("Config group override must be"):
+        choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
         return [
-            f"{several[1]} gives several values; a single run takes one. "
-            "Add -m to run every combination."
+            f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
+            "contactlab --help lists the options of every group."
         ]
-    return [one_line(error)]
+    if isinstance(error, HydraException | OmegaConfBaseException | UserWarning):
+        return [one_line(error)]
+    return [f"The run could not be started: {one_line(error)}"]
 
 
 def _unknown(key: str) -> str:
     """Say that there is no such key, or none with these choices."""
-    hydras = [f"hydra.{field.name}" for field in fields(HydraConf)]
+    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})  # type: ignore[dict-item]
     known = [*known_keys(), *hydras]
     path = key.replace("/", ".")
     if any(f"{name}.".startswith(f"{path}.") for name in known):
@@ -182,17 +208,17 @@ def _unknown(key: str) -> str:
     leaf = path.rpartition(".")[2]
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
-    near = get_close_matches(path, known, 1, 0.8) or [
-        name for name in known if name.rpartition(".")[2] in endings
-    ]
-    hint = f"Did you mean {' or '.join(near)}?" if near else "It must be one of the known keys."
+    near = (
+        get_close_matches(path, known, 1, 0.8)
+        or [name for name in known if name.rpartition(".")[2] in endings]
+        or get_close_matches(path, known, 1, 0.7)
+    )
+    hint = f"Did you mean {' or '.join(near)}?" if near else "It must be one of those of the files."
     return f"{key} is not a known key. {hint} contactlab --cfg job shows all keys with their values."
 
 
 def _folder_faults(config: DictConfig) -> Iterable[str]:
     """Say why the run cannot be written where it is to go."""
-    # For ${hydra:...} in its name.
-    HydraConfig.instance().set_config(config)
     below = Path(config.hydra.output_subdir or "")
     if below.is_absolute() or ".." in below.parts:
         yield (
@@ -200,6 +226,8 @@ def _folder_faults(config: DictConfig) -> Iterable[str]:
         )
         return
     try:
+        # For ${hydra:...} in its name.
+        HydraConfig.instance().set_config(config)
         folder = Path(str(OmegaConf.select(config, "hydra.run.dir")))
     except OmegaConfBaseException as error:
         yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."

@@ -8,7 +8,7 @@ from io import TextIOWrapper
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import VERBS
-from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, refuse
+from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.config.suggestion import suggestion
 
 GONE = {
@@ -61,7 +61,10 @@ def _status(work: Callable[[], int]) -> int:
 def _dispatch() -> int:
     verb, *arguments = sys.argv[1:] or [""]
     if verb in VERBS:
-        return int(import_module(f"contactlab.cli.{verb}").main(arguments))
+        try:
+            return int(import_module(f"contactlab.cli.{verb}").main(arguments))
+        except RefusalError as refusal:
+            return refuse([str(refusal)])
     if verb in GONE:
         return refuse([f"There is no verb '{verb}' any more; {GONE[verb]}."])
     if verb.isalpha() and (hint := suggestion(verb, VERBS)):

@@ -34,6 +34,10 @@ _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 """Names and modes of what a process begins with, by the numbers of their descriptors."""
 
 
+class RefusalError(ValueError):
+    """What was asked for cannot be done; the message is a sentence."""
+
+
 def open_closed() -> None:
     """Open what the caller has closed (`2>&-`), leading nowhere.
 
