@@ -1,0 +1,239 @@
+"""What a command line gets wrong, told before anything is written: by Hydra's composition or by its values."""
+
+import re
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, final
+
+from hydra.conf import HydraConf
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import (
+    HydraException,
+    MissingConfigException,
+    OverrideParseException,
+    SearchPathException,
+)
+from hydra.experimental.callback import Callback
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from contactlab.cli.arguments import VERBS, gives_several
+from contactlab.cli.jobs import refusals
+from contactlab.cli.terminal import refuse, tell
+from contactlab.config import Setup, build
+from contactlab.config.faults import ConfigurationError, known_keys, one_line
+from contactlab.config.idle import FRICTION, idle_friction
+from contactlab.config.nesting import flat
+from contactlab.config.rules import BYTES_A_RECORD
+from contactlab.config.schema import group_told_by
+from contactlab.config.suggestion import suggestion
+
+IN_FILE = 60
+"""Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""
+
+WORTH_SAYING = 100e6
+"""Bytes on disk that one wants to know of beforehand."""
+
+_SEVERAL = (
+    "{} gives several values; a single run takes one. Add -m to run every combination."
+)
+
+
+@final
+class Check(Callback):
+    """Checks a single run before Hydra makes its folder."""
+
+    def on_run_start(self, config: DictConfig, **_: Any) -> None:
+        """Refuse a run by what is wrong with it, and announce a large one.
+
+        Raises:
+            SystemExit: a fault of the user's. Hydra makes warnings of other exceptions here.
+        """
+        lines = [*config.hydra.overrides.hydra, *config.hydra.overrides.task]
+        try:
+            faults = misplaced(lines)
+            setup = setup_of(config, faults)
+            faults = list(_folder_faults(config))
+            if faults:
+                raise ConfigurationError(faults)
+            if sets_friction(lines) and (words := idle_friction([setup.configuration["law"]])):
+                tell(f"contactlab: {words}", sys.stderr)
+        except ConfigurationError as error:
+            sys.exit(refuse(dict.fromkeys(error.faults)))
+        announce([setup.configuration])
+
+
+def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
+    """Build what a composed configuration says; Hydra's own part may be in it.
+
+    Args:
+        config: as Hydra composes it.
+        faults: what is wrong with it already.
+
+    Raises:
+        ConfigurationError: with all of these faults and every one of its values.
+    """
+    told = list(faults)
+    try:
+        mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+        setup = build(OmegaConf.to_container(mine, resolve=True))  # type: ignore[arg-type]
+    except ConfigurationError as error:
+        told += error.faults
+    except OmegaConfBaseException as error:
+        told.append(f"{one_line(error)} Correct the reference in ${{...}}.")
+    if told:
+        raise ConfigurationError(told)
+    return setup
+
+
+def misplaced(lines: Iterable[str]) -> list[str]:
+    """Say which arguments can be none of a run's, though Hydra composes them.
+
+    A law, a part, a basis comes with its parameters, and is not renamed by a key.
+
+    Args:
+        lines: the arguments as typed, which Hydra can read.
+    """
+    faults = []
+    options = GlobalHydra.instance().config_loader().get_group_options
+    for override in OverridesParser.create().parse_overrides(list(lines)):
+        line, key = override.input_line, override.key_or_group
+        value = None if override.is_delete() or override.is_sweep_override() else override.value()
+        if override.is_hydra_override() and value == "":
+            faults.append(
+                f"{line} is empty, as of a shell variable that is not set; it must have a value. "
+                "Leave it out for the default."
+            )
+        if not override.is_hydra_override() and gives_several(str(line)):
+            faults.append(_SEVERAL.format(line))
+        group = key.replace(".", "/")
+        if override.is_delete():
+            continue
+        if "." in key and not isinstance(value, dict) and (known := options(group)):
+            faults.append(
+                f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
+                f"Choose one of {', '.join(known)}."
+            )
+        for below in flat({key: value if isinstance(value, dict) and value else None}):
+            if group := group_told_by(below):
+                faults.append(
+                    f"{line} would hand the parameters of one {group} to another; they must be chosen "
+                    f"together. Choose one by {group}=NAME."
+                )
+    return faults
+
+
+def sets_friction(lines: Iterable[str]) -> bool:
+    """Tell whether an argument sets the friction coefficient that laws share."""
+    return any(line.lstrip("+").startswith(f"{FRICTION}=") for line in lines)
+
+
+def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
+    """Say how much runs will leave, if it is much.
+
+    Args:
+        configurations: what runs, resolved.
+    """
+    records = [c["solver"]["duration"] / c["record"]["interval"] for c in configurations]
+    size = IN_FILE * sum(records)
+    if size < WORTH_SAYING:
+        return
+    runs = "The run leaves" if len(records) == 1 else f"The {len(records)} runs leave"
+    tell(
+        f"{runs} about {_spelled(size)}: {sum(records):.3g} records of {IN_FILE} bytes. The "
+        f"longest takes {_spelled(BYTES_A_RECORD * max(records))} of memory meanwhile. A larger "
+        "record.interval makes both smaller and does not change the motion.",
+        sys.stderr,
+    )
+
+
+def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
+    """Say in our words what ended a command, before or around its work.
+
+    Args:
+        error: of Hydra's, or of what it calls.
+        lines: the arguments as typed.
+    """
+    match error:
+        case ConfigurationError():
+            return error.faults
+        case OverrideParseException():
+            return [
+                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or "
+                "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
+                "too if it has special characters, \"KEY='1 µm'\". A verb stands first: "
+                f"{', '.join(VERBS)}."
+            ]
+        case MissingConfigException() if error.options and error.missing_cfg_file:
+            group, _, option = error.missing_cfg_file.rpartition("/")
+            hint = suggestion(option, error.options, "Choose one of them.")
+            return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
+        case SearchPathException():
+            return [f"{one_line(error)} It must be a folder; create it."]
+        case RecursionError():
+            return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
+    said = str(error)
+    # What Hydra says of a key that is not there; the schema does not get to see it.
+    if unknown := re.search(r"Could not override '([^']+)'", said):
+        return [_unknown(unknown[1])]
+    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
+        return [_SEVERAL.format(several[1])]
+    if said.startswith("Config group override must be"):
+        choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
+        return [
+            f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
+            "contactlab --help lists the options of every group."
+        ]
+    if isinstance(error, HydraException | OmegaConfBaseException | UserWarning):
+        return [one_line(error)]
+    return [f"The run could not be started: {one_line(error)}"]
+
+
+def _unknown(key: str) -> str:
+    """Say that there is no such key, or none with these choices."""
+    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})  # type: ignore[dict-item]
+    known = [*known_keys(), *hydras]
+    path = key.replace("/", ".")
+    if any(f"{name}.".startswith(f"{path}.") for name in known):
+        group = path.rpartition(".")[0].replace(".", "/")
+        return (
+            f"{key} does not belong to this choice of {group}; it must be absent with it. Leave it out "
+            f"or choose another {group}."
+        )
+    leaf = path.rpartition(".")[2]
+    # Whoever names the last part alone, or under another group, means the key that ends so.
+    endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
+    near = (
+        get_close_matches(path, known, 1, 0.8)
+        or [name for name in known if name.rpartition(".")[2] in endings]
+        or get_close_matches(path, known, 1, 0.7)
+    )
+    hint = f"Did you mean {' or '.join(near)}?" if near else "It must be one of those of the files."
+    return f"{key} is not a known key. {hint} contactlab --cfg job shows all keys with their values."
+
+
+def _folder_faults(config: DictConfig) -> Iterable[str]:
+    """Say why the run cannot be written where it is to go."""
+    below = Path(config.hydra.output_subdir or "")
+    if below.is_absolute() or ".." in below.parts:
+        yield (
+            f"hydra.output_subdir is '{below}'; it must be a folder below that of the run. Leave it out."
+        )
+        return
+    try:
+        # For ${hydra:...} in its name.
+        HydraConfig.instance().set_config(config)
+        folder = Path(str(OmegaConf.select(config, "hydra.run.dir")))
+    except OmegaConfBaseException as error:
+        yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
+        return
+    yield from refusals(folder)
+
+
+def _spelled(size: float) -> str:
+    return f"{size / 1e9:.2g} GB" if size >= 1e9 else f"{size / 1e6:.0f} MB"
