@@ -3,7 +3,6 @@
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, final
@@ -39,9 +38,10 @@ IN_FILE = 60
 WORTH_SAYING = 100e6
 """Bytes on disk that one wants to know of beforehand."""
 
-_SEVERAL = (
-    "{} gives several values; a single run takes one. Add -m to run every combination."
-)
+NOT_OF_A_RUN = ("hydra", "sweep")
+"""Sections that say how runs are made."""
+
+_SEVERAL = "{} gives several values; a single run takes one. Add -m to run every combination."
 
 
 @final
@@ -80,7 +80,9 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     """
     told = list(faults)
     try:
-        mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+        mine = OmegaConf.masked_copy(
+            config, [str(key) for key in config if key not in NOT_OF_A_RUN]
+        )
         setup = build(OmegaConf.to_container(mine, resolve=True))  # type: ignore[arg-type]
     except ConfigurationError as error:
         told += error.faults
@@ -91,13 +93,14 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     return setup
 
 
-def misplaced(lines: Iterable[str]) -> list[str]:
+def misplaced(lines: Iterable[str], *, swept: bool = False) -> list[str]:
     """Say which arguments can be none of a run's, though Hydra composes them.
 
     A law, a part, a basis comes with its parameters, and is not renamed by a key.
 
     Args:
         lines: the arguments as typed, which Hydra can read.
+        swept: whether they may give several values.
     """
     faults = []
     options = GlobalHydra.instance().config_loader().get_group_options
@@ -109,7 +112,7 @@ def misplaced(lines: Iterable[str]) -> list[str]:
                 f"{line} is empty, as of a shell variable that is not set; it must have a value. "
                 "Leave it out for the default."
             )
-        if not override.is_hydra_override() and gives_several(str(line)):
+        if not swept and not override.is_hydra_override() and gives_several(str(line)):
             faults.append(_SEVERAL.format(line))
         group = key.replace(".", "/")
         if override.is_delete():
@@ -150,6 +153,23 @@ def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
         "record.interval makes both smaller and does not change the motion.",
         sys.stderr,
     )
+
+
+def announce_series(runs: int, names: int, configuration: Mapping[str, Any]) -> None:
+    """Say how much the series of a sweep that keeps metrics will take, if it is much.
+
+    Args:
+        runs: of the sweep.
+        names: how many series are kept.
+        configuration: of one run, resolved.
+    """
+    records = configuration["solver"]["duration"] / configuration["record"]["interval"]
+    if (size := 8.0 * runs * names * records) >= WORTH_SAYING:
+        tell(
+            f"The series take up to {_spelled(size)}: {runs} runs of {records:.3g} records. A larger "
+            "record.interval or fewer names of sweep.series make it less.",
+            sys.stderr,
+        )
 
 
 def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
@@ -214,7 +234,9 @@ def _unknown(key: str) -> str:
         or get_close_matches(path, known, 1, 0.7)
     )
     hint = f"Did you mean {' or '.join(near)}?" if near else "It must be one of those of the files."
-    return f"{key} is not a known key. {hint} contactlab --cfg job shows all keys with their values."
+    return (
+        f"{key} is not a known key. {hint} contactlab --cfg job shows all keys with their values."
+    )
 
 
 def _folder_faults(config: DictConfig) -> Iterable[str]:

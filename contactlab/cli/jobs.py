@@ -16,7 +16,7 @@ from contactlab.config.faults import one_line
 from contactlab.laws import LawError
 from contactlab.results.files import told
 from contactlab.results.run_folder import DATASET, LOG
-from contactlab.sweeps.job import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
+from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
 PICTURE = "run.png"
 

@@ -160,7 +160,9 @@ def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], N
     from tqdm import tqdm
 
     if sys.stderr.isatty():
-        remaining = "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
+        remaining = (
+            "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
+        )
         with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=remaining) as bar:
             yield lambda done: bar.update(done - bar.n)
         return

@@ -35,6 +35,7 @@ from contactlab.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
+
 @final
 @dataclass(frozen=True)
 class Answers:
@@ -208,9 +209,7 @@ def _answers(
     series: dict[str, list[Array]] = {name: [] for name in outputs.series}
     time = np.empty(0)
     for place, cell in enumerate(cells):
-        run, status[place], reason[place] = _run(
-            setup_at, cell, outputs, workspace, metrics[place]
-        )
+        run, status[place], reason[place] = _run(setup_at, cell, outputs, workspace, metrics[place])
         # A series alone, not the memory of all that the run has recorded.
         for name, rows in series.items():
             rows.append(np.empty(0) if run is None else run.series[name].copy())

@@ -129,9 +129,7 @@ def _dataset(runs: Sequence[FoundRun], layout: Layout, metrics: Sequence[str]) -
     )
 
 
-def _add_series(
-    path: Path, runs: Sequence[FoundRun], layout: Layout, names: Sequence[str]
-) -> None:
+def _add_series(path: Path, runs: Sequence[FoundRun], layout: Layout, names: Sequence[str]) -> None:
     """Add the time series of the complete runs to a file that has the dimensions of the layout.
 
     Raises:

@@ -197,7 +197,9 @@ def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
     for place in told[:most]:
         lines.append(f"{names(place)}: {Status(status[place]).name.lower()}. {reason[place]}")
     if len(told) > most:
-        lines.append(f"... and {len(told) - most} more: `status` and `reason` in the file tell of each.")
+        lines.append(
+            f"... and {len(told) - most} more: `status` and `reason` in the file tell of each."
+        )
     sizes = " x ".join(f"{name} {size}" for name, size in dataset.sizes.items())
     return "\n".join([*lines, f"Collected in {path}: {sizes}."])
 

@@ -92,9 +92,7 @@ class Outputs:
                         f"There is no {kind} '{name}'; it must be one of {', '.join(known[kind])}. {hint}"
                     )
         if not any(asked.values()):
-            raise ValueError(
-                "Nothing is asked for; there must be one metric or series at least."
-            )
+            raise ValueError("Nothing is asked for; there must be one metric or series at least.")
         return cls(tuple(asked["metric"]), tuple(asked["series"]))
 
     @property
@@ -161,9 +159,7 @@ class Plan:
     def point(self, cell: int) -> dict[str, Value]:
         """Give the value of each key in a cell."""
         places = self.places(cell)
-        return {
-            axis.key: axis.values[place] for axis, place in zip(self.axes, places, strict=True)
-        }
+        return {axis.key: axis.values[place] for axis, place in zip(self.axes, places, strict=True)}
 
     def base_of(self, point: Mapping[str, Value]) -> int:
         """Tell which of the bases the values belong to."""
@@ -195,9 +191,7 @@ class Plan:
             choices=tuple(map(tuple, read["choices"])),
             bases=tuple(read["bases"]),
             samples=bool(read["samples"]),
-            outputs=Outputs(
-                tuple(read["outputs"]["metrics"]), tuple(read["outputs"]["series"])
-            ),
+            outputs=Outputs(tuple(read["outputs"]["metrics"]), tuple(read["outputs"]["series"])),
             chunk=int(read["chunk"]),
             code=str(read["code"]),
         )

@@ -1,13 +1,14 @@
 """The plan of a sweep from what somebody asked for; every value of it is checked, and every fault told."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from itertools import product
 from math import ceil, prod
 from typing import Any, Final, Protocol, final
 
 from contactlab.config import ConfigurationError, Setup, build, validate
 from contactlab.config.keys import units_of
-from contactlab.config.nesting import Value
+from contactlab.config.nesting import Value, flat
 from contactlab.config.quantity import describe
 from contactlab.config.suggestion import suggestion
 from contactlab.config.units import UnitError, from_cf, to_si
@@ -34,6 +35,15 @@ TIMES: Final = ("solver.duration", "record.interval")
 
 Columns = Mapping[str, Sequence[Value]]
 """What is swept: values by key or group, each a number, a text, or a text that stands for several."""
+
+
+Progress = Callable[[float, str, str], AbstractContextManager[Callable[[float], None]]]
+"""Shows how far something has come, of a total in some unit; see `contactlab.cli.terminal.progress`."""
+
+
+def unseen(*_: object) -> AbstractContextManager[Callable[[float], None]]:
+    """Show nothing."""
+    return nullcontext(lambda _: None)
 
 
 class Composer(Protocol):
@@ -64,7 +74,7 @@ def planned(
     *,
     samples: bool = False,
     chunk: int | None = None,
-    show: Callable[[int], None] = lambda _: None,
+    progress: Progress = unseen,
 ) -> Plan:
     """Plan a sweep, and check every value of it.
 
@@ -74,18 +84,20 @@ def planned(
         outputs: what is kept of every run.
         samples: whether the columns are those of a table, a run a row.
         chunk: runs in a chunk; None takes the default.
-        show: told how many values have been checked.
+        progress: shows how far the check has come.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
-    planner = _Planner(samples, composer.resolve, show)
+    planner = _Planner(samples, composer.resolve, progress)
     planner.refuse_columns(columns, outputs)
     groups = tuple(key for key in columns if composer.options(key))
     planner.refuse_options(columns, groups, composer)
     planner.stop()
     options = [[*columns[group]] for group in groups]
-    choices = tuple(dict.fromkeys(zip(*options, strict=True) if samples and groups else product(*options)))
+    choices = tuple(
+        dict.fromkeys(zip(*options, strict=True) if samples and groups else product(*options))
+    )
     bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
     values = {key: column for key, column in columns.items() if key not in groups}
     found = {axis.key: axis for axis in planner.axes(bases, values)}
@@ -113,14 +125,14 @@ def planned(
 
 
 def setups_of(
-    plan: Plan, resolve: Resolve | None = None, show: Callable[[int], None] = lambda _: None
+    plan: Plan, resolve: Resolve | None = None, progress: Progress = unseen
 ) -> Iterator[tuple[int, Setup]]:
     """Build every run of a plan, and tell all that are faulty at the end.
 
     Args:
         plan: the plan.
         resolve: where the configurations have references.
-        show: told how many have been built.
+        progress: shows how far it has come.
 
     Yields:
         The cell of each sound run, and what runs.
@@ -130,26 +142,47 @@ def setups_of(
     """
     setup_at = Setups(plan, resolve)
     faults: list[str] = []
-    for cell in range(plan.cells):
-        try:
-            yield cell, setup_at(cell)
-        except ConfigurationError as error:
-            faults += error.faults
-        show(cell + 1)
+    with progress(plan.cells, "runs", "Checking the sweep") as show:
+        for cell in range(plan.cells):
+            try:
+                yield cell, setup_at(cell)
+            except ConfigurationError as error:
+                faults += error.faults
+            show(cell + 1)
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
+
+
+def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
+    """Put full keys in the place of names that are the end of one: 'contact.clearance' for 'clearance'.
+
+    Raises:
+        ConfigurationError: a name is the end of several.
+    """
+    known = flat(composer.compose({}))
+    found: dict[str, Sequence[Value]] = {}
+    for name, column in columns.items():
+        ends = [] if composer.options(name) or name in known else short_ends(name, known)
+        if len(ends) > 1:
+            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
+        found[ends[0] if ends else name] = column
+    return found
+
+
+def short_ends(name: str, known: Iterable[str]) -> list[str]:
+    """Give the keys that end in a name, whose parts may be joined as in the names of a dataset."""
+    return [key for key in known if f"_{key.replace('.', '_')}".endswith(f"_{name}")]
 
 
 @final
 class _Planner:
     """Finds the axes of a plan, and collects the faults."""
 
-    def __init__(self, samples: bool, resolve: Resolve, show: Callable[[int], None]) -> None:
+    def __init__(self, samples: bool, resolve: Resolve, progress: Progress) -> None:
         self._faults: list[str] = []
         self._samples = samples
         self._resolve = resolve
-        self._show = show
-        self._shown = 0
+        self._progress = progress
 
     def stop(self) -> None:
         """Raise what is wrong so far.
@@ -212,7 +245,11 @@ class _Planner:
                 self._faults.append(f"{key}: {error}.")
                 continue
             # Each of a table's rows is built, which tells more than its values one by one.
-            resolved = values if self._samples else self._as_run(trials, key, values)
+            if self._samples:
+                resolved = values
+            else:
+                with self._progress(len(values), "values", f"Checking {key}") as show:
+                    resolved = self._as_run(trials, key, values, show)
             self._refuse_twice(key, resolved)
             found.append(Axis(key, tuple(resolved), unit))
         return found
@@ -238,11 +275,12 @@ class _Planner:
         trials: Sequence[tuple[Configuration, Configuration]],
         key: str,
         values: Sequence[Value],
+        show: Callable[[float], None],
     ) -> list[Value]:
         """Give the values as they run; a fault is noted for each that no combination tried admits."""
         path = key.split(".")
         resolved: list[Value] = []
-        for value in values:
+        for count, value in enumerate(values, 1):
             first: ConfigurationError | None = None
             for trial, checked in trials:
                 section = self._resolve(with_key(trial, path, value)).get(path[0])
@@ -259,8 +297,7 @@ class _Planner:
             else:
                 assert first is not None
                 self._faults += first.faults
-            self._shown += 1
-            self._show(self._shown)
+            show(count)
         return resolved
 
 

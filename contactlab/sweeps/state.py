@@ -21,6 +21,7 @@ from contactlab.results.provenance import code_digest, versions
 from contactlab.results.run_folder import DATASET, STATE
 from contactlab.trajectory import Ending
 
+
 class Status(IntEnum):
     """Codes what became of a run; one that reached its end has numbers, a complete or an unbalanced one."""
 
@@ -94,8 +95,7 @@ class State:
 
 
 def key_of(setup: Setup) -> str:
-    """Give the digest of all that a run's numbers depend on: configuration, version, code, and whose law it is.
-    """
+    """Give the digest of all that a run's numbers depend on: configuration, version, code, and whose law it is."""
     parts = (json.dumps(setup.configuration, sort_keys=True), *code_of(type(setup.law)))
     return sha256("\0".join(parts).encode()).hexdigest()
 

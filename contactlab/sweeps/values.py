@@ -1,8 +1,8 @@
 """The values of a swept parameter: one grammar for the command line and for Python.
 
-    0.5 um, 1 um                  a list, in SI or with units
-    linspace(0, 2 um, 100)        evenly spaced, both ends among them; geomspace in equal ratios
-    range(0, 1 um, 0.1 um)        in steps, STOP not among them
+0.5 um, 1 um                  a list, in SI or with units
+linspace(0, 2 um, 100)        evenly spaced, both ends among them; geomspace in equal ratios
+range(0, 1 um, 0.1 um)        in steps, STOP not among them
 """
 
 import re
