@@ -51,7 +51,7 @@ from contactlab.sweeps.batch import WorkerError, processors
 from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.manifest import extend_manifest, resume
-from contactlab.sweeps.plan import Configuration, Outputs, Plan, code_digest_of
+from contactlab.sweeps.plan import Configuration, Outputs, Plan, Setups, code_digest_of
 from contactlab.sweeps.planning import full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.store import CHUNKS, Store
@@ -364,16 +364,20 @@ class ContactlabSweeper(Sweeper):
             chunk=settings.chunk,
             progress=terminal.progress,
         )
-        if sets_friction([*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]):
-            if words := idle_friction(base["law"] for base in plan.bases):
-                tell(f"contactlab: {words}", sys.stderr)
+        set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
+        if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
+            tell(f"contactlab: {words}", sys.stderr)
         if settings.keep == "metrics":
             return self._metrics(plan, settings, folder)
         jobs = self._jobs(plan, arguments, composer)
-        return self._folders(jobs, settings, folder)
+        return self._folders(jobs, settings, folder, samples)
 
     def _folders(
-        self, jobs: Sequence[tuple[str, Job, list[str]]], settings: _Settings, folder: Path
+        self,
+        jobs: Sequence[tuple[str, Job, list[str]]],
+        settings: _Settings,
+        folder: Path,
+        samples: bool,
     ) -> int:
         """Run jobs that leave a folder each, but for those that are complete; give the worst status."""
         for name, count in Counter(name for name, _, _ in jobs).items():
@@ -392,7 +396,7 @@ class ContactlabSweeper(Sweeper):
         done, sentence = resume([(folder / name, job.key) for name, job, _ in jobs])
         print(sentence, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, {name: job for name, job, _ in jobs})
+        extend_manifest(folder, {name: job for name, job, _ in jobs}, samples)
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
         status = COMPLETE
         if pending:
@@ -449,7 +453,10 @@ class ContactlabSweeper(Sweeper):
         store = Store(folder, plan)
         store.begin()
         print(store.sentence, flush=True)
-        announce_series(plan.cells, len(plan.outputs.series), plan.bases[0])
+        if plan.outputs.series:
+            # A run that is refused is told of at its place.
+            with suppress(ConfigurationError):
+                announce_series(plan.cells, len(plan.outputs.series), Setups(plan)(0).configuration)
         missing = store.missing()
         status = COMPLETE
         try:

@@ -62,15 +62,15 @@ class Layout:
         return cells.reshape(self.shape)
 
 
-def layout_of(runs: Sequence[FoundRun]) -> Layout:
-    """Lay runs out: as a grid over their parameters if they nearly fill one and share no cell."""
+def layout_of(runs: Sequence[FoundRun], *, samples: bool = False) -> Layout:
+    """Lay runs out: as a grid over their parameters if they nearly fill one, share no cell and are no samples."""
     parameters = _parameters(runs)
     chosen: list[Axis] = []
     rest: list[Axis] = []
     for axis in parameters:
         more = len(_tuples([*chosen, axis])) > len(_tuples(chosen))
         (chosen if more else rest).append(axis)
-    if not _is_grid(chosen, rest, len(runs)):
+    if samples or not _is_grid(chosen, rest, len(runs)):
         return Layout(tuple(parameters), (), (len(runs),), np.arange(len(runs)), grid=False)
     along = tuple(replace(a, values=tuple(np.unique(a.coordinate).tolist())) for a in chosen)
     steps = [

@@ -303,7 +303,7 @@ class _Planner:
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:
     """Give combinations that values are tried in: every base with the first and with the last values."""
-    found = []
+    found = list(bases)
     for base, end in product(bases, (0, -1)):
         trial = base
         for key, column in columns.items():
