@@ -1,4 +1,4 @@
-"""The groups of the configuration, made from what the classes declare: options, keys, units, ranges, defaults.
+"""The groups of the configuration, as the classes declare them: options, keys, units, ranges, defaults.
 
 A group is a table of its options, an option a table of its keys. To add a group is to add a line to
 `GROUPS`; what binds several keys together is in `contactlab.config.rules`. The keys of a law follow from

@@ -138,12 +138,13 @@ def _resonator(resolved: Values) -> PatchedBeam:
     given, constants = dict(resolved["resonator"]), dict(resolved["piezoceramic"])
     bending = constants.pop("constants") == "bending"
     try:
-        return BASES[given.pop("basis")](
+        resonator: PatchedBeam = BASES[given.pop("basis")](
             **given | {"steel": Steel(**given["steel"])},
             piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
             patch_start=resolved["placement"]["start"],
             patch_end=resolved["placement"]["end"],
         )
+        return resonator
     except ValueError as error:
         raise _no_resonator(error) from error
 
