@@ -39,7 +39,7 @@ def check_fields(owner: Any, title: str = "") -> None:
     ]
     if wrong:
         raise TypeError(" ".join(wrong))
-    numbers = [each for each in given if isinstance(each[1], Real)]
+    numbers = [each for each in given if type(each[1]) is float or isinstance(each[1], Real)]
     outside = [fault for each in numbers if (fault := _outside(*each))]
     if outside:
         raise ValueError(" ".join(f"{title}: {fault}" for fault in outside))
@@ -130,6 +130,8 @@ def _outside(name: str, value: float, declared: Declared) -> str:
 
 
 def _is(value: object, kind: type) -> bool:
+    if type(value) is kind:
+        return True
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)

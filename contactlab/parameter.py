@@ -6,7 +6,7 @@ resonators, materials, drive, rotor, contact and solver alike.
 
 from dataclasses import MISSING, dataclass
 from dataclasses import fields as dataclass_fields
-from functools import cache
+from functools import cache, cached_property
 from math import inf, isfinite
 from types import NoneType
 from typing import Annotated, Any, final, get_args, get_origin, get_type_hints
@@ -85,7 +85,7 @@ class Declared:
     default: Any
     parameter: Parameter | None
 
-    @property
+    @cached_property
     def kinds(self) -> tuple[Any, ...]:
         """The kinds that are admitted, one of them `NoneType` where it may be None."""
         kinds = get_args(self.kind)

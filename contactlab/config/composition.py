@@ -1,4 +1,4 @@
-"""Configurations from overrides, by Hydra: the files of `conf/`, and before all else what the classes declare."""
+"""Configurations from overrides, by Hydra: files of `conf/`, and behind them what the classes declare."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -23,8 +23,11 @@ class ConfigurationError(ValueError):
         self.faults = faults
 
 
+_PLAIN = {"bool_type": "true or false", "string_type": "a text"}
+
+
 def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
-    """Tell one of pydantic's findings in a sentence that starts with the key.
+    """Tell one of the findings of pydantic in a sentence that starts with the key.
 
     Args:
         fault: as pydantic has it.
@@ -53,13 +56,11 @@ def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
             )
         case "literal_error":
             return f"{key} is {value}; it must be one of {fault['ctx']['expected']}."
-        case "bool_type":
-            return f"{key} is {value}; it must be true or false. Leave it out for the default."
-        case "string_type":
-            return f"{key} is {value}; it must be a text. Leave it out for the default."
-        case _ if not key:
-            return f"The configuration is {value}; it must be a mapping of groups of keys."
+        case str(found) if found in _PLAIN:
+            return f"{key} is {value}; it must be {_PLAIN[found]}. Leave it out for the default."
         case _:
+            if not key:
+                return f"The configuration is {value}; it must be a mapping of groups of keys."
             return (
                 f"{key} is {value}; it must be a group of keys. "
                 f"Set a single one by {key}.KEY=VALUE or choose a file by {key.replace('.', '/')}=NAME."
