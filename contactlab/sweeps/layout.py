@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import validate
-from contactlab.config.keys import units_of
 from contactlab.config.nesting import flat
+from contactlab.config.schema import units_of
 from contactlab.sweeps.dataset import RUN, Axis, names_of, text_of
 from contactlab.sweeps.discovery import FoundRun
 from contactlab.sweeps.manifest import common_of

@@ -14,7 +14,7 @@ import numpy as np
 from contactlab import metrics
 from contactlab.config import Setup, build, validate
 from contactlab.config.nesting import Value
-from contactlab.config.section import Section
+from contactlab.config.schema import Section
 from contactlab.config.suggestion import suggestion
 from contactlab.laws import law_class
 from contactlab.metrics import METRICS
