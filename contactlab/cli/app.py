@@ -19,7 +19,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
-from contactlab.cli.checking import sentences, setup_of
+from contactlab.cli.checking import sentences, setup_of, typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.law_source import register
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
@@ -102,7 +102,7 @@ def job_of(hydra_config: HydraConf | DictConfig, setup: Setup | None = None) -> 
         for group, option in sorted(hydra_config.runtime.choices.items())
         if not str(group).startswith("hydra/")
     }
-    overrides = tuple(hydra_config.overrides.task)
+    overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
     if setup is None:
         return Job(overrides=overrides, choices=choices)
     return Job(key_of(setup), overrides, choices, setup.configuration)

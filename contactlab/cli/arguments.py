@@ -88,12 +88,12 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
                 f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out."
             )
         if argument.startswith("--") and argument.partition("=")[0] not in {*_VALUED, *_FLAGS}:
-            hint = suggestion(argument, [*_VALUED, *_FLAGS], "contactlab --help lists what there is.")
+            hint = suggestion(
+                argument, [*_VALUED, *_FLAGS], "contactlab --help lists what there is."
+            )
             raise ValueError(f"unrecognized arguments: {argument}. {hint}")
         if argument.startswith("="):
-            raise ValueError(
-                f"{argument} has no key; it must have the form KEY=VALUE. Name one."
-            )
+            raise ValueError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
         is_value = bool(flags) and flags[-1] in _VALUED and "=" not in argument
         (flags if argument.startswith("-") or is_value else overrides).append(argument)
     return [*map(_quoted, overrides), *flags]

@@ -45,7 +45,10 @@ def main(arguments: list[str]) -> int:
 def _names() -> list[str]:
     """List what can be asked for; a part goes by its own name and by that with its family."""
     parts = [
-        each for family, table in PARTS.items() for name in table for each in (name, f"{family}/{name}")
+        each
+        for family, table in PARTS.items()
+        for name in table
+        for each in (name, f"{family}/{name}")
     ]
     return [*(origin.name for origin in origins()), *parts]
 
