@@ -25,7 +25,7 @@ from contactlab.cli.law_source import register
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
 from contactlab.config import Setup
 from contactlab.config.faults import ConfigurationError
-from contactlab.sweeps.job import REFUSED, Job, State, is_done, key_of, write_state
+from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 
 CONFIG_NAME = "config"
 VERSION_BASE = "1.3"
@@ -97,15 +97,26 @@ def run(settings: DictConfig) -> int:
 
 def job_of(hydra_config: HydraConf | DictConfig, setup: Setup | None = None) -> Job:
     """Say what a job is asked for: its overrides, and the options chosen from groups that are not Hydra's."""
-    choices = {
+    overrides, choices = tuple(hydra_config.overrides.task), choices_of(hydra_config)
+    if setup is None:
+        return Job(overrides=overrides, choices=choices)
+    return Job(key_of(setup), overrides, choices, setup.configuration)
+
+
+def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
+    """Give the options chosen from groups that are not Hydra's."""
+    return {
         str(group): None if option is None else str(option)
         for group, option in sorted(hydra_config.runtime.choices.items())
         if not str(group).startswith("hydra/")
     }
+<<<<<<< HEAD
     overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
     if setup is None:
         return Job(overrides=overrides, choices=choices)
     return Job(key_of(setup), overrides, choices, setup.configuration)
+=======
+>>>>>>> sweeps
 
 
 def folder_name(overrides: str) -> str:

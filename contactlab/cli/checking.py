@@ -40,6 +40,9 @@ IN_FILE = 60
 WORTH_SAYING = 100e6
 """Bytes on disk that one wants to know of beforehand."""
 
+NOT_OF_A_RUN = ("hydra", "sweep")
+"""Sections that say how runs are made."""
+
 _OF_HYDRA = {field.name for field in fields(HydraConf)}
 """Keys of Hydra's own part of the configuration."""
 
@@ -58,8 +61,7 @@ class Check(Callback):
         """
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         try:
-            several = [_SEVERAL.format(line) for line in lines if gives_several(line)]
-            setup = setup_of(config, [*misplaced(lines), *several])
+            setup = setup_of(config, misplaced(lines))
             if faults := list(_folder_faults(config)):
                 raise ConfigurationError(faults)
             if sets_friction(lines) and (words := idle_friction([setup.configuration["law"]])):
@@ -81,8 +83,8 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     """
     told = list(faults)
     try:
-        mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
-        setup = build(OmegaConf.to_container(mine, resolve=True))  # type: ignore[arg-type]
+        mine = [str(key) for key in config if key not in NOT_OF_A_RUN]
+        setup = build(OmegaConf.to_container(OmegaConf.masked_copy(config, mine), resolve=True))  # type: ignore[arg-type]
     except ConfigurationError as error:
         told += error.faults
     except OmegaConfBaseException as error:
@@ -97,14 +99,24 @@ def typed(overrides: ListConfig) -> list[str]:
     return [str(line) for line in OmegaConf.to_container(overrides, resolve=False) or ()]
 
 
-def misplaced(lines: Iterable[str]) -> list[str]:
+def misplaced(lines: Sequence[str], *, swept: bool = False) -> list[str]:
     """Say which arguments can be none of a run's, though Hydra composes them.
 
     Args:
         lines: the arguments as typed, which Hydra can read.
+        swept: whether they are those of a sweep.
     """
     overrides = OverridesParser.create().parse_overrides(list(lines))
-    return [fault for override in overrides for fault in _faults_of(override)]
+    faults = [fault for override in overrides for fault in _faults_of(override)]
+    if not swept:
+        faults += [_SEVERAL.format(line) for line in lines if gives_several(line)]
+        faults += [
+            f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
+            "it out."
+            for line in lines
+            if line.lstrip("+").startswith("sweep.")
+        ]
+    return faults
 
 
 def _faults_of(override: Override) -> Iterator[str]:
@@ -157,6 +169,23 @@ def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
         "record.interval makes both smaller and does not change the motion.",
         sys.stderr,
     )
+
+
+def announce_series(runs: int, names: int, configuration: Mapping[str, Any]) -> None:
+    """Say how much the series of a sweep that keeps metrics will take, if it is much.
+
+    Args:
+        runs: of the sweep.
+        names: how many series are kept.
+        configuration: of one run, resolved.
+    """
+    records = configuration["solver"]["duration"] / configuration["record"]["interval"]
+    if (size := 8.0 * runs * names * records) >= WORTH_SAYING:
+        tell(
+            f"The series take up to {_spelled(size)}: {runs} runs of {records:.3g} records. A larger "
+            "record.interval or fewer names of sweep.series make it less.",
+            sys.stderr,
+        )
 
 
 def sentences(error: Exception, lines: Sequence[str]) -> list[str]:

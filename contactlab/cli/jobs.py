@@ -19,7 +19,7 @@ from contactlab.results import netcdf
 from contactlab.results.files import told
 from contactlab.results.run_folder import DATASET, LOG
 from contactlab.results.summary import summarise
-from contactlab.sweeps.job import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
+from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
 PICTURE = "run.png"
 
