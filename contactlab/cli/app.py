@@ -97,7 +97,8 @@ def run(settings: DictConfig) -> int:
 
 def job_of(hydra_config: HydraConf | DictConfig, setup: Setup | None = None) -> Job:
     """Say what a job is asked for: its overrides, and the options chosen from groups that are not Hydra's."""
-    overrides, choices = tuple(hydra_config.overrides.task), choices_of(hydra_config)
+    overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
+    choices = choices_of(hydra_config)
     if setup is None:
         return Job(overrides=overrides, choices=choices)
     return Job(key_of(setup), overrides, choices, setup.configuration)
@@ -110,13 +111,6 @@ def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
         for group, option in sorted(hydra_config.runtime.choices.items())
         if not str(group).startswith("hydra/")
     }
-<<<<<<< HEAD
-    overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
-    if setup is None:
-        return Job(overrides=overrides, choices=choices)
-    return Job(key_of(setup), overrides, choices, setup.configuration)
-=======
->>>>>>> sweeps
 
 
 def folder_name(overrides: str) -> str:

@@ -1,4 +1,4 @@
-"""One job: from its setup to run.nc, run.png and a summary, its state in its folder, a sentence if it fails."""
+"""One job: from its setup to run.nc, run.png and a summary, a state and a sentence where it fails."""
 
 import os
 import sys
