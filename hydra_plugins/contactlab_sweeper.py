@@ -11,7 +11,7 @@ from omegaconf import DictConfig
 
 @dataclass
 class ContactlabSweeperConf:
-    """Options of the sweeper: how many jobs a launcher is given at once, and values swept without being typed."""
+    """Options of the sweeper: the jobs that a launcher is given at once, and values that no one need type."""
 
     _target_: str = "hydra_plugins.contactlab_sweeper.ContactlabSweeper"
     max_batch_size: int | None = None
@@ -19,7 +19,7 @@ class ContactlabSweeperConf:
 
 
 class ContactlabSweeper(Sweeper):
-    """Hands sweeps to `contactlab.cli.sweeper`, imported for a sweep only: Hydra imports this for any command."""
+    """Hands sweeps to `contactlab.cli.sweeper`, imported for a sweep alone: Hydra imports this for all."""
 
     def __init__(self, **options: Any) -> None:
         self.options = options
@@ -31,9 +31,7 @@ class ContactlabSweeper(Sweeper):
         from contactlab.cli.sweeper import ContactlabSweeper as Sweeping
 
         self.sweeping = Sweeping(**self.options)
-        self.sweeping.setup(
-            hydra_context=hydra_context, task_function=task_function, config=config
-        )
+        self.sweeping.setup(hydra_context=hydra_context, task_function=task_function, config=config)
 
     def sweep(self, arguments: list[str]) -> Any:
         """See `Sweeper.sweep`."""

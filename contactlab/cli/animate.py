@@ -3,7 +3,7 @@
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,7 +35,7 @@ SUFFIXES = (".gif", ".mp4")
 
 def main(arguments: list[str]) -> int:
     """Write the animation and give the exit status; nothing is left behind where it cannot be made."""
-    wanted = _parser().read(list(_joined(arguments)))
+    wanted = _parser().read(_joined(arguments))
     try:
         _animate(wanted)
     except KeyboardInterrupt:
@@ -45,19 +45,15 @@ def main(arguments: list[str]) -> int:
     return COMPLETE
 
 
-def _joined(arguments: list[str]) -> Iterator[str]:
-    """Arguments with negative values joined to their options: argparse takes -1e-3 for an option."""
-    waiting = ""
+def _joined(arguments: list[str]) -> list[str]:
+    """Join negative values to their options: argparse takes -1e-3 for an option."""
+    joined: list[str] = []
     for argument in arguments:
-        if waiting and re.match(r"-[\d.]", argument):
-            argument, waiting = f"{waiting}={argument}", ""
-        if waiting:
-            yield waiting
-        waiting = argument if argument.startswith("--") and "=" not in argument else ""
-        if not waiting:
-            yield argument
-    if waiting:
-        yield waiting
+        if joined and re.match(r"-[\d.]", argument) and re.fullmatch("--[^=]+", joined[-1]):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
 
 
 def _parser() -> Parser:

@@ -19,7 +19,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
-from contactlab.cli.checking import sentences, setup_of
+from contactlab.cli.checking import sentences, setup_of, typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.law_source import register
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
@@ -97,7 +97,8 @@ def run(settings: DictConfig) -> int:
 
 def job_of(hydra_config: HydraConf | DictConfig, setup: Setup | None = None) -> Job:
     """Say what a job is asked for: its overrides, and the options chosen from groups that are not Hydra's."""
-    overrides, choices = tuple(hydra_config.overrides.task), choices_of(hydra_config)
+    overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
+    choices = choices_of(hydra_config)
     if setup is None:
         return Job(overrides=overrides, choices=choices)
     return Job(key_of(setup), overrides, choices, setup.configuration)

@@ -1,8 +1,9 @@
-"""What a command line gets wrong, told before anything is written: by Hydra's composition or by its values."""
+"""What a command line gets wrong, told before anything is written: in its composition and in its values."""
 
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, final
@@ -11,6 +12,7 @@ from hydra.conf import HydraConf
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Override
 from hydra.errors import (
     HydraException,
     MissingConfigException,
@@ -18,7 +20,7 @@ from hydra.errors import (
     SearchPathException,
 )
 from hydra.experimental.callback import Callback
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import VERBS, gives_several
@@ -41,6 +43,9 @@ WORTH_SAYING = 100e6
 NOT_OF_A_RUN = ("hydra", "sweep")
 """Sections that say how runs are made."""
 
+_OF_HYDRA = {field.name for field in fields(HydraConf)}
+"""Keys of Hydra's own part of the configuration."""
+
 _SEVERAL = "{} gives several values; a single run takes one. Add -m to run every combination."
 
 
@@ -54,12 +59,10 @@ class Check(Callback):
         Raises:
             SystemExit: a fault of the user's. Hydra makes warnings of other exceptions here.
         """
-        lines = [*config.hydra.overrides.hydra, *config.hydra.overrides.task]
+        lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         try:
-            faults = misplaced(lines)
-            setup = setup_of(config, faults)
-            faults = list(_folder_faults(config))
-            if faults:
+            setup = setup_of(config, misplaced(lines))
+            if faults := list(_folder_faults(config)):
                 raise ConfigurationError(faults)
             if sets_friction(lines) and (words := idle_friction([setup.configuration["law"]])):
                 tell(f"contactlab: {words}", sys.stderr)
@@ -80,10 +83,8 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     """
     told = list(faults)
     try:
-        mine = OmegaConf.masked_copy(
-            config, [str(key) for key in config if key not in NOT_OF_A_RUN]
-        )
-        setup = build(OmegaConf.to_container(mine, resolve=True))  # type: ignore[arg-type]
+        mine = [str(key) for key in config if key not in NOT_OF_A_RUN]
+        setup = build(OmegaConf.to_container(OmegaConf.masked_copy(config, mine), resolve=True))  # type: ignore[arg-type]
     except ConfigurationError as error:
         told += error.faults
     except OmegaConfBaseException as error:
@@ -93,42 +94,57 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     return setup
 
 
-def misplaced(lines: Iterable[str], *, swept: bool = False) -> list[str]:
-    """Say which arguments can be none of a run's, though Hydra composes them.
+def typed(overrides: ListConfig) -> list[str]:
+    """Give arguments as they were typed: what they refer to is none of their own."""
+    return [str(line) for line in OmegaConf.to_container(overrides, resolve=False) or ()]
 
-    A law, a part, a basis comes with its parameters, and is not renamed by a key.
+
+def misplaced(lines: Sequence[str], *, swept: bool = False) -> list[str]:
+    """Say which arguments can be none of a run's, though Hydra composes them.
 
     Args:
         lines: the arguments as typed, which Hydra can read.
-        swept: whether they may give several values.
+        swept: whether they are those of a sweep.
     """
-    faults = []
-    options = GlobalHydra.instance().config_loader().get_group_options
-    for override in OverridesParser.create().parse_overrides(list(lines)):
-        line, key = override.input_line, override.key_or_group
-        value = None if override.is_delete() or override.is_sweep_override() else override.value()
-        if override.is_hydra_override() and value == "":
-            faults.append(
-                f"{line} is empty, as of a shell variable that is not set; it must have a value. "
-                "Leave it out for the default."
-            )
-        if not swept and not override.is_hydra_override() and gives_several(str(line)):
-            faults.append(_SEVERAL.format(line))
-        group = key.replace(".", "/")
-        if override.is_delete():
-            continue
-        if "." in key and not isinstance(value, dict) and (known := options(group)):
-            faults.append(
-                f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
-                f"Choose one of {', '.join(known)}."
-            )
-        for below in flat({key: value if isinstance(value, dict) and value else None}):
-            if group := group_told_by(below):
-                faults.append(
-                    f"{line} would hand the parameters of one {group} to another; they must be chosen "
-                    f"together. Choose one by {group}=NAME."
-                )
+    overrides = OverridesParser.create().parse_overrides(list(lines))
+    faults = [fault for override in overrides for fault in _faults_of(override)]
+    if not swept:
+        faults += [_SEVERAL.format(line) for line in lines if gives_several(line)]
+        faults += [
+            f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
+            "it out."
+            for line in lines
+            if line.lstrip("+").startswith("sweep.")
+        ]
     return faults
+
+
+def _faults_of(override: Override) -> Iterator[str]:
+    line, key = override.input_line, override.key_or_group
+    group = key.replace(".", "/")
+    value = None if override.is_delete() or override.is_sweep_override() else override.value()
+    if override.is_hydra_override() and value == "":
+        yield (
+            f"{line} is empty, as of a shell variable that is not set; it must have a value. "
+            "Leave it out for the default."
+        )
+    elif override.is_hydra_override() and "." in key and key.split(".")[1] not in _OF_HYDRA:
+        yield unknown_key(key)
+    is_set = "." in key and not isinstance(value, dict) and not override.is_delete()
+    if is_set and (options := GlobalHydra.instance().config_loader().get_group_options(group)):
+        yield (
+            f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
+            f"Choose one of {', '.join(options)}."
+        )
+    # A law, a part, a basis comes with its parameters, and is not renamed by a key.
+    for below in (
+        [] if override.is_delete() else flat({key: value if isinstance(value, dict) else None})
+    ):
+        if told := group_told_by(below):
+            yield (
+                f"{line} would hand the parameters of one {told} to another; they must be chosen together. "
+                f"Choose one by {told}=NAME."
+            )
 
 
 def sets_friction(lines: Iterable[str]) -> bool:
@@ -200,7 +216,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     said = str(error)
     # What Hydra says of a key that is not there; the schema does not get to see it.
     if unknown := re.search(r"Could not override '([^']+)'", said):
-        return [_unknown(unknown[1])]
+        return [unknown_key(unknown[1], lines)]
     if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
         return [_SEVERAL.format(several[1])]
     if said.startswith("Config group override must be"):
@@ -214,16 +230,22 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     return [f"The run could not be started: {one_line(error)}"]
 
 
-def _unknown(key: str) -> str:
-    """Say that there is no such key, or none with these choices."""
-    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})  # type: ignore[dict-item]
+def unknown_key(key: str, lines: Iterable[str] = ()) -> str:
+    """Say that there is no such key, or none with these choices.
+
+    Args:
+        key: that Hydra does not find.
+        lines: the arguments as typed.
+    """
+    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
     known = [*known_keys(), *hydras]
     path = key.replace("/", ".")
     if any(f"{name}.".startswith(f"{path}.") for name in known):
         group = path.rpartition(".")[0].replace(".", "/")
+        typed = (line for line in lines if line.startswith(f"{group}="))
         return (
-            f"{key} does not belong to this choice of {group}; it must be absent with it. Leave it out "
-            f"or choose another {group}."
+            f"{key} does not belong to {next(typed, f'this choice of {group}')}; it must be absent with it. "
+            f"Leave it out or choose another {group}: contactlab --help lists them."
         )
     leaf = path.rpartition(".")[2]
     # Whoever names the last part alone, or under another group, means the key that ends so.

@@ -1,9 +1,9 @@
 """`contactlab compare DIR...`: the laws of several runs side by side, judged, drawn and reported."""
 
-import os
 from pathlib import Path
 
 from contactlab.cli.arguments import Parser
+from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import COMPLETE, RefusalError
 
 OUTPUT = "comparison"
@@ -42,14 +42,15 @@ def main(arguments: list[str]) -> int:
         help="take the runs as they are: no numerical error, no sensitivities",
     )
     given = parser.read(arguments)
-    # Imported here: they bring the compiler and the plotting, which --help does not need.
+    # Imported here: they bring the plotting, which --help does not need.
     from contactlab.comparison import ComparisonError, compare
     from contactlab.comparison.tables import as_text
     from contactlab.comparison.words import conclusion, differences
     from contactlab.results.files import told
 
     output: Path = given.output
-    _refuse_unwritable(output)
+    if faults := list(refusals(output, "Choose another one by --output DIR.")):
+        raise RefusalError(faults[0])
     try:
         data = compare(given.runs, output, refine=not given.no_refine)
     except ComparisonError as error:
@@ -65,18 +66,3 @@ def main(arguments: list[str]) -> int:
         f"\nWritten to {output}: report.html, scorecard.csv, scorecard.tex, metrics.nc and figures."
     )
     return COMPLETE
-
-
-def _refuse_unwritable(output: Path) -> None:
-    """Refuse a folder that nothing can be written into; nothing is made yet.
-
-    Raises:
-        RefusalError: with the reason.
-    """
-    place = next(path for path in (output, *output.absolute().parents) if path.exists())
-    if not place.is_dir() or not os.access(place, os.W_OK):
-        raise RefusalError(
-            f"The output folder is '{output}' and cannot be written to ('{place}' is "
-            f"{'not writable' if place.is_dir() else 'a file'}); it must be a folder, or a place for one, "
-            "with write permission. Choose another one by --output DIR."
-        )

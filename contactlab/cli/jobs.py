@@ -1,4 +1,4 @@
-"""One job: from its setup to run.nc, run.png and a summary, with its state in its folder and a sentence if it fails."""
+"""One job: from its setup to run.nc, run.png and a summary, a state and a sentence where it fails."""
 
 import os
 import sys
@@ -9,13 +9,16 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 
+from contactlab import engine
 from contactlab.cli import terminal
 from contactlab.cli.terminal import tell
 from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
+from contactlab.results import netcdf
 from contactlab.results.files import told
 from contactlab.results.run_folder import DATASET, LOG
+from contactlab.results.summary import summarise
 from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
 PICTURE = "run.png"
@@ -80,11 +83,6 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
     Raises:
         OSError: the directory is missing, not writable or full.
     """
-    # Imported here: a command that only has a fault to report needs no engine.
-    from contactlab.engine import simulate
-    from contactlab.results import netcdf
-    from contactlab.results.summary import summarise
-
     started = perf_counter()
     with terminal.progress(setup.duration, "s", "The run") as show, terminal.waiting() as look:
 
@@ -95,7 +93,7 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
             show(time)
             look()
 
-        trajectory = simulate(
+        trajectory = engine.simulate(
             setup.motor,
             setup.law,
             duration=setup.duration,
@@ -110,7 +108,7 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
         digest = netcdf.write_tree(tree, directory / DATASET)
         beside = "."
         if setup.configuration["record"]["picture"]:
-            # It brings the plotting.
+            # Imported here: it brings the plotting.
             from contactlab.plot import overview
 
             overview.overview(tree, directory / PICTURE)

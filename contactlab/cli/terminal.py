@@ -1,9 +1,9 @@
 """The command and whoever called it: closed streams, Ctrl-C, and how far something long has come.
 
-What was computed must not suffer from output that nobody can read. And imports and the compiler may swallow
-a KeyboardInterrupt, pass it on as another error or crash: so until a run has something to lose Ctrl-C ends the
-process at once, while it simulates Ctrl-C waits for the next look, and while files are written it is the usual
-exception, which cleans up.
+What was computed must not suffer from output that nobody can read. And imports and the compiler may
+swallow a KeyboardInterrupt, pass it on as another error or crash: so until a run has something to lose
+Ctrl-C ends the process at once, while it simulates Ctrl-C waits for the next look, and while files are
+written it is the usual exception, which cleans up.
 """
 
 import os
@@ -145,7 +145,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 
 
 @contextmanager
-def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], None]]:
+def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], object]]:
     """Show how far something has come: a bar on a terminal, elsewhere a sentence where it takes long.
 
     Args:

@@ -6,13 +6,18 @@ from functools import partial
 from pathlib import Path
 from textwrap import shorten
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
-
-if TYPE_CHECKING:
-    from contactlab.testing import Claim
+from contactlab.laws import law_class, law_names
+from contactlab.metrics import read_run
+from contactlab.testing import Claim
+from contactlab.testing.contract.bench import Bench
+from contactlab.testing.contract.properties import PROPERTIES, check
+from contactlab.testing.flights.touchdowns import random_touchdowns
+from contactlab.testing.forms import CLOSED_FORMS
+from contactlab.testing.recorded import invariants_of
+from contactlab.testing.references import REFERENCES
 
 NUMBERS = "{:>17} {:>15} {:>10}  {}"
 WIDEST_CLAIM = 82
@@ -62,31 +67,20 @@ def main(arguments: list[str]) -> int:
     return INCOMPLETE if failed else COMPLETE
 
 
-def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
+def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
     """Headings and claims of recorded runs.
 
     Raises:
         ValueError: a source is no run.
     """
-    from contactlab.metrics import read_run
-    from contactlab.testing.recorded import invariants_of
-
     for source in sources:
         path = Path(source)
         tree = read_run(path / "run.nc" if path.is_dir() else path)
         yield source, partial(invariants_of, tree)
 
 
-def _groups() -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
+def _groups() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
     """Headings and their claims."""
-    # Imported here: they bring the compiler, which --help does not need.
-    from contactlab.laws import law_class, law_names
-    from contactlab.testing.contract.bench import Bench
-    from contactlab.testing.contract.properties import PROPERTIES, check
-    from contactlab.testing.flights.touchdowns import random_touchdowns
-    from contactlab.testing.forms import CLOSED_FORMS
-    from contactlab.testing.references import REFERENCES
-
     for form in CLOSED_FORMS:
         yield _first_line(form), form
     for reference in REFERENCES:
@@ -101,7 +95,7 @@ def _groups() -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
             continue
         bench = Bench(law)
 
-        def contract(bench: Bench = bench) -> Iterator["Claim"]:
+        def contract(bench: Bench = bench) -> Iterator[Claim]:
             for name in PROPERTIES:
                 yield from check(bench, name)
 
@@ -112,7 +106,7 @@ def _first_line(function: Callable[..., object]) -> str:
     return (function.__doc__ or "").strip().splitlines()[0]
 
 
-def _row(claim: "Claim", width: int) -> str:
+def _row(claim: Claim, width: int) -> str:
     unit = "" if claim.units == "1" else f" [{claim.units}]"
     words = shorten(claim.statement + unit, width, placeholder="...")
     tolerance = f"{claim.tolerance:.1e}" if claim.relation == "=" else ""

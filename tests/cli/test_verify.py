@@ -6,7 +6,7 @@ import pytest
 from support.command_line import Command
 
 from contactlab.cli import verify
-from contactlab.cli.verbs import VERBS
+from contactlab.cli.arguments import VERBS
 from contactlab.testing import Claim, at_most, close
 from contactlab.testing.flights.touchdowns import random_touchdowns
 from contactlab.testing.references import REFERENCES
