@@ -24,7 +24,7 @@ from contactlab.motor.motor import Rotor
 from contactlab.motor.patched_beam import PatchedBeam
 from contactlab.motor.ritz import RitzResonator
 from contactlab.parameter import Declared, Parameter, declared_fields
-from contactlab.settings import Record, Solver
+from contactlab.settings import Record, Solver, Sweep
 
 Keys = dict[str, Any]
 """What is declared by key; a section below is such a table itself."""
@@ -91,10 +91,11 @@ GROUPS: Final[Mapping[str, Mapping[str, Keys]]] = {
     "rotor": {"default": {"radius": _GEOMETRY["rotor_radius"], **keys_of(Rotor)}},
     "solver": {"default": keys_of(Solver)},
     "record": {"default": keys_of(Record)},
+    "sweep": {"default": keys_of(Sweep)},
 }
 """The groups whose options are known beforehand, in the order of a configuration."""
 
-NOT_OF_A_RUN: Final[frozenset[str]] = frozenset()
+NOT_OF_A_RUN: Final = frozenset({"sweep"})
 """The groups that say how runs are made: they may be left out, and a run's own configuration has none."""
 
 KINDS: Final = {

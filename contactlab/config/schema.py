@@ -10,7 +10,7 @@ from contactlab.config.groups import GROUPS, KINDS, LAW, NOT_OF_A_RUN, Keys, law
 from contactlab.config.quantity import Quantity, describe
 from contactlab.laws.declaration import PARTS
 from contactlab.laws.registry import law_names
-from contactlab.parameter import Declared
+from contactlab.parameter import Declared, Parameter
 
 
 class Section(BaseModel):
@@ -127,23 +127,20 @@ def parts_of(choices: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
     return tuple((k.removeprefix(f"{LAW}."), part) for k, part in choices.items() if k != LAW)
 
 
-def units_of(checked: Section) -> dict[str, str]:
-    """Give the unit of every key that holds a number, in the words of the CF conventions.
+def declared_in(checked: Section) -> dict[str, Parameter]:
+    """Give what is declared of every key that holds a number, by full key.
 
     Args:
         checked: a configuration as `contactlab.config.validate` gives it, or a section of one.
-
-    Returns:
-        Units by full key: {"contact.clearance": "m", ...}.
     """
-    return dict(_units(checked))
+    return dict(_declared(checked))
 
 
-def _units(section: Section) -> Iterator[tuple[str, str]]:
+def _declared(section: Section) -> Iterator[tuple[str, Parameter]]:
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
-            yield from _units(value)
+            yield from _declared(value)
         for said in field.metadata:
             if isinstance(said, Quantity):
-                yield f"{section.path}{name}", said.parameter.units
+                yield f"{section.path}{name}", said.parameter

@@ -1,4 +1,4 @@
-"""Sweeps from Python: over keys of the configuration, or over the arguments of a function that makes motors."""
+"""Sweeps from Python: over keys of the configuration, or over arguments of a function that makes motors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
@@ -11,8 +11,8 @@ import xarray
 
 from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup
-from contactlab.config.composition import compose, group_options
-from contactlab.config.nesting import Value, flat
+from contactlab.config.composition import compose, options_of
+from contactlab.config.nesting import Value
 from contactlab.engine.contact_step import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
@@ -243,7 +243,7 @@ class _Python:
 
     def options(self, key: str) -> list[str]:
         """Give the options of a group; none for what is no group."""
-        return group_options(key)
+        return options_of(key)
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Give the configuration with these options, all else as it is set.
@@ -273,5 +273,7 @@ class _Python:
             ConfigurationError: there are some.
         """
         if "${" in str(configuration):
-            raise ConfigurationError(["The configuration has references in ${...}. Write the values."])
+            raise ConfigurationError(
+                ["The configuration has references in ${...}. Write the values."]
+            )
         return configuration
