@@ -43,7 +43,7 @@ from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.manifest import extend_manifest, resume
 from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
-from contactlab.sweeps.planning import full_keys, planned, setups_of
+from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
@@ -196,10 +196,12 @@ class ContactlabSweeper(Sweeper):
     def _metrics(self, plan: Plan, settings: Sweep, folder: Path) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
         faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
+        if not plan.axes:
+            faults.append(NOTHING)
         if "${" in str(plan.bases):
             faults.append(
-                "The configuration has references in ${...}; a sweep of metrics must have their values, which "
-                "may depend on what is swept. Write the values."
+                "The configuration has references in ${...}; a sweep of metrics must have their values, "
+                "which may depend on what is swept. Write the values."
             )
         if faults:
             raise ConfigurationError(faults)

@@ -174,6 +174,11 @@ def short_ends(name: str, known: Iterable[str]) -> list[str]:
     return [key for key in known if f"_{key.replace('.', '_')}".endswith(f"_{name}")]
 
 
+NOTHING: Final = (
+    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
+)
+
+
 @final
 class _Planner:
     """Finds the axes of a plan, and collects the faults."""
@@ -195,11 +200,6 @@ class _Planner:
 
     def refuse_columns(self, columns: Columns, outputs: Outputs) -> None:
         """Note what can be no sweep at all."""
-        if not columns:
-            self._faults.append(
-                f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs "
-                "no sweep."
-            )
         for key, column in columns.items():
             if not len(column):
                 self._faults.append(f"{key} has no values; it must have one at least. Name one.")

@@ -20,7 +20,7 @@ from contactlab.results.netcdf import cf_attributes
 from contactlab.sweeps.batch import Answers, Batch, Report
 from contactlab.sweeps.dataset import SERIES, Axis, dataset_of
 from contactlab.sweeps.plan import USUAL, Configuration, Outputs, Plan, Setups, with_key
-from contactlab.sweeps.planning import full_keys, planned, setups_of
+from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import listed
 
@@ -83,6 +83,8 @@ def sweep(
     table = pandas.DataFrame(over) if samples else over
     columns = {str(name): _values(table[name]) for name in table}
     units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
+    if not columns:
+        raise ValueError(NOTHING)
     outputs = Outputs.named(metrics, series)
     solver = {
         "solver.duration": duration,
@@ -146,10 +148,10 @@ def _made(
 ) -> tuple[tuple[int, ...], Callable[[int], Setup]]:
     """Give the shape of a sweep over the arguments of functions, and what runs in each cell."""
     empty = [axis.key for axis in axes if not axis.values]
-    if empty or not axes:
+    if empty:
         raise ValueError(
-            f"{', '.join(empty) or 'The sweep'} has no values; there must be one at least of every "
-            "parameter, and one parameter at least. Give a list or an array of numbers."
+            f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list or "
+            "an array of numbers."
         )
     if not callable(law):
         check_kind("The law", law, ContactLaw)

@@ -8,7 +8,7 @@ from contactlab.cli.application import CONFIG_NAME, started
 from contactlab.cli.composer import Composer
 from contactlab.cli.map_plan import plan_of
 from contactlab.cli.sweep_values import typed
-from contactlab.sweeps.many import Wanted
+from contactlab.sweeps.plan import Outputs
 
 RANGES = {
     "range(0,3e-6,1e-6)": [0.0, 1e-6, 2e-6],

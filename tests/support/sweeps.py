@@ -70,7 +70,7 @@ class ChoosingSweeper(Sweeper):
 
 def folder(clearance: str, *before: str) -> Path:
     """The folder of a job of such a sweep; Hydra spells values as Python does."""
-    lines = sorted([f"contact.clearance={clearance}", *before, "record.picture=False"])
+    lines = sorted([f"contact.clearance={clearance}", *before, "record.picture=false"])
     return Path("sweep") / ",".join(lines)
 
 

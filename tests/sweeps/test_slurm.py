@@ -14,7 +14,7 @@ import yaml
 from slurm.cluster import NODES, Cluster, ClusterError, Job, running_cluster
 from support.command_line import Command
 
-from contactlab.sweeps.status import Status
+from contactlab.sweeps.state import Status
 
 LAWS = ("lagrange_stick", "hertz_penalty")
 CLEARANCES = ("1e-6", "1.5e-6", "2e-6")
@@ -139,10 +139,10 @@ def test_a_map_is_one_array_of_tasks_a_chunk_each(
     cluster: Cluster, tmp_path: Path, command: Command
 ) -> None:
     before = {job.id for job in cluster.jobs()}
-    arguments = ["map", "--chunk=10", "sweep.drive.phase=linspace(-3,3,40)", "solver.duration=1 ms"]
+    arguments = ["-m", "sweep.keep=metrics", "sweep.chunk=10", "drive.phase=linspace(-3,3,40)", "solver.duration=1 ms"]
     submitted = ["hydra/launcher=submitit_slurm", "hydra.launcher.partition=main"]
     done = subprocess.run(
-        [sys.executable, "-m", "contactlab", *arguments, *submitted, "--output=cluster"],
+        [sys.executable, "-m", "contactlab", *arguments, *submitted, "hydra.sweep.dir=cluster"],
         cwd=tmp_path,
         env=cluster.environment,
         capture_output=True,
@@ -154,7 +154,7 @@ def test_a_map_is_one_array_of_tasks_a_chunk_each(
     tasks = [job.id for job in cluster.jobs() if job.id not in before]
     assert len({task.partition("_")[0] for task in tasks}) == 1
     assert sorted(task.partition("_")[2] for task in tasks) == ["0", "1", "2", "3"]
-    assert command(*arguments, "--output=here")[0] == 0
+    assert command(*arguments, "hydra.sweep.dir=here")[0] == 0
     assert Path("cluster/map.nc").read_bytes() == Path("here/map.nc").read_bytes()
 
 

@@ -16,11 +16,11 @@ from support.command_line import Command
 from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.metrics import METRICS
-from contactlab.sweeps.chunks import CHUNKS, DIGEST, MAP, PLAN, UNFINISHED, MapFolder
-from contactlab.sweeps.faults import MapError
-from contactlab.sweeps.many import USUAL
+from contactlab.sweeps.store import CHUNKS, DIGEST, MAP, PLAN, UNFINISHED, Store
+from contactlab.sweeps.values import SweepError
+from contactlab.sweeps.plan import USUAL
 from contactlab.sweeps.plan import with_key
-from contactlab.sweeps.status import Status
+from contactlab.sweeps.state import Status
 
 SHORT = "solver.duration=1 ms"
 
@@ -31,19 +31,19 @@ def opened(path: Path, name: str = MAP) -> xarray.Dataset:
 
 
 def run_chunk(chunk: int) -> None:
-    folder = MapFolder.opened(Path("here"))
+    folder = Store.opened(Path("here"))
     with folder.pool(1) as pool:
         folder.run(chunk, pool)
 
 
 def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     status, out, err = command(
-        "map",
+        "-m", "sweep.keep=metrics",
         SHORT,
-        "sweep.contact.clearance=linspace(0,2 um,3)",
+        "contact.clearance=linspace(0,2 um,3)",
         "law=lagrange_stick",
-        "sweep.drive.phase=-90 deg,0.5",
-        "--output=here",
+        "drive.phase=-90 deg,0.5",
+        "hydra.sweep.dir=here",
     )
     assert status == 0, err
     assert "3 x 2 = 6 runs in 1 chunk." in out
@@ -70,7 +70,7 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
 
 
 def test_a_map_is_the_sweep_of_single_runs_in_one_file(command: Command) -> None:
-    assert command("map", SHORT, "sweep.law=hertz_penalty,newton", "--output=here")[0] == 0
+    assert command("-m", "sweep.keep=metrics", SHORT, "law=hertz_penalty,newton", "hydra.sweep.dir=here")[0] == 0
     found = opened(Path("here"))
     assert found["law"].values.tolist() == ["hertz_penalty", "newton"]
     for law in ("hertz_penalty", "newton"):
@@ -84,15 +84,15 @@ def test_a_map_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
     tmp_path: Path,
 ) -> None:
     arguments = [
-        *(sys.executable, "-m", "contactlab", "map", "--chunk=40", "--workers=2"),
+        *(sys.executable, "-m", "contactlab", "-m", "sweep.keep=metrics", "sweep.chunk=40", "sweep.workers=2"),
         *(
-            "sweep.contact.clearance=linspace(0,2e-6,20)",
-            "sweep.drive.phase=linspace(-3,3,20)",
+            "contact.clearance=linspace(0,2e-6,20)",
+            "drive.phase=linspace(-3,3,20)",
             SHORT,
         ),
     ]
     for killed in range(3):
-        running = subprocess.Popen([*arguments, "--output=cut"], cwd=tmp_path)
+        running = subprocess.Popen([*arguments, "hydra.sweep.dir=cut"], cwd=tmp_path)
         while len(list(tmp_path.glob(f"cut/{CHUNKS}/*.npz"))) <= killed:
             assert running.poll() is None, "the map was over before it could be killed"
             time.sleep(0.002)
@@ -101,7 +101,7 @@ def test_a_map_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
     assert not (tmp_path / "cut" / MAP).exists()
     for folder in ("cut", "whole"):
         done = subprocess.run(
-            [*arguments, f"--output={folder}"],
+            [*arguments, f"hydra.sweep.dir={folder}"],
             cwd=tmp_path,
             capture_output=True,
             text=True,
@@ -113,7 +113,7 @@ def test_a_map_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
 
 
 def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Command) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=0,1")
+    arguments = ("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1")
     assert command(*arguments)[0] == 0
     (file,) = Path("maps").rglob(MAP)
     before = file.stat().st_mtime_ns
@@ -121,27 +121,27 @@ def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Comma
     assert status == 0
     assert f"The map is complete already: {file}" in out
     assert file.stat().st_mtime_ns == before
-    assert command("map", SHORT, "sweep.drive.phase=0,1", "law=newton")[0] == 0
+    assert command("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1", "law=newton")[0] == 0
     assert len(list(Path("maps").rglob(MAP))) == 2
 
 
 def test_workers_that_are_started_afresh_give_the_same(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=linspace(-3,3,7)", "--workers=2")
-    assert command(*arguments, "--output=forked")[0] == 0
+    arguments = ("-m", "sweep.keep=metrics", SHORT, "drive.phase=linspace(-3,3,7)", "sweep.workers=2")
+    assert command(*arguments, "hydra.sweep.dir=forked")[0] == 0
     # As where a system cannot fork.
     monkeypatch.setattr("contactlab.sweeps.workers.FORK", False)
     spawn = multiprocessing.get_context("spawn")
     monkeypatch.setattr(multiprocessing, "get_context", lambda _: spawn)
-    assert command(*arguments, "--output=spawned")[0] == 0
+    assert command(*arguments, "hydra.sweep.dir=spawned")[0] == 0
     assert (Path("forked") / MAP).read_bytes() == (Path("spawned") / MAP).read_bytes()
 
 
 def test_another_map_does_not_go_into_the_folder_of_one(command: Command) -> None:
-    assert command("map", SHORT, "sweep.drive.phase=0,1", "--output=here")[0] == 0
+    assert command("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")[0] == 0
     before = (Path("here") / MAP).read_bytes()
-    status, _, err = command("map", SHORT, "sweep.drive.phase=0,2", "--output=here")
+    status, _, err = command("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,2", "hydra.sweep.dir=here")
     assert status == 2
     assert "holds another map" in err
     assert (Path("here") / MAP).read_bytes() == before
@@ -150,20 +150,20 @@ def test_another_map_does_not_go_into_the_folder_of_one(command: Command) -> Non
 def test_a_map_by_other_code_is_not_gone_on_with(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert command("map", SHORT, "sweep.drive.phase=0,1", "--output=here")[0] == 0
+    assert command("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")[0] == 0
     monkeypatch.setattr("contactlab.sweeps.job.code_digest", lambda: "other")
-    status, _, err = command("map", SHORT, "sweep.drive.phase=0,1", "--output=here")
+    status, _, err = command("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")
     assert status == 2
     assert "made by other code" in err
 
 
 def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Command) -> None:
     status, out, _ = command(
-        "map",
+        "-m", "sweep.keep=metrics",
         SHORT,
-        "sweep.placement.start=1 mm,12 mm",
-        "sweep.placement.end=10 mm,20 mm",
-        "--output=here",
+        "placement.start=1 mm,12 mm",
+        "placement.end=10 mm,20 mm",
+        "hydra.sweep.dir=here",
     )
     assert status == 0
     assert "3 complete." in out
@@ -179,15 +179,15 @@ def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Comma
 
 def test_series_lie_beside_the_metrics(command: Command) -> None:
     status, _, _ = command(
-        "map",
+        "-m", "sweep.keep=metrics",
         SHORT,
         "record.interval=10 us",
-        "sweep.drive.phase=0,1,2",
-        "sweep.law.stiffness=1e9,1e10",
-        "--series=gap,rotor_velocity",
-        "--metrics=all",
-        "--chunk=2",
-        "--output=here",
+        "drive.phase=0,1,2",
+        "law.stiffness=1e9,1e10",
+        "sweep.series=gap,rotor_velocity",
+        "sweep.metrics=all",
+        "sweep.chunk=2",
+        "hydra.sweep.dir=here",
     )
     assert status == 0
     assert set(METRICS) <= set(opened(Path("here")).data_vars)
@@ -206,7 +206,7 @@ def test_series_lie_beside_the_metrics(command: Command) -> None:
 
 
 def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=0,1,2", "--chunk=1", "--output=here")
+    arguments = ("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1,2", "sweep.chunk=1", "hydra.sweep.dir=here")
     assert command(*arguments)[0] == 0
     whole = (Path("here") / MAP).read_bytes()
     (Path("here") / MAP).unlink()
@@ -223,7 +223,7 @@ def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command)
 
 
 def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=0,1,2", "--chunk=1", "--output=here")
+    arguments = ("-m", "sweep.keep=metrics", SHORT, "drive.phase=0,1,2", "sweep.chunk=1", "hydra.sweep.dir=here")
     assert command(*arguments)[0] == 0
     whole = opened(Path("here"))
     (Path("here") / MAP).unlink()
@@ -247,21 +247,21 @@ def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
 
 
 def test_a_folder_without_a_plan_is_no_map(tmp_path: Path) -> None:
-    with pytest.raises(MapError, match=r"holds no plan\.json"):
-        MapFolder.opened(tmp_path)
+    with pytest.raises(SweepError, match=r"holds no plan\.json"):
+        Store.opened(tmp_path)
 
 
 def test_a_folder_that_cannot_be_written_to_is_told(command: Command) -> None:
     Path("file").touch()
-    status, _, err = command("map", "sweep.drive.phase=1,2", "--output=file/map")
+    status, _, err = command("-m", "sweep.keep=metrics", "drive.phase=1,2", "hydra.sweep.dir=file/map")
     assert status == 2
     assert "Choose another one by --output DIR." in err
 
 
 def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
-    arguments = ["sweep.drive.phase=linspace(-3,3,2000)", "--chunk=20", "--output=here", SHORT]
+    arguments = ["drive.phase=linspace(-3,3,2000)", "sweep.chunk=20", "hydra.sweep.dir=here", SHORT]
     running = subprocess.Popen(
-        [sys.executable, "-m", "contactlab", "map", *arguments],
+        [sys.executable, "-m", "contactlab", "-m", "sweep.keep=metrics", *arguments],
         cwd=tmp_path,
         stderr=subprocess.PIPE,
         text=True,
@@ -280,4 +280,4 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
         .startswith("Interrupted. The chunks that are finished are kept")
     )
     assert "Traceback" not in err
-    assert MapFolder.opened(tmp_path / "here").missing()
+    assert Store.opened(tmp_path / "here").missing()

@@ -16,7 +16,7 @@ from contactlab.results.netcdf import to_datatree
 from contactlab.sweeps.cells import Axis
 from contactlab.sweeps.grid import MotorGrid, simulate_many
 from contactlab.sweeps.many import AT_ANY_INTERVAL, USUAL
-from contactlab.sweeps.status import Status
+from contactlab.sweeps.state import Status
 from contactlab.sweeps.workers import WorkerError
 
 DURATION = 1e-3

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from contactlab.sweeps.cells import Axis
-from contactlab.sweeps.chunks import MapFolder
+from contactlab.sweeps.dataset import Axis
+from contactlab.sweeps.store import Store
 from contactlab.sweeps.many import Answers, Report, Wanted
 from contactlab.sweeps.plan import Plan
 
@@ -46,9 +46,9 @@ class Made:
         )
 
 
-def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> MapFolder:
+def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> Store:
     """A map of three chunks, some of which are finished."""
-    folder = MapFolder(path, plan(**of_plan))
+    folder = Store(path, plan(**of_plan))
     folder.begin()
     for chunk in range(finished):
         folder.run(chunk, Made())
