@@ -99,7 +99,7 @@ def sweep(
                 "and its parameters keys: base=['law.restitution=0.4']. Or give motor=."
             )
         given = {key: value for key, value in solver.items() if value is not None}
-        composer = _Python(base, law, given)
+        composer = ScriptComposer(base, law, given)
         plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
         if samples:
             for _ in setups_of(plan):
@@ -219,7 +219,7 @@ def _dataset(
 
 
 @final
-class _Python:
+class ScriptComposer:
     """Composes configurations from what a script gives; see `planning.Composer`.
 
     Args:
@@ -231,12 +231,12 @@ class _Python:
     def __init__(
         self,
         base: Sequence[str] | Configuration | Setup,
-        law: str | None,
-        given: Mapping[str, float],
+        law: str | None = None,
+        given: Mapping[str, float] | None = None,
     ) -> None:
         self._base = base.configuration if isinstance(base, Setup) else base
         self._law = law
-        self._given = given
+        self._given = given or {}
         if isinstance(self._base, str):
             raise TypeError(
                 f"The base is the text {self._base!r}; it must be a list of overrides or a mapping. Write "

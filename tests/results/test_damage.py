@@ -12,10 +12,8 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import read_run
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write
-from contactlab.sweeps import collect
-from contactlab.sweeps import SweepError
-from contactlab.sweeps.state import is_done
-from contactlab.sweeps.state import Status
+from contactlab.sweeps import SweepError, collect
+from contactlab.sweeps.state import Status, is_done
 
 
 def test_no_damage_of_a_dataset_comes_through(tmp_path: Path) -> None:

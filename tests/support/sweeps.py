@@ -18,6 +18,8 @@ from support.synthetic import synthetic_trajectory
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 
+METRICS_ALONE = ("-m", "sweep.keep=metrics")
+
 QUICK = ("record.picture=false", "hydra.sweep.dir=sweep")
 """Overrides that all these sweeps have."""
 

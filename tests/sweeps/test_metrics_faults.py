@@ -1,7 +1,8 @@
-"""A faulty command line of `contactlab map` is refused in a sentence before anything runs."""
+"""A faulty command line of a sweep that keeps metrics is refused in a sentence before anything runs."""
 
 import pytest
 from support.command_line import Command, left_behind
+from support.sweeps import METRICS_ALONE
 
 FAULTS = [
     (["drive.phase=1"], "Nothing is swept"),
@@ -70,7 +71,7 @@ FAULTS = [
 def test_a_faulty_map_is_refused_in_a_sentence_before_anything_runs(
     arguments: list[str], words: str, command: Command
 ) -> None:
-    status, out, err = command("-m", "sweep.keep=metrics", *arguments)
+    status, out, err = command(*METRICS_ALONE, *arguments)
     assert status == 2
     assert words in err
     assert "Traceback" not in err
