@@ -43,7 +43,7 @@ from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.manifest import extend_manifest, resume
 from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
-from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
+from contactlab.sweeps.planning import NOTHING, Columns, full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
@@ -110,7 +110,7 @@ class ContactlabSweeper(Sweeper):
             raise ConfigurationError(faults)
         settings = Sweep(**arguments.settings)
         samples = settings.samples is not None
-        columns = arguments.columns
+        columns: Columns = arguments.columns
         if settings.samples is not None:
             columns = full_keys(table(settings.samples), composer)
         plan = planned(

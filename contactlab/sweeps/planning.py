@@ -37,11 +37,11 @@ Columns = Mapping[str, Sequence[Value]]
 """What is swept: values by key or group, each a number, a text, or a text that stands for several."""
 
 
-Progress = Callable[[float, str, str], AbstractContextManager[Callable[[float], None]]]
+Progress = Callable[[float, str, str], AbstractContextManager[Callable[[float], object]]]
 """Shows how far something has come, of a total in some unit; see `contactlab.cli.terminal.progress`."""
 
 
-def unseen(*_: object) -> AbstractContextManager[Callable[[float], None]]:
+def unseen(*_: object) -> AbstractContextManager[Callable[[float], object]]:
     """Show nothing."""
     return nullcontext(lambda _: None)
 
@@ -273,7 +273,7 @@ class _Planner:
         trials: Sequence[Configuration],
         key: str,
         values: Sequence[Value],
-        show: Callable[[float], None],
+        show: Callable[[float], object],
     ) -> list[Value]:
         """Give the values as they run; a fault is noted for each that no combination tried admits."""
         path = key.split(".")

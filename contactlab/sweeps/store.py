@@ -281,9 +281,10 @@ def write_chunk(file: Path, answers: Answers) -> None:
         "status": answers.status,
         "reason": np.array(answers.reason, dtype=np.str_),
         "time": answers.time,
+        **{f"series_{name}": rows for name, rows in answers.series.items()},
     }
     stream = BytesIO()
-    np.savez(stream, **arrays, **{f"series_{name}": x for name, x in answers.series.items()})
+    np.savez(stream, **arrays)
     stream.write(sha256(stream.getbuffer()).digest())
     with whole_file(file) as partial:
         partial.write_bytes(stream.getbuffer())

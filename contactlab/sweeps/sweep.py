@@ -17,7 +17,7 @@ from contactlab.engine.contact_step import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.results.netcdf import cf_attributes
-from contactlab.sweeps.batch import Answers, Batch, Report
+from contactlab.sweeps.batch import Answers, Batch, Report, SetupAt
 from contactlab.sweeps.dataset import SERIES, Axis, dataset_of
 from contactlab.sweeps.plan import USUAL, Configuration, Outputs, Plan, Setups, with_key
 from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
@@ -106,7 +106,8 @@ def sweep(
                 pass
         if folder is not None:
             return _stored(Store(Path(folder), plan), workers, report)
-        axes, shape, setup_at = plan.axes, plan.shape, Setups(plan)
+        axes, shape = plan.axes, plan.shape
+        setup_at: SetupAt = Setups(plan)
     else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
             raise ValueError(
@@ -145,7 +146,7 @@ def _made(
     law: ContactLaw | Callable[..., ContactLaw] | str,
     solver: Mapping[str, float | None],
     outputs: Outputs,
-) -> tuple[tuple[int, ...], Callable[[int], Setup]]:
+) -> tuple[tuple[int, ...], SetupAt]:
     """Give the shape of a sweep over the arguments of functions, and what runs in each cell."""
     empty = [axis.key for axis in axes if not axis.values]
     if empty:
