@@ -21,15 +21,11 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
 from contactlab.cli.checking import sentences, setup_of, typed
 from contactlab.cli.jobs import perform
-from contactlab.cli.law_source import register
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
 from contactlab.config import Setup
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory
 from contactlab.config.faults import ConfigurationError
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
-
-CONFIG_NAME = "config"
-VERSION_BASE = "1.3"
-"""Of Hydra's behaviour."""
 
 MOST_CHARACTERS = 120
 """Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
@@ -132,13 +128,5 @@ def folder_name(overrides: str) -> str:
     return f"{text[: MOST_CHARACTERS - _DIGITS - 1].rstrip('_-,')}-{digest}"
 
 
-def conf_directory() -> Path:
-    """Find the configuration files: inside the package in a wheel, beside it in a checkout."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "conf"
-    return inside if inside.is_dir() else package.parent / "conf"
-
-
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
 OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)
-register()

@@ -27,11 +27,10 @@ from contactlab.cli.arguments import VERBS, gives_several
 from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import refuse, tell
 from contactlab.config import Setup, build
-from contactlab.config.faults import ConfigurationError, known_keys, one_line
-from contactlab.config.idle import FRICTION, idle_friction
+from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.config.groups import group_told_by, known_keys
 from contactlab.config.nesting import flat
-from contactlab.config.rules import BYTES_A_RECORD
-from contactlab.config.schema import group_told_by
+from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
 from contactlab.config.suggestion import suggestion
 
 IN_FILE = 60

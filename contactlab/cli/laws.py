@@ -114,7 +114,7 @@ def described_parameter(member: Member) -> str:
         default = "contact.friction_coefficient"
     else:
         default = "must be given" if member.default is None else f"default {member.default:g}"
-    return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range}"
+    return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
 
 
 def declared_rows(owner: Any) -> dict[str, str]:

@@ -7,31 +7,22 @@ runs leave their folders, a job a chunk where they leave their metrics alone.
 
 import os
 import platform
-import random
-import re
 import sys
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-import pandas
-import xarray
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
 from hydra.core.plugins import Plugins
 from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
-from contactlab.cli.app import choices_of
 from contactlab.cli.arguments import quoted
 from contactlab.cli.checking import (
-    NOT_OF_A_RUN,
     announce,
     announce_series,
     misplaced,
@@ -39,269 +30,26 @@ from contactlab.cli.checking import (
     sets_friction,
 )
 from contactlab.cli.jobs import refusals, write_log
+from contactlab.cli.sweep_arguments import Arguments, HydraComposer, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError
+from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
-from contactlab.config.idle import idle_friction
-from contactlab.config.nesting import Value
-from contactlab.config.quantity import describe
+from contactlab.config.rules import idle_friction
 from contactlab.results.files import told
 from contactlab.results.run_folder import LOG
+from contactlab.settings import Sweep
 from contactlab.sweeps.batch import WorkerError, processors
 from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.manifest import extend_manifest, resume
-from contactlab.sweeps.plan import Configuration, Outputs, Plan, code_digest_of
+from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
 from contactlab.sweeps.planning import full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.store import CHUNKS, Store
-from contactlab.sweeps.values import FORMS, SweepError, is_spaced, spread
+from contactlab.sweeps.values import SweepError
 
 MOST_JOBS = 100_000
 """Runs that leave a folder each, which takes a fifth of a second beside the run."""
-
-
-@final
-@dataclass(frozen=True)
-class _Settings:
-    """The section `sweep` of a configuration: how runs are made, and what is kept of them.
-
-    Args:
-        keep: 'runs', a folder each, or 'metrics', numbers alone.
-        metrics, series: names, 'all' for all metrics; None for the default.
-        samples: file of a table whose columns are keys and whose rows are runs.
-        chunk: runs in a chunk.
-        workers: processes at work.
-    """
-
-    keep: str
-    metrics: Any
-    series: Any
-    samples: str | None
-    chunk: int | None
-    workers: int | None
-
-    @classmethod
-    def of(cls, values: Mapping[str, Any]) -> "_Settings":
-        """Check the section.
-
-        Raises:
-            ConfigurationError: with every fault of it.
-        """
-        faults = []
-        if values["keep"] not in ("runs", "metrics"):
-            faults.append(
-                f"sweep.keep is {describe(values['keep'])}; it must be runs, which leaves a folder each, or "
-                "metrics, which leaves numbers alone."
-            )
-        for name in ("chunk", "workers"):
-            value = values[name]
-            if value is None:
-                continue
-            if type(value) is not int or value < 1:
-                faults.append(
-                    f"sweep.{name} is {describe(value)}; it must be a whole number of at least 1. Leave it "
-                    "out for the default."
-                )
-            elif values["keep"] == "runs":
-                faults.append(
-                    f"sweep.{name} is given and each run leaves its folder; it belongs to "
-                    "sweep.keep=metrics. Leave it out; hydra/launcher=joblib runs folders side by side."
-                )
-        for name in ("metrics", "series"):
-            listed = values[name] if isinstance(values[name], list) else [values[name]]
-            if not all(isinstance(one, str) for one in listed if one is not None):
-                faults.append(
-                    f"sweep.{name} is {describe(values[name])}; it must be a list of names."
-                )
-        if faults:
-            raise ConfigurationError(faults)
-        return cls(**values)
-
-    @property
-    def outputs(self) -> Outputs:
-        """What is kept of a run, as far as this says.
-
-        Raises:
-            ConfigurationError: there is no such metric or series.
-        """
-        try:
-            return Outputs.named(self.metrics, self.series or ())
-        except ValueError as error:
-            raise ConfigurationError([str(error)]) from error
-
-
-@final
-class _Arguments:
-    """Reads the arguments of a sweep.
-
-    Args:
-        overrides: as Hydra parses them.
-        section: the section `sweep` as Hydra composes it.
-    """
-
-    def __init__(self, overrides: Iterable[Override], section: Mapping[str, Any]) -> None:
-        self.columns: dict[str, list[Value]] = {}
-        self.faults: list[str] = []
-        self._typed: dict[str, list[str]] = {}
-        self._order: dict[str, tuple[str, str]] = {}
-        settings = dict(section)
-        for override in overrides:
-            key, line = override.key_or_group, str(override.input_line)
-            values, typed = self._values(override)
-            if key.startswith("sweep."):
-                # A list of names is written as that of values is.
-                if override.is_sweep_override():
-                    settings[key.removeprefix("sweep.")] = values
-                continue
-            if key in self._order:
-                self.faults.append(
-                    f"{key} is given more than once; it must be either swept or set, and once. Leave the "
-                    "others out."
-                )
-            swept = override.is_sweep_override() or any(map(is_spaced, values))
-            self._order[key] = ("" if swept else line, line.partition("=")[0])
-            if swept:
-                self.columns[key], self._typed[key] = values, typed
-        self.settings = _Settings.of(settings)
-        if self.settings.samples is not None:
-            if self.columns:
-                self.faults.append(
-                    f"{', '.join(self.columns)} and the table of sweep.samples are swept at once; it must be "
-                    "one of them. Put all into the table, or leave it out."
-                )
-            self.columns = _table(self.settings.samples)
-
-    @property
-    def fixed(self) -> list[str]:
-        """The overrides that all runs have."""
-        return [line for line, _ in self._order.values() if line]
-
-    def texts(self, plan: Plan) -> dict[str, list[str]]:
-        """Give all values of each key as an override has them: as typed, where they were typed one by one."""
-        texts = {}
-        for axis in plan.axes:
-            typed = self._typed.get(axis.key, ())
-            as_typed = len(typed) == len(axis.values)
-            texts[axis.key] = [*typed] if as_typed else [_text(value) for value in axis.values]
-        return texts
-
-    def lines(self, chosen: Mapping[str, str]) -> list[str]:
-        """Give the overrides of a run from the texts of its swept values."""
-        swept = dict(chosen)
-        lines = [
-            line or f"{prefix}={swept.pop(key)}" for key, (line, prefix) in self._order.items()
-        ]
-        return [*lines, *(f"{key}={text}" for key, text in swept.items())]
-
-    def _values(self, override: Override) -> tuple[list[Any], list[str]]:
-        """Give the values of an override, and how they are typed."""
-        line = str(override.input_line)
-        if override.is_delete():
-            return [], []
-        if not override.is_sweep_override():
-            return [_plain(override.value())], [line.partition("=")[2]]
-        if isinstance(said := override.value(), RangeSweep):
-            text = f"range({said.start},{said.stop},{said.step})"
-            if not said.shuffle:
-                return [text], []
-            try:
-                values = spread(override.key_or_group, text, float)
-            except SweepError as error:
-                self.faults.append(str(error))
-                return [], []
-            random.shuffle(values)
-            return values, [_text(value) for value in values]
-        if not override.is_discrete_sweep():
-            self.faults.append(f"{line} cannot be swept; a swept parameter must have {FORMS}.")
-            return [], []
-        values = [_plain(value) for value in override.sweep_iterator(Transformer.identity)]
-        return values, [str(text) for text in override.sweep_string_iterator()]
-
-
-@final
-class _Hydra:
-    """Composes configurations by Hydra, once for every combination of options; see `planning.Composer`."""
-
-    def __init__(self, context: HydraContext, config: DictConfig, fixed: Sequence[str]) -> None:
-        self._loader = context.config_loader
-        self._config = config
-        self._fixed = list(fixed)
-        self._places: dict[tuple[Value, ...], DictConfig] = {}
-        self.choices: dict[tuple[Value, ...], dict[str, str | None]] = {}
-
-    def options(self, key: str) -> list[str]:
-        """Give the options of a group; none for what is no group."""
-        return self._loader.get_group_options(key)
-
-    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Give the configuration with these options, all else as it is set.
-
-        Raises:
-            ConfigurationError: it cannot be composed.
-        """
-        lines = [*self._fixed, *(f"{group}={option}" for group, option in chosen.items())]
-        try:
-            composed = self._loader.load_sweep_config(self._config, lines)
-        # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
-        except Exception as error:
-            raise ConfigurationError(sentences(error, lines)) from error
-        everything: dict[str, Any] = OmegaConf.to_container(composed, resolve=False)  # type: ignore[assignment]
-        sweep = everything["hydra"]["sweep"]
-        # The folder is told before Hydra knows the job.
-        sweep["subdir"] = str(sweep["subdir"]).replace("${hydra:", "${hydra.")
-        place = OmegaConf.create(everything)
-        OmegaConf.copy_cache(self._config, place)
-        options = tuple(chosen.values())
-        self._places[options], self.choices[options] = place, choices_of(composed.hydra)
-        return {key: value for key, value in everything.items() if key not in NOT_OF_A_RUN}
-
-    def resolve(self, configuration: Configuration) -> Configuration:
-        """Put values in the place of references to them.
-
-        Raises:
-            ConfigurationError: one refers to what there is not.
-        """
-        if "${" not in str(configuration):
-            return configuration
-        try:
-            return OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)  # type: ignore[return-value]
-        except OmegaConfBaseException as error:
-            raise ConfigurationError(
-                [f"{one_line(error)} Correct the reference in ${{...}}."]
-            ) from error
-
-    def folder(
-        self,
-        chosen: tuple[Value, ...],
-        lines: Sequence[str],
-        values: Mapping[str, Value],
-        cell: int,
-    ) -> str:
-        """Name the folder of a run, as Hydra does.
-
-        Args:
-            chosen: the options of the swept groups.
-            lines: its overrides.
-            values: its swept values, by key.
-            cell: its number.
-
-        Raises:
-            ConfigurationError: the name refers to what there is not.
-        """
-        place = self._places[chosen]
-        said = place.hydra.job.config.override_dirname
-        told = sorted(line for line in lines if line.partition("=")[0] not in said.exclude_keys)
-        place.hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
-        place.hydra.job.num, place.hydra.job.id = cell, str(cell)
-        try:
-            for key, value in values.items():
-                OmegaConf.update(place, key, value, force_add=True)
-            return str(OmegaConf.select(place, "hydra.sweep.subdir"))
-        except OmegaConfBaseException as error:
-            raise ConfigurationError(
-                [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
-            ) from error
 
 
 @final
@@ -350,30 +98,43 @@ class ContactlabSweeper(Sweeper):
         # Hydra lets the errors of what it calls through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        arguments = _Arguments(overrides, section)
-        settings = arguments.settings
-        if faults := [*misplaced(lines, swept=True), *arguments.faults]:
+        arguments = Arguments(overrides, section)
+        composer = HydraComposer(self._context, self._config, arguments.fixed)
+        faults = [*misplaced(lines, swept=True), *arguments.faults]
+        try:
+            validate({**composer.compose({}), "sweep": arguments.settings})
+        except ConfigurationError as error:
+            # What else is wrong may be set right by what is swept.
+            faults += [fault for fault in error.faults if fault.startswith("sweep.")]
+        if faults:
             raise ConfigurationError(faults)
+        settings = Sweep(**arguments.settings)
         samples = settings.samples is not None
-        composer = _Hydra(self._context, self._config, arguments.fixed)
+        columns = arguments.columns
+        if settings.samples is not None:
+            columns = full_keys(table(settings.samples), composer)
         plan = planned(
             composer,
-            full_keys(arguments.columns, composer) if samples else arguments.columns,
-            settings.outputs,
+            columns,
+            _outputs(settings),
             samples=samples,
             chunk=settings.chunk,
             progress=terminal.progress,
         )
-        if sets_friction([*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]):
-            if words := idle_friction(base["law"] for base in plan.bases):
-                tell(f"contactlab: {words}", sys.stderr)
+        set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
+        if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
+            tell(f"contactlab: {words}", sys.stderr)
         if settings.keep == "metrics":
             return self._metrics(plan, settings, folder)
         jobs = self._jobs(plan, arguments, composer)
-        return self._folders(jobs, settings, folder)
+        return self._folders(jobs, settings, folder, samples)
 
     def _folders(
-        self, jobs: Sequence[tuple[str, Job, list[str]]], settings: _Settings, folder: Path
+        self,
+        jobs: Sequence[tuple[str, Job, list[str]]],
+        settings: Sweep,
+        folder: Path,
+        samples: bool,
     ) -> int:
         """Run jobs that leave a folder each, but for those that are complete; give the worst status."""
         for name, count in Counter(name for name, _, _ in jobs).items():
@@ -392,7 +153,7 @@ class ContactlabSweeper(Sweeper):
         done, sentence = resume([(folder / name, job.key) for name, job, _ in jobs])
         print(sentence, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, {name: job for name, job, _ in jobs})
+        extend_manifest(folder, {name: job for name, job, _ in jobs}, samples)
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
         status = COMPLETE
         if pending:
@@ -407,7 +168,7 @@ class ContactlabSweeper(Sweeper):
         return status
 
     def _jobs(
-        self, plan: Plan, arguments: _Arguments, composer: _Hydra
+        self, plan: Plan, arguments: Arguments, composer: HydraComposer
     ) -> list[tuple[str, Job, list[str]]]:
         """Build every run; give the name of its folder, what it is asked for, and its overrides."""
         if plan.cells > MOST_JOBS:
@@ -432,24 +193,25 @@ class ContactlabSweeper(Sweeper):
             jobs.append((name, job, lines))
         return jobs
 
-    def _metrics(self, plan: Plan, settings: _Settings, folder: Path) -> int:
+    def _metrics(self, plan: Plan, settings: Sweep, folder: Path) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
+        faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
         if "${" in str(plan.bases):
-            raise ConfigurationError(
-                [
-                    "The configuration has references in ${...}; a sweep of metrics must have their "
-                    "values, which may depend on what is swept. Write the values."
-                ]
+            faults.append(
+                "The configuration has references in ${...}; a sweep of metrics must have their values, which "
+                "may depend on what is swept. Write the values."
             )
-        if plan.samples:
-            for _ in setups_of(plan, None, terminal.progress):
-                pass
-        if faults := list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR.")):
+        if faults:
             raise ConfigurationError(faults)
+        if plan.samples:
+            deque(setups_of(plan, None, terminal.progress), maxlen=0)
         store = Store(folder, plan)
         store.begin()
         print(store.sentence, flush=True)
-        announce_series(plan.cells, len(plan.outputs.series), plan.bases[0])
+        if plan.outputs.series:
+            # A run that is refused is told of at its place.
+            with suppress(ConfigurationError):
+                announce_series(plan.cells, len(plan.outputs.series), Setups(plan)(0).configuration)
         missing = store.missing()
         status = COMPLETE
         try:
@@ -550,11 +312,11 @@ def _run_here(store: Store, missing: Sequence[int], workers: int | None) -> None
                 store.run(chunk, batch)
 
 
-def _collected(folder: Path, settings: _Settings) -> None:
+def _collected(folder: Path, settings: Sweep) -> None:
     """Collect what is there; a failure of that is told and is none of the sweep."""
     try:
         with terminal.raising():
-            outputs = settings.outputs
+            outputs = _outputs(settings)
             metrics = () if settings.metrics is None else outputs.metrics
             dataset = collect(folder, series=outputs.series, metrics=metrics)
             print(summary(dataset, dataset.encoding["source"]))
@@ -564,46 +326,13 @@ def _collected(folder: Path, settings: _Settings) -> None:
         tell(f"The runs could not be collected: {told(error)}", sys.stderr)
 
 
-def _table(path: str) -> dict[str, list[Value]]:
-    """Read a table of samples, CSV or netCDF: its values by the names of its columns.
+def _outputs(settings: Sweep) -> Outputs:
+    """Take what is kept of a run.
 
     Raises:
-        ConfigurationError: it cannot be read, or lacks a value.
+        ConfigurationError: there is no such metric or series.
     """
     try:
-        if path.endswith(".csv"):
-            table = pandas.read_csv(path, skipinitialspace=True)
-        else:
-            with xarray.open_dataset(path, decode_times=False) as dataset:
-                keys = {
-                    name: str(v.attrs.get("key", name)) for name, v in dataset.variables.items()
-                }
-                table = dataset.to_dataframe().rename(columns=keys)
-    # A file can be anything.
-    except Exception as error:
-        raise ConfigurationError(
-            [
-                f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, CSV or "
-                "netCDF, whose columns are keys and whose rows are runs."
-            ]
-        ) from error
-    empty = [
-        f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "
-        "leave the row out."
-        for name in table
-        for row in table[name].isna().to_numpy().nonzero()[0]
-    ]
-    if empty:
-        raise ConfigurationError(empty)
-    return {str(name).strip(): table[name].tolist() for name in table}
-
-
-def _plain(value: Any) -> Any:
-    return value.text if isinstance(value, QuotedString) else value
-
-
-def _text(value: Value) -> str:
-    """Give a value as an override has it."""
-    if isinstance(value, str):
-        return value if re.fullmatch(r"[\w.+-]+", value, re.ASCII) else quoted(value)
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+        return Outputs.named(settings.metrics, settings.series or ())
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error

@@ -16,7 +16,7 @@ from contactlab.results.provenance import checkout_state
 from contactlab.sweeps.dataset import DATASET, SERIES, counts_of, dataset_of, series_group, write
 from contactlab.sweeps.discovery import FoundRun, discovered
 from contactlab.sweeps.layout import Layout, common_settings, layout_of
-from contactlab.sweeps.manifest import keeps_metrics
+from contactlab.sweeps.manifest import kept
 from contactlab.sweeps.state import Status
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import SweepError
@@ -58,7 +58,7 @@ def collect(
             f"'{directory}' is not there; it must be a folder of runs. "
             "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
         )
-    if keeps_metrics(directory):
+    if (keep := kept(directory)) == "metrics":
         return _of_store(directory, bool(output or series or metrics))
     if unknown := [name for name in series if name not in SERIES]:
         raise SweepError(
@@ -70,7 +70,7 @@ def collect(
             f"'{directory}' holds no run, nor does a folder below it; it must hold one at least. "
             f"A run leaves one: contactlab hydra.run.dir={directory}"
         )
-    layout = layout_of(runs)
+    layout = layout_of(runs, samples=keep == "samples")
     dataset = _dataset(runs, layout, metrics or tuple(METRICS))
     path = directory / DATASET if output is None else Path(output)
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import validate
-from contactlab.config.keys import units_of
 from contactlab.config.nesting import flat
+from contactlab.config.schema import declared_in
+from contactlab.parameter import Parameter
 from contactlab.sweeps.dataset import RUN, Axis, names_of, text_of
 from contactlab.sweeps.discovery import FoundRun
 from contactlab.sweeps.manifest import common_of
@@ -62,15 +63,15 @@ class Layout:
         return cells.reshape(self.shape)
 
 
-def layout_of(runs: Sequence[FoundRun]) -> Layout:
-    """Lay runs out: as a grid over their parameters if they nearly fill one and share no cell."""
+def layout_of(runs: Sequence[FoundRun], *, samples: bool = False) -> Layout:
+    """Lay runs out: as a grid if they nearly fill one, share no cell and are no samples."""
     parameters = _parameters(runs)
     chosen: list[Axis] = []
     rest: list[Axis] = []
     for axis in parameters:
         more = len(_tuples([*chosen, axis])) > len(_tuples(chosen))
         (chosen if more else rest).append(axis)
-    if not _is_grid(chosen, rest, len(runs)):
+    if samples or not _is_grid(chosen, rest, len(runs)):
         return Layout(tuple(parameters), (), (len(runs),), np.arange(len(runs)), grid=False)
     along = tuple(replace(a, values=tuple(np.unique(a.coordinate).tolist())) for a in chosen)
     steps = [
@@ -129,9 +130,9 @@ def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
         keys = list(dict.fromkeys(key for setting in settings for key in setting))
     for key in keys:
         columns[_short(key)] = [setting.get(key) for setting in settings]
-    units = _units(runs, settings, keys)
+    declared = _declared(runs, settings, keys)
     return [
-        _axis(name, values, units.get(name, "1"))
+        _axis(name, values, declared.get(name))
         for name, values in columns.items()
         if any(value != values[0] for value in values)
     ]
@@ -151,26 +152,27 @@ def _short(key: str) -> str:
     return key.removesuffix(".name")
 
 
-def _units(
+def _declared(
     runs: Sequence[FoundRun], settings: Sequence[Mapping[str, Any]], keys: Sequence[str]
-) -> dict[str, str]:
-    """Find the units of keys, from the first configurations that have them."""
-    units: dict[str, str] = {}
+) -> dict[str, Parameter]:
+    """Find what is declared of keys, from the first configurations that have them."""
+    declared: dict[str, Parameter] = {}
     missing = set(keys)
     for run, setting in zip(runs, settings, strict=True):
         if missing & setting.keys():
             # A configuration of one's own may be anything, and a law may no longer be installed.
             with suppress(Exception):
-                units |= units_of(validate(run.job.configuration))
+                declared |= declared_in(validate(run.job.configuration))
                 missing -= setting.keys()
         if not missing:
             break
-    return units
+    return declared
 
 
-def _axis(name: str, values: Sequence[Any], units: str) -> Axis:
+def _axis(name: str, values: Sequence[Any], said: Parameter | None) -> Axis:
     if all(value is None or _is_number(value) for value in values):
-        return Axis(name, tuple(np.nan if v is None else float(v) for v in values), units)
+        numbers = tuple(np.nan if v is None else float(v) for v in values)
+        return Axis(name, numbers, said.units if said else "1", said.meaning if said else "")
     return Axis(name, tuple(text_of(value) for value in values))
 
 

@@ -41,12 +41,13 @@ _WHY: Final = {
 """Of one run and of several, in the order of the sentence."""
 
 
-def extend_manifest(folder: Path, jobs: Mapping[str, Job]) -> None:
+def extend_manifest(folder: Path, jobs: Mapping[str, Job], samples: bool) -> None:
     """Add jobs to a sweep's list, or put them in the place of those of the same folder.
 
     Args:
         folder: of the sweep.
         jobs: by the names of their folders in it.
+        samples: whether they are the rows of a table, which form no grid.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -62,7 +63,7 @@ def extend_manifest(folder: Path, jobs: Mapping[str, Job]) -> None:
         }
         for name, job in merged.items()
     }
-    manifest = {"keep": "runs", "common": common, "jobs": jobs_listed}
+    manifest = {"keep": "samples" if samples else "runs", "common": common, "jobs": jobs_listed}
     with whole_file(folder / MANIFEST) as partial:
         partial.write_text(f"{json.dumps(manifest, indent=1, ensure_ascii=False)}\n", "utf-8")
 
@@ -82,14 +83,12 @@ def read_manifest(folder: Path) -> dict[str, Job]:
         return {}
 
 
-def keeps_metrics(folder: Path) -> bool:
-    """Tell whether a folder holds the plan of a sweep that keeps metrics."""
+def kept(folder: Path) -> str:
+    """Tell what the sweep of a folder keeps: 'runs', 'samples', which form no grid, or 'metrics'."""
     try:
-        return bool(
-            json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["keep"] == "metrics"
-        )
+        return str(json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["keep"])
     except (OSError, ValueError, TypeError, KeyError):
-        return False
+        return "runs"
 
 
 def common_of(settings: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

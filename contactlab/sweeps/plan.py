@@ -12,9 +12,8 @@ from typing import Any, Final, final
 import numpy as np
 
 from contactlab import metrics
-from contactlab.config import Setup, build, validate
+from contactlab.config import Setup, build
 from contactlab.config.nesting import Value
-from contactlab.config.section import Section
 from contactlab.config.suggestion import suggestion
 from contactlab.laws import law_class
 from contactlab.metrics import METRICS
@@ -199,20 +198,16 @@ class Plan:
 
 @final
 class Setups:
-    """Gives what runs in each cell of a plan; a section that cells have in common is checked once.
+    """Gives what runs in each cell of a plan.
 
     Args:
         plan: the plan.
-        resolve: where the bases have references; sections have nothing in common then.
+        resolve: where the bases have references.
     """
 
     def __init__(self, plan: Plan, resolve: Resolve | None = None) -> None:
         self._plan = plan
         self._resolve = resolve
-        self._checked: dict[tuple[object, ...], Section] = {}
-
-    def __reduce__(self) -> tuple[type["Setups"], tuple[Plan, Resolve | None]]:
-        return Setups, (self._plan, self._resolve)
 
     def __call__(self, cell: int) -> Setup:
         """Build what runs in a cell.
@@ -220,20 +215,8 @@ class Setups:
         Raises:
             ConfigurationError: the values are faulty together.
         """
-        plan = self._plan
-        point = plan.point(cell)
-        if self._resolve is not None:
-            return build(self._resolve(plan.configuration(point)))
-        base = plan.base_of(point)
-        keys: dict[str, tuple[object, ...]] = {name: (base, name) for name in plan.bases[base]}
-        for key, value in point.items():
-            if key not in plan.groups:
-                section = key.partition(".")[0]
-                keys[section] = (*keys.get(section, ()), key, value)
-        if not all(key in self._checked for key in keys.values()):
-            checked = validate(plan.configuration(point))
-            self._checked |= {key: getattr(checked, section) for section, key in keys.items()}
-        return build({section: self._checked[key] for section, key in keys.items()})
+        configuration = self._plan.configuration(self._plan.point(cell))
+        return build(self._resolve(configuration) if self._resolve else configuration)
 
 
 def code_digest_of(bases: Sequence[Configuration]) -> str:

@@ -7,11 +7,11 @@ from math import ceil, prod
 from typing import Any, Final, Protocol, final
 
 from contactlab.config import ConfigurationError, Setup, build, validate
-from contactlab.config.keys import units_of
 from contactlab.config.nesting import Value, flat
-from contactlab.config.quantity import describe
+from contactlab.config.quantity import UnitError, describe, to_si
+from contactlab.config.schema import declared_in
 from contactlab.config.suggestion import suggestion
-from contactlab.config.units import UnitError, from_cf, to_si
+from contactlab.parameter import Parameter, from_cf
 from contactlab.sweeps.dataset import Axis
 from contactlab.sweeps.plan import (
     Configuration,
@@ -22,7 +22,7 @@ from contactlab.sweeps.plan import (
     code_digest_of,
     with_key,
 )
-from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, is_spaced, spread
+from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, is_spaced, listed, spread
 
 CHUNK: Final = 1000
 """Runs in a chunk where nothing is said: seconds of work."""
@@ -228,16 +228,16 @@ class _Planner:
 
     def axes(self, bases: Sequence[Configuration], columns: Columns) -> list[Axis]:
         """Find the axes of swept keys, every value of which at least some combination admits."""
-        combinations = _trials(bases, columns)
-        units = self._units(combinations)
+        trials = _trials(bases, columns)
+        declared = self._declared(trials) if columns else {}
         if self._faults:
             return []
-        trials = [(trial, _checked(self._resolve(trial))) for trial in combinations]
         found = []
         for key, column in columns.items():
-            unit = units.get(key, "")
+            said = declared.get(key)
+            units, meaning = (said.units, said.meaning) if said else ("", "")
             try:
-                values = _spread(key, column, unit, self._samples)
+                values = _spread(key, column, units, self._samples)
             except SweepError as error:
                 self._faults.append(str(error))
                 continue
@@ -245,25 +245,23 @@ class _Planner:
                 self._faults.append(f"{key}: {error}.")
                 continue
             # Each of a table's rows is built, which tells more than its values one by one.
-            if self._samples:
-                resolved = values
-            else:
+            if not self._samples:
                 with self._progress(len(values), "values", f"Checking {key}") as show:
-                    resolved = self._as_run(trials, key, values, show)
-            self._refuse_twice(key, resolved)
-            found.append(Axis(key, tuple(resolved), unit))
+                    values = self._as_run(trials, key, values, show)
+            self._refuse_twice(key, values)
+            found.append(Axis(key, tuple(values), units, meaning))
         return found
 
     def _refuse_twice(self, key: str, values: Sequence[Value]) -> None:
         if len({*values}) < len(values) and not self._samples:
             self._faults.append(f"{key} has a value twice; give every value once.")
 
-    def _units(self, trials: Sequence[Configuration]) -> dict[str, str]:
-        """Give the units of all keys of some sound combination of values."""
+    def _declared(self, trials: Sequence[Configuration]) -> dict[str, Parameter]:
+        """Give what is declared of the keys of some sound combination of values."""
         first: ConfigurationError | None = None
         for trial in trials:
             try:
-                return units_of(validate(self._resolve(trial)))
+                return declared_in(validate(self._resolve(trial)))
             except ConfigurationError as error:
                 first = first or error
         assert first is not None
@@ -272,7 +270,7 @@ class _Planner:
 
     def _as_run(
         self,
-        trials: Sequence[tuple[Configuration, Configuration]],
+        trials: Sequence[Configuration],
         key: str,
         values: Sequence[Value],
         show: Callable[[float], None],
@@ -282,10 +280,9 @@ class _Planner:
         resolved: list[Value] = []
         for count, value in enumerate(values, 1):
             first: ConfigurationError | None = None
-            for trial, checked in trials:
-                section = self._resolve(with_key(trial, path, value)).get(path[0])
+            for trial in trials:
                 try:
-                    found: Any = build({**checked, path[0]: section}).configuration
+                    found: Any = build(self._resolve(with_key(trial, path, value))).configuration
                 except ConfigurationError as error:
                     first = first or error
                     continue
@@ -302,28 +299,19 @@ class _Planner:
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:
-    """Give combinations that values are tried in: every base with the first and with the last values."""
-    found = []
+    """Give combinations that values are tried in: every base, and it with the first and the last values."""
+    found = list(bases)
     for base, end in product(bases, (0, -1)):
         trial = base
         for key, column in columns.items():
             value = column[end]
             # Of what is spaced the ends are tried.
             if is_spaced(value):
-                parts = str(value).partition("(")[2].rpartition(")")[0].split(",")
-                value = parts[0 if end == 0 or len(parts) == 1 else 1].strip().strip("'\"")
+                ends = listed(str(value).partition("(")[2].rpartition(")")[0])
+                value = ends[min(1, len(ends) - 1) if end else 0] if ends else ""
             trial = with_key(trial, key.split("."), value)
         found.append(trial)
     return found
-
-
-def _checked(trial: Configuration) -> Configuration:
-    """Give the sections of a combination checked once and for all if they are sound."""
-    try:
-        checked = validate(trial)
-    except ConfigurationError:
-        return trial
-    return {section: getattr(checked, section) for section in trial}
 
 
 def _spread(key: str, column: Sequence[Value], unit: str, samples: bool) -> list[Value]:

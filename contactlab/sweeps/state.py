@@ -95,7 +95,7 @@ class State:
 
 
 def key_of(setup: Setup) -> str:
-    """Give the digest of all that a run's numbers depend on: configuration, version, code, and whose law it is."""
+    """Give the digest of what a run's numbers depend on: configuration, version, code, whose law it is."""
     parts = (json.dumps(setup.configuration, sort_keys=True), *code_of(type(setup.law)))
     return sha256("\0".join(parts).encode()).hexdigest()
 
@@ -167,7 +167,7 @@ def _is_sound(dataset: Path, digest: str) -> bool:
 
 @cache
 def _foreign_code(law: type) -> tuple[str, ...]:
-    """Give the digests of all that a law of another package is made of; `code_digest` covers one of this package."""
+    """Give the digests of what a law of another package is made of; `code_digest` covers our own."""
     if is_own(law):
         return ()
     found = fingerprint(law)
