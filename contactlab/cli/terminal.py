@@ -145,7 +145,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 
 
 @contextmanager
-def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], object]]:
+def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], None]]:
     """Show how far something has come: a bar on a terminal, elsewhere a sentence where it takes long.
 
     Args:
@@ -164,7 +164,11 @@ def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], o
             "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
         )
         with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=remaining) as bar:
-            yield lambda done: bar.update(done - bar.n)
+
+            def advance(done: float) -> None:
+                bar.update(done - bar.n)
+
+            yield advance
         return
     began, said = 0.0, False
 

@@ -58,7 +58,7 @@ from support.command_line import Command, left_behind
         (["hydra.sweeper=optuna"], "must be a choice, hydra/sweeper=NAME. Choose one of basic"),
         (["hydra.launcher=joblib"], "must be a choice, hydra/launcher=NAME"),
         (["+hydra.foo=1"], "hydra.foo is not a known key"),
-        (["hydra.sweper.params={}"], "Did you mean hydra.sweeper.params"),
+        (["hydra.sweper.params={}"], "Did you mean hydra.sweeper?"),
         (["hydra.searchpath=[file:///nowhere]"], "path=/nowhere is not available"),
         (["hydra.output_subdir=/"], "must be a folder below that of the run"),
         (["hydra.output_subdir=../above"], "must be a folder below that of the run"),
@@ -124,7 +124,7 @@ from support.command_line import Command, left_behind
         (["--frobnicate"], "unrecognized arguments: --frobnicate"),
         (["--help", "law=hertz"], "law is 'hertz'; it must be one of"),
         (["--cfg", "job", "foo=1"], "foo is not a known key"),
-        (["-m", "drive.voltage_1=interval(0,1)"], "does not support sweep type"),
+        (["-m", "drive.voltage_1=interval(0,1)"], "cannot be swept; a swept parameter must have"),
         (["-m", "law=hertz_penalty,hertz"], "law is 'hertz'; it must be one of"),
         (["-m", "contact.clearance=1e-6,-1e-6"], "contact.clearance is -1e-06 m"),
         (["-m", "law=lagrange_slip,lagrange_stick", "hydra.sweep.subdir=x"], "to 2 jobs, which"),
@@ -156,8 +156,8 @@ def test_faults_of_all_values_come_at_once(command: Command) -> None:
         "law.name=hertz_penalty",
         "contact.clearance",
         "rotor.inertia",
-        "record.interval",
         "frequency",
+        "record.interval",
     ]
 
 
@@ -174,7 +174,10 @@ def test_faults_of_all_jobs_of_a_sweep_come_before_any_runs(command: Command) ->
 @pytest.mark.parametrize("directory", ["/proc/nowhere", "file/below", "file", "back\\\\slash"])
 def test_directory_that_cannot_be_written_is_refused(command: Command, directory: str) -> None:
     Path("file").touch()
-    for arguments in ([f"hydra.run.dir='{directory}'"], ["-m", f"hydra.sweep.dir='{directory}'"]):
+    for arguments in (
+        [f"hydra.run.dir='{directory}'"],
+        ["-m", "drive.phase=0,1", f"hydra.sweep.dir='{directory}'"],
+    ):
         status, _, err = command(*arguments)
         assert status == 2
         assert "cannot be written to" in err
