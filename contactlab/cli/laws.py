@@ -142,7 +142,7 @@ def declared_rows(owner: Any) -> dict[str, str]:
         )
         rows["memory"] = _of_parts(getattr(owner, "memory", ()))
         if rows["memory"] and not isinstance(owner.memory, property):
-            even = getattr(owner, "memory_parity", ODD) == EVEN
+            even = getattr(owner, "internal_parity", ODD) == EVEN
             rows["memory"] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):

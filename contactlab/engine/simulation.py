@@ -217,7 +217,7 @@ def _note_kind(law: ContactLaw, step: Step, run: Run) -> None:
     run.real[FRICTION_LIMIT] = law.friction_limit
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
-        step.whole[PARITY] = law.memory_parity
+        step.whole[PARITY] = law.internal_parity
     if isinstance(law, MultiplierLaw):
         run.whole[PROJECTS] = law.projects
 

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
 
-SET_VALUED, SPRING_AND_SLIDER, CREEPING = 0, 1, 2
+SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT = 0, 1, 2
 """Kinds of friction: stick without any slip; a spring that a slider ends; a force that the slip and the
 memory determine."""
 
@@ -134,10 +134,10 @@ class PenaltyLaw(ContactLaw):
     """
 
     friction_kind: ClassVar[int] = SET_VALUED
-    """SET_VALUED; SPRING_AND_SLIDER, where |F| is held inside the bound; or CREEPING, without a bound."""
-    memory: ClassVar[tuple[str, ...]] = ()
+    """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
+    internal_variables: ClassVar[tuple[str, ...]] = ()
     """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
-    memory_parity: ClassVar[int] = ODD
+    internal_parity: ClassVar[int] = ODD
     """ODD where the memory changes its sign in a mirror, as a stretch does; EVEN where it does not, as the
     age of a contact."""
 
@@ -157,15 +157,15 @@ class PenaltyLaw(ContactLaw):
         """
 
     @property
-    def rub(self) -> FrictionKernel | None:
+    def friction_force(self) -> FrictionKernel | None:
         """The compiled kernel of friction that is not set-valued, else None.
 
             rub(gap, gap_rate, slip, normal, memory, parameters)
                 -> friction F [N], rate of the memory, stored energy [J], tangential stiffness [N/m]
 
-        normal is the normal force [N]. A SPRING_AND_SLIDER remembers the stretch z of its spring [m],
+        normal is the normal force [N]. A ELASTOPLASTIC remembers the stretch z of its spring [m],
         F = -stiffness z; the engine calls this while it holds, and in slip keeps F on the bound and z
-        with it. A CREEPING force may remember anything; its stiffness is not read.
+        with it. A RATE_DEPENDENT force may remember anything; its stiffness is not read.
         """
         return None
 

@@ -105,14 +105,14 @@ class Composed(PenaltyLaw):
         return self.friction.friction_kind
 
     @property
-    def memory(self) -> tuple[str, ...]:  # type: ignore[override]
+    def internal_variables(self) -> tuple[str, ...]:  # type: ignore[override]
         """That of the friction."""
-        return self.friction.memory
+        return self.friction.internal_variables
 
     @property
-    def memory_parity(self) -> int:  # type: ignore[override]
+    def internal_parity(self) -> int:  # type: ignore[override]
         """That of the friction."""
-        return self.friction.memory_parity
+        return self.friction.internal_parity
 
     @property
     def exact_stick(self) -> bool:  # type: ignore[override]
@@ -135,7 +135,7 @@ class Composed(PenaltyLaw):
         return _force_of(self.normal.elastic, self.damping.damped, *self.places)
 
     @property
-    def rub(self) -> FrictionKernel | None:
+    def friction_force(self) -> FrictionKernel | None:
         """The kernel; see `PenaltyLaw.rub`."""
         state = self.friction.state
         return None if state is None else _friction_of(self.normal.elastic, state, self.places[1])

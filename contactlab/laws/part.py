@@ -108,8 +108,8 @@ class Friction(Part):
     friction_kind: ClassVar[int] = SET_VALUED
     exact_stick: ClassVar[bool] = True
     convergence_order: ClassVar[float] = 1.0
-    memory: ClassVar[tuple[str, ...]] = ()
-    memory_parity: ClassVar[int] = ODD
+    internal_variables: ClassVar[tuple[str, ...]] = ()
+    internal_parity: ClassVar[int] = ODD
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     friction_coefficient: float
 

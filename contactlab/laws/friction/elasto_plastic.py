@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import CREEPING
+from contactlab.laws.base import RATE_DEPENDENT
 from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.laws.friction.lugre import (
     BRISTLE_DAMPING,
@@ -51,11 +51,11 @@ class ElastoPlastic(Friction):
         "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v (1 - alpha(z) sigma_0 |z| / g(v))"
     )
     source: ClassVar[str] = "Dupont et al. (2002), IEEE Trans. Autom. Control 47, 787"
-    friction_kind: ClassVar[int] = CREEPING
+    friction_kind: ClassVar[int] = RATE_DEPENDENT
     exact_stick: ClassVar[bool] = False
     # The bristles have a kink where the slip reverses, and no step ends there.
     convergence_order: ClassVar[float] = 0.5
-    memory: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
+    internal_variables: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
     violations: ClassVar[Mapping[str, str]] = BRISTLE_VIOLATIONS
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import SPRING_AND_SLIDER
+from contactlab.laws.base import ELASTOPLASTIC
 from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
 from contactlab.parameter import Parameter
@@ -39,9 +39,9 @@ class Mindlin(Friction):
     name: ClassVar[str] = "mindlin"
     equation: ClassVar[str] = "F = -kappa (dN/dd) z, |F| <= mu N, dz/dt = v - sliding"
     source: ClassVar[str] = "Mindlin (1949), J. Appl. Mech. 16, 259; Elata and Berryman (1996)"
-    friction_kind: ClassVar[int] = SPRING_AND_SLIDER
+    friction_kind: ClassVar[int] = ELASTOPLASTIC
     exact_stick: ClassVar[bool] = False
-    memory: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
+    internal_variables: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     stiffness_ratio: Annotated[

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import CREEPING
+from contactlab.laws.base import RATE_DEPENDENT
 from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
 from contactlab.parameter import Parameter
@@ -32,7 +32,7 @@ class Regularised(Friction):
     name: ClassVar[str] = "regularised"
     equation: ClassVar[str] = "F = -mu N v / sqrt(v^2 + v_0^2)"
     source: ClassVar[str] = "Mostaghel and Davis (1997), Earthquake Eng. Struct. Dyn. 26, 593"
-    friction_kind: ClassVar[int] = CREEPING
+    friction_kind: ClassVar[int] = RATE_DEPENDENT
     exact_stick: ClassVar[bool] = False
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3

@@ -130,19 +130,19 @@ class _OftenAskedPenalty(PenaltyLaw):
         return self.law.friction_kind
 
     @property
-    def memory(self) -> tuple[str, ...]:  # type: ignore[override]
+    def internal_variables(self) -> tuple[str, ...]:  # type: ignore[override]
         """That of the law inside."""
-        return self.law.memory
+        return self.law.internal_variables
 
     @property
-    def memory_parity(self) -> int:  # type: ignore[override]
+    def internal_parity(self) -> int:  # type: ignore[override]
         """That of the law inside."""
-        return self.law.memory_parity
+        return self.law.internal_parity
 
     @property
-    def rub(self) -> FrictionKernel | None:
+    def friction_force(self) -> FrictionKernel | None:
         """The kernel around the kernel, where there is one."""
-        inner: Any = self.law.rub
+        inner: Any = self.law.friction_force
         if inner is None:
             return None
 
