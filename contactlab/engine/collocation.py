@@ -9,8 +9,8 @@ Friction that is not set-valued is in `contactlab.engine.state_friction`.
 from math import nan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import part_kernel
 from contactlab.engine.nodes import free_response
 from contactlab.engine.plant import Plant
@@ -42,8 +42,6 @@ from contactlab.engine.step import (
 from contactlab.engine.tables import NODES, Tables, step_length
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 MOST_ITERATIONS = 25
 AGREEMENT = 1e-10

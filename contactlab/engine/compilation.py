@@ -6,9 +6,8 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import numba
-import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import INTERPRETED, is_compiled, kernel
 from contactlab.engine.callback import law_errors
 from contactlab.engine.law_kernels import compiled
@@ -26,8 +25,6 @@ from contactlab.laws.base import (
     PenaltyLaw,
 )
 from contactlab.laws.intake import function_of, said
-
-Array = NDArray[np.float64]
 
 
 @kernel

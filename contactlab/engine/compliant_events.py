@@ -1,8 +1,6 @@
 """Inside a step of a compliant contact: its friction mode, what ends it, and its extremes."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.contacts import count_event
 from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
@@ -25,8 +23,6 @@ from contactlab.engine.step import (
 from contactlab.engine.tables import NODES, Tables
 from contactlab.engine.touchdown import gap_and_rate
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK, FrictionKernel
-
-Array = NDArray[np.float64]
 
 SLIP_ROUND_OFF = 1e-13
 """Slip velocity [m/s] that a located reversal may leave."""

@@ -1,8 +1,8 @@
 """An attempt at a step of a compliant contact: the forces where it begins, its solution and its error."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.collocation import collocate, prepare, sound_normal
 from contactlab.engine.compliant_events import SLIP_ROUND_OFF
@@ -28,8 +28,6 @@ from contactlab.engine.step import (
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK, FrictionKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""

@@ -3,8 +3,8 @@
 from math import pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant, delassus
 from contactlab.engine.run import (
@@ -33,9 +33,6 @@ from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_mot
 from contactlab.engine.tables import Tables, step_length
 from contactlab.laws.base import RATE_DEPENDENT, FREE, SLIP, STICK, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
-
 
 ROUND_OFF = 1e-13
 """Impulse over that of the tip that the forces which hold its slip cannot be told apart by."""

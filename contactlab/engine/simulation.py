@@ -5,8 +5,8 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.engine.arguments import check_kinds, check_numbers, check_rates
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.contact_step import default_contact_step
@@ -51,8 +51,6 @@ from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
-
-Array = NDArray[np.float64]
 
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
