@@ -218,7 +218,7 @@ def _geometry(checked: Configuration) -> "ContactGeometry":
 
 
 def _default_step(modes: "NormalModes", law: "ContactLaw", duration: float) -> float:
-    from contactlab.engine.contact_step import default_contact_step
+    from contactlab.engine.arguments import default_contact_step
 
     return min(default_contact_step(modes, law), duration)
 
