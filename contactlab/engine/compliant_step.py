@@ -26,7 +26,14 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
-from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK, FrictionKernel, PenaltyKernel
+from contactlab.laws.base import (
+    RATE_DEPENDENT,
+    SET_VALUED,
+    SLIP,
+    STICK,
+    FrictionKernel,
+    PenaltyKernel,
+)
 from contactlab.motor.geometry import contact_frame
 
 TOUCHED = -1e-22
@@ -116,7 +123,9 @@ def attempt(
     momentum = run.real[MOMENTUM]
     stiffness = steepness * mobility(tables, step, level, 0, 0)
     sweeps = 0
-    for held in range(1 if stiffness > 1.0 else 0, 2 if step.whole[RUBBING] == RATE_DEPENDENT else 1):
+    for held in range(
+        1 if stiffness > 1.0 else 0, 2 if step.whole[RUBBING] == RATE_DEPENDENT else 1
+    ):
         if sweeps == 0:
             _first_forces(tables, step, stretch, mode, sign)
             sweeps = collocate(

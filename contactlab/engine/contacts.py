@@ -31,7 +31,7 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_motion
 from contactlab.engine.tables import Tables, step_length
-from contactlab.laws.base import RATE_DEPENDENT, FREE, SLIP, STICK, PenaltyKernel
+from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 
 ROUND_OFF = 1e-13

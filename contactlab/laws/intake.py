@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 
 from contactlab.checks import shown
 from contactlab.laws.base import (
-    RATE_DEPENDENT,
+    ELASTOPLASTIC,
     EVEN,
     ODD,
     PENALTY_SIGNATURE,
+    RATE_DEPENDENT,
     SET_VALUED,
     SLIP,
-    ELASTOPLASTIC,
     STICK,
     ContactLaw,
     PenaltyLaw,
 )
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 
 Array = NDArray[np.float64]
 Kernel = Callable[..., Any]

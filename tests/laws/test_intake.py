@@ -11,12 +11,12 @@ import pytest
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, LawError, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import RATE_DEPENDENT, EVEN, SLIP, ELASTOPLASTIC
+from contactlab.laws.base import ELASTOPLASTIC, EVEN, RATE_DEPENDENT, SLIP
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.normal import NORMAL_FORCES
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import ElasticKernel, Friction, NormalForce
 from contactlab.parameter import Parameter
 from contactlab.testing.contract.bench import Bench, paper_motor
@@ -135,7 +135,10 @@ def boundless(
     ("law", "words"),
     [
         (made(honest, friction=spring), "its friction_kind is SET_VALUED, which has none"),
-        (made(honest, friction_kind=RATE_DEPENDENT), "RATE_DEPENDENT, but it has no kernel of friction"),
+        (
+            made(honest, friction_kind=RATE_DEPENDENT),
+            "RATE_DEPENDENT, but it has no kernel of friction",
+        ),
         (
             made(honest, friction_kind=ELASTOPLASTIC, memory=STRETCH),
             "ELASTOPLASTIC, but it has no kernel of friction",

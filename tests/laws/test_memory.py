@@ -11,10 +11,10 @@ from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws.base import ELASTOPLASTIC
 from contactlab.laws.composed import Composed
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
 from contactlab.laws.friction.mindlin import mindlin_state
 from contactlab.laws.normal import Linear
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
 from contactlab.testing.contract.bench import Bench, paper_motor
 from contactlab.testing.contract.properties import PROPERTIES, check
