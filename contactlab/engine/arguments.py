@@ -8,8 +8,8 @@ import numpy as np
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number, shown
 from contactlab.engine.plant import Plant, persisting_rates, resolved_rate
 from contactlab.engine.state import RUNNING, TOUCHING, state_names
-from contactlab.laws.base import LAW_WORDS, SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.soundness import refuse_unsound
+from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.declaration import refuse_unsound
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 
@@ -49,7 +49,7 @@ def check_kinds(motor: Motor, law: ContactLaw) -> None:
             f"contactlab.laws.law_class({law!r})(...)."
         )
     check_kind("The law", law, ContactLaw)
-    refuse_unsound(type(law), LAW_WORDS)
+    refuse_unsound(type(law))
     if not isinstance(law, PenaltyLaw | MultiplierLaw):
         raise TypeError(
             f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."

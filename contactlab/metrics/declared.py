@@ -3,8 +3,7 @@
 from typing import Any
 
 from contactlab.laws.base import ELASTOPLASTIC
-from contactlab.laws.declaration import PARTS
-from contactlab.laws.registry import law_class
+from contactlab.laws.registry import PARTS, law_class
 from contactlab.metrics.record import Record
 from contactlab.parameter import parameters_of
 

@@ -15,7 +15,7 @@ from support.stribeck_belt import Belt, Stribeck, number
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import RATE_DEPENDENT, FREE, FrictionKernel, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import FREE, RATE_DEPENDENT, FrictionKernel, PenaltyKernel, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised

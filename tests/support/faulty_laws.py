@@ -16,7 +16,7 @@ from contactlab.laws.base import (
     PenaltyKernel,
     PenaltyLaw,
 )
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 STIFFNESS = 1e7
 """Of every compliant one [N/m]."""

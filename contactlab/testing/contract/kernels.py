@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP, ELASTOPLASTIC, STICK
+from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction.cone import cone_bound
+from contactlab.laws.friction.coulomb import cone_bound
 from contactlab.laws.intake import guarded, misfits
 from contactlab.testing.claim import Claim, at_most
 from contactlab.testing.contract.bench import Bench

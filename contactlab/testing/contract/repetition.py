@@ -6,9 +6,10 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
+from contactlab.arrays import Array
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import Array, FrictionKernel, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.testing.claim import Claim, at_least, at_most
 from contactlab.testing.contract.bench import Bench, mirrored
 from contactlab.trajectory import Trajectory
