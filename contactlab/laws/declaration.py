@@ -54,7 +54,7 @@ class Declared(ABC):
         check_fields(self, self.name)
         given = {name: (getattr(self, name), said) for name, said in parameters_of(kind).items()}
         faults = [
-            f"{self.name}: {name} is {value} {said.units}; it must be {said.range}."
+            f"{self.name}: {name} is {f'{value} {said.units}'.removesuffix(' 1')}; it must be {said.range}."
             for name, (value, said) in given.items()
             if value is not None and not said.holds(value)
         ]
