@@ -19,8 +19,8 @@ from contactlab.config.nesting import Value
 from contactlab.config.quantity import UnitError, describe, to_si
 from contactlab.config.rules import FRICTION, idle_friction
 from contactlab.config.schema import units_of
-from contactlab.config.suggestion import suggestion
 from contactlab.parameter import from_cf
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.cells import Axis
 from contactlab.sweeps.many import Wanted
 from contactlab.sweeps.plan import Configuration, Plan, code_digest_of, with_key

@@ -17,7 +17,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 
 CALLS = 300
 """Calls that the slow-down is measured over."""

@@ -40,7 +40,7 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, step_length
-from contactlab.laws.base import CREEPING, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
+from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 
 MOST_ITERATIONS = 25
@@ -103,7 +103,7 @@ def collocate(
     """
     h = step_length(tables, level)
     rubbing = step.whole[RUBBING]
-    follows = rubbing == CREEPING or (rubbing != SET_VALUED and mode == STICK)
+    follows = rubbing == RATE_DEPENDENT or (rubbing != SET_VALUED and mode == STICK)
     factored = False
     for sweep in range(1, MOST_ITERATIONS + 1):
         change = 0.0

@@ -68,8 +68,8 @@ def kernels_of(
     """
     compliant = isinstance(law, PenaltyLaw)
     force = function_of(law, "force") if compliant else no_force
-    rubs = compliant and said(law, "rub") is not None
-    rub = function_of(law, "rub") if rubs else no_friction
+    rubs = compliant and said(law, "friction_force") is not None
+    rub = function_of(law, "friction_force") if rubs else no_friction
     solve = function_of(law, "solve") if isinstance(law, MultiplierLaw) else no_impulse
     chosen = [
         compiled(force, PENALTY_SIGNATURE),

@@ -31,7 +31,7 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_motion
 from contactlab.engine.tables import Tables, step_length
-from contactlab.laws.base import CREEPING, FREE, SLIP, STICK, PenaltyKernel
+from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 
 ROUND_OFF = 1e-13
@@ -62,7 +62,7 @@ def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
     run.whole[PHASE] = TOUCHING
     step.real[CLOSING] = max(-rate, 0.0)
     step.real[MEMORY] = 0.0
-    step.whole[MODE] = SLIP if slip != 0.0 or step.whole[RUBBING] == CREEPING else STICK
+    step.whole[MODE] = SLIP if slip != 0.0 or step.whole[RUBBING] == RATE_DEPENDENT else STICK
     run.whole[SIGN] = 1 if slip > 0.0 else -1
     run.whole[LEVEL] = level
     run.whole[TOUCHDOWNS] += 1

@@ -15,7 +15,7 @@ from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, remade
 from contactlab.engine.callback import Callback
 from contactlab.engine.obstacle import obstacle
 from contactlab.fingerprint import fingerprint, is_own
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 
 MOST: Final = 256
 """Kernels that are kept in memory beside those of this package."""

@@ -45,7 +45,7 @@ from contactlab.engine.run import (
 from contactlab.engine.step import PARITY, RUBBING, Step, step_for
 from contactlab.engine.workspace import Workspace
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 from contactlab.laws.intake import check_words, fault_of_answers, guarded, parameters_of
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
@@ -215,7 +215,7 @@ def _note_kind(law: ContactLaw, step: Step, run: Run) -> None:
     run.real[FRICTION_LIMIT] = law.friction_limit
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
-        step.whole[PARITY] = law.memory_parity
+        step.whole[PARITY] = law.internal_parity
     if isinstance(law, MultiplierLaw):
         run.whole[PROJECTS] = law.projects
 

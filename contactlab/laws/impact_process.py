@@ -1,4 +1,4 @@
-"""An impact as a process over its normal impulse: what friction does while the bodies are pressed together.
+"""Rigid impacts with a restitution, and an impact as a process over its normal impulse.
 
 The impulses of an impact grow in no time. Over the normal impulse p as the independent variable gap rate
 and slip change linearly as long as the friction impulse grows in one ratio to it (Routh's diagram):
@@ -15,16 +15,43 @@ Source: Routh (1891), Dynamics of a System of Rigid Bodies, elementary part; Wan
 J. Appl. Mech. 59, 635.
 """
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from math import inf
+from types import MappingProxyType
+from typing import Annotated, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel
-from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.base import SLIP, STICK, Impulses, MultiplierLaw
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 
-Array = NDArray[np.float64]
+
+@dataclass(frozen=True)
+class ImpactLaw(MultiplierLaw):
+    """A rigid law with a restitution, whichever of velocity, impulse or energy it is of."""
+
+    default_contact_step: ClassVar[float] = 5e-8
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    restitution: Annotated[float, RESTITUTION] = 0.5
+
+
+@dataclass(frozen=True)
+class ImpactProcess(ImpactLaw):
+    """Its friction impulse follows the slip through the impact: |dp_t| <= mu dp, F against any slip.
+
+    Contact that lasts has no restitution and is that of `lagrange_stick`.
+    """
+
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "friction_opposes_slip": "friction opposes the slip at every instant of an impact, but where "
+            "the slip reverses in it the sum of friction may have the direction of the slip that is left."
+        }
+    )
+
 
 Stages = tuple[float, float, float, int]
 """Normal impulse at which the slip ends [N s], dp_t/dp before and after that, mode after that."""
@@ -32,7 +59,7 @@ Stages = tuple[float, float, float, int]
 
 @inner_kernel
 def impact_approach(normal_rate: float, gap_rate: float) -> float:
-    """The approach [m/s] that is an impact, not positive.
+    """The gap rate [m/s] that is an impact, not positive.
 
     Args:
         normal_rate: gap rate that the step would end with [m/s].
@@ -85,7 +112,7 @@ def complete(
     d_nt: float,
     d_tt: float,
     parameters: Array,
-) -> tuple[float, float, int]:
+) -> Impulses:
     """Impulses [N s] and mode of a step with an impact.
 
     Args:

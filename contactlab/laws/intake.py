@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 
 from contactlab.checks import shown
 from contactlab.laws.base import (
-    CREEPING,
+    ELASTOPLASTIC,
     EVEN,
     ODD,
     PENALTY_SIGNATURE,
+    RATE_DEPENDENT,
     SET_VALUED,
     SLIP,
-    SPRING_AND_SLIDER,
     STICK,
     ContactLaw,
     PenaltyLaw,
 )
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 
 Array = NDArray[np.float64]
 Kernel = Callable[..., Any]
@@ -171,8 +171,8 @@ def misfits(law: PenaltyLaw) -> Iterator[str]:
     kind, memory, rub = (said(law, name) for name in ("friction_kind", "memory", "rub"))
     kinds = {
         SET_VALUED: "SET_VALUED",
-        SPRING_AND_SLIDER: "SPRING_AND_SLIDER",
-        CREEPING: "CREEPING",
+        ELASTOPLASTIC: "ELASTOPLASTIC",
+        RATE_DEPENDENT: "RATE_DEPENDENT",
     }
     if kind not in kinds:
         yield (
@@ -183,7 +183,7 @@ def misfits(law: PenaltyLaw) -> Iterator[str]:
     if kind == SET_VALUED and rub is not None:
         yield (
             "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
-            "SPRING_AND_SLIDER or CREEPING, or leave the kernel out."
+            "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out."
         )
     if kind != SET_VALUED and rub is None:
         yield (
@@ -194,13 +194,13 @@ def misfits(law: PenaltyLaw) -> Iterator[str]:
         yield f"memory is {shown(memory)}; it must be a tuple of texts."
     elif len(memory) > 1:
         yield f"it remembers {', '.join(memory)}; it can remember one quantity at most."
-    elif (kind == SET_VALUED and memory) or (kind == SPRING_AND_SLIDER and not memory):
+    elif (kind == SET_VALUED and memory) or (kind == ELASTOPLASTIC and not memory):
         yield (
             f"its friction_kind is {kinds[kind]} and its memory {shown(memory)}; set-valued friction "
             "remembers nothing, and a spring its stretch."
         )
-    if law.memory_parity not in (ODD, EVEN):
-        yield f"memory_parity is {shown(law.memory_parity)}; it must be ODD or EVEN."
+    if law.internal_parity not in (ODD, EVEN):
+        yield f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN."
 
 
 def _force_faults(kind: int, force: Kernel, rub: Kernel, rows: list[Array]) -> Iterator[str]:

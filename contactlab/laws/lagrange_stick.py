@@ -3,49 +3,10 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, kernel
-from contactlab.laws.base import SLIP, STICK, MultiplierKernel, MultiplierLaw
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
-
-Array = NDArray[np.float64]
-
-
-@final
-@dataclass(frozen=True)
-class LagrangeStick(MultiplierLaw):
-    """Lagrange multiplier with set-valued Coulomb friction.
-
-        g = 0,  N >= 0,  |F| <= mu N,  slip != 0 => F = -mu N sign(slip)
-
-    Each step tries stick, p = -D^-1 (normal rate, tangential rate), and keeps it inside the cone;
-    otherwise it slips in the direction that is left at the end of the step. An approach has exactly one
-    such answer; where friction may hold together what opens (`wedges`) it releases what slides and
-    holds what stuck. The rotor is part of the Delassus matrix, which is what eliminating it into
-    M_stick = M + (J/R^2) G_t' G_t does, and the stick force carries load torque and rotor damping
-    (eqs. 62-63 drop them; the sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the
-    stick create energy).
-    The impact is one step and may stick; its peak force is impulse / step.
-
-    Source: Andersen, Blanke and Helbo (2001), eqs. 60-66, in the consistent form above.
-
-    Args:
-        friction_coefficient: mu [1].
-    """
-
-    name: ClassVar[str] = "lagrange_stick"
-    equation: ClassVar[str] = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
-    source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
-    default_contact_step: ClassVar[float] = 5e-8
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-
-    @property
-    def solve(self) -> MultiplierKernel:
-        """The kernel; see `MultiplierLaw.solve`."""
-        return stick_or_slip_impulse
+from contactlab.laws.base import SLIP, STICK, Impulses, MultiplierLaw
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 
 @kernel
@@ -58,7 +19,7 @@ def stick_or_slip_impulse(
     d_nt: float,
     d_tt: float,
     parameters: Array,
-) -> tuple[float, float, int]:
+) -> Impulses:
     """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
 
     One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and
@@ -109,3 +70,28 @@ def wedges(
     """
     p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
     return normal_rate >= 0.0 and p_n > 0.0 and abs(p_t) <= mu * p_n
+
+
+@final
+@dataclass(frozen=True)
+class LagrangeStick(MultiplierLaw):
+    """Lagrange multiplier with set-valued Coulomb friction, eqs. 60-66 of the paper in a consistent form.
+
+    Each step tries stick, p = -D^-1 (normal rate, tangential rate), and keeps it inside the cone;
+    otherwise it slips in the direction that is left at the end of the step. An approach has exactly one
+    such answer; where friction may hold together what opens (`wedges`) it releases what slides and
+    holds what stuck. The rotor is part of the Delassus matrix, which is what eliminating it into
+    M_stick = M + (J/R^2) G_t' G_t does, and the stick force carries load torque and rotor damping
+    (eqs. 62-63 drop them; the sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the
+    stick create energy).
+    The impact is one step and may stick; its peak force is impulse / step.
+    """
+
+    name: ClassVar[str] = "lagrange_stick"
+    equation: ClassVar[str] = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
+    source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
+    default_contact_step: ClassVar[float] = 5e-8
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    solve = staticmethod(stick_or_slip_impulse)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contactlab.laws.normal.hertz_elliptic import approach_factor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -14,7 +15,6 @@ from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, Li
 from contactlab.laws.damping.hysteresis import closing_number
 from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
 from contactlab.laws.normal import NORMAL_FORCES, HertzElliptic, HertzPoint, Line, Linear
-from contactlab.laws.normal.hertz_elliptic import approach_factor
 from contactlab.laws.part import NormalForce
 from contactlab.testing.contract.bench import paper_motor
 from contactlab.testing.plants import block, way_of

@@ -9,12 +9,12 @@ from numpy.testing import assert_allclose
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import SPRING_AND_SLIDER
+from contactlab.laws.base import ELASTOPLASTIC
 from contactlab.laws.composed import Composed
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
 from contactlab.laws.friction.mindlin import mindlin_state
 from contactlab.laws.normal import Linear
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
 from contactlab.testing.contract.bench import Bench, paper_motor
 from contactlab.testing.contract.properties import PROPERTIES, check
@@ -109,9 +109,9 @@ class Hiding(Friction):
     name: ClassVar[str] = "hiding"
     equation: ClassVar[str] = "Mindlin's"
     source: ClassVar[str] = "this test"
-    friction_kind: ClassVar[int] = SPRING_AND_SLIDER
+    friction_kind: ClassVar[int] = ELASTOPLASTIC
     exact_stick: ClassVar[bool] = False
-    memory: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
+    internal_variables: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
 
