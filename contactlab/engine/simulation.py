@@ -46,7 +46,7 @@ from contactlab.engine.step import PARITY, RUBBING, Step, step_for
 from contactlab.engine.workspace import Workspace
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import LawError
-from contactlab.laws.intake import check_words, fault_of_answers, guarded, parameters_of
+from contactlab.laws.intake import check_words, fault_of_answers, guarded, kernel_parameters
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
@@ -196,7 +196,7 @@ def take_in(
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     check_words(law)
-    parameters = parameters_of(law)
+    parameters = kernel_parameters(law)
     kernels, law_errors = kernels_of(law)
     with law_errors():
         fault = fault_of_answers(law, parameters, *kernels)

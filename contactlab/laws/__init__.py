@@ -14,54 +14,10 @@ from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Reg
 from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.lagrange_stick import LagrangeStick
-from contactlab.laws.moreau_jean import MoreauJean
-from contactlab.laws.newton import Newton
+from contactlab.laws.newton import MoreauJean, Newton
 from contactlab.laws.normal import HertzElliptic, HertzPoint, Line, Linear, Lining
 from contactlab.laws.part import Damping, Friction, NormalForce
 from contactlab.laws.poisson import Poisson
 from contactlab.laws.registry import LAWS, PARTS, law, law_class, law_names, origin_of
 from contactlab.laws.stronge import Stronge
 from contactlab.parameter import Parameter
-
-__all__ = [
-    "FRICTION_COEFFICIENT",
-    "LAWS",
-    "PARTS",
-    "RESTITUTION",
-    "Composed",
-    "ContactLaw",
-    "Coulomb",
-    "Damping",
-    "ElastoPlastic",
-    "Flores",
-    "Friction",
-    "HertzElliptic",
-    "HertzPenalty",
-    "HertzPoint",
-    "HuntCrossley",
-    "LagrangeSlip",
-    "LagrangeStick",
-    "LankaraniNikravesh",
-    "LawError",
-    "Line",
-    "Linear",
-    "LinearDamping",
-    "Lining",
-    "LuGre",
-    "Mindlin",
-    "MoreauJean",
-    "MultiplierLaw",
-    "Newton",
-    "NormalForce",
-    "Parameter",
-    "PenaltyLaw",
-    "Poisson",
-    "Regularised",
-    "Stronge",
-    "Undamped",
-    "hertz_stiffness",
-    "law",
-    "law_class",
-    "law_names",
-    "origin_of",
-]

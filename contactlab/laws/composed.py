@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, ClassVar, final
+from typing import Any, final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws.base import Forces, FrictionKernel, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import FrictionKernel, PenaltyKernel, PenaltyLaw
 from contactlab.laws.damping import Undamped
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.friction.coulomb import cone_bound
@@ -30,10 +30,10 @@ def _of_friction(name: str) -> Any:
 class Composed(PenaltyLaw):
     """Any normal force with any damping and any friction."""
 
-    name: ClassVar[str] = "composed"
-    equation: ClassVar[str] = "N of law/normal and law/damping, F of law/friction"
-    source: ClassVar[str] = "that of its parts"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "composed"
+    equation = "N of law/normal and law/damping, F of law/friction"
+    source = "that of its parts"
+    default_contact_step = 4e-6
 
     normal: NormalForce = field(default_factory=HertzPoint)
     damping: Damping = field(default_factory=Undamped)
@@ -116,9 +116,7 @@ class Composed(PenaltyLaw):
 # compilation serves a whole sweep.
 @cache
 def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> PenaltyKernel:
-    def composed_force(
-        gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
-    ) -> Forces:
+    def composed_force(gap, gap_rate, slip, impact_speed, parameters):
         spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, 0)
         normal = damped(spring, -gap_rate, impact_speed, parameters, damping)
         bound = cone_bound(normal, slip, parameters, friction)
@@ -129,11 +127,9 @@ def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> Penalty
 
 @cache
 def _friction_of(elastic: Any, state: Any, friction: int) -> FrictionKernel:
-    def composed_friction(
-        gap: float, gap_rate: float, slip: float, normal: float, z: float, parameters: Array
-    ) -> Forces:
+    def composed_friction(gap, gap_rate, slip, normal, z, parameters):
         _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, 0)
         rate = -slope * gap_rate
-        return state(normal, stiffness, rate, slip, z, parameters, friction)  # type: ignore[no-any-return]
+        return state(normal, stiffness, rate, slip, z, parameters, friction)
 
     return fleeting_kernel(composed_friction)

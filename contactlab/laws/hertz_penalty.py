@@ -2,16 +2,11 @@
 
 from dataclasses import dataclass, replace
 from math import sqrt
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import Forces, PenaltyLaw
-from contactlab.laws.composed import Composed
-from contactlab.laws.damping import Undamped
+from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
-from contactlab.laws.friction import Coulomb
-from contactlab.laws.normal import HertzPoint
 from contactlab.laws.normal.hertz import hertz_elastic
 from contactlab.parameter import Parameter
 
@@ -26,10 +21,10 @@ class HertzPenalty(PenaltyLaw):
     the other way round the stiffness is that of steel on a rotor (`on_rotor`).
     """
 
-    name: ClassVar[str] = "hertz_penalty"
-    equation: ClassVar[str] = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
-    source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "hertz_penalty"
+    equation = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
+    source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
+    default_contact_step = 4e-6
 
     stiffness: Annotated[
         float | None,
@@ -69,27 +64,11 @@ class HertzPenalty(PenaltyLaw):
         stiffness = hertz_stiffness(self.tip_radius, radius)
         return replace(self, stiffness=stiffness, tip_radius=None)
 
-    @property
-    def composition(self) -> Composed:
-        """The same law out of its parts.
-
-        Raises:
-            ValueError: its stiffness follows from a rotor that it does not know; see `on_rotor`.
-        """
-        if self.stiffness is None:
-            raise ValueError(
-                f"{self.name}: stiffness is None; it follows from the tip's radius and the rotor's. Ask "
-                "on_rotor(radius) for the law that has it."
-            )
-        return Composed(HertzPoint(self.stiffness), Undamped(), Coulomb(self.friction_coefficient))
-
-    # What the composition's kernel does, under a name: its code is kept, so that the default law starts at
-    # once.
+    # What the kernel of such a composition does, under a name: its code is kept, so that the default law
+    # starts at once.
     @staticmethod
     @kernel
-    def force(
-        gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
-    ) -> Forces:
+    def force(gap, gap_rate, slip, impact_speed, parameters):
         """See `PenaltyLaw.force`."""
         normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
         return normal, parameters[1] * normal, stored, 0.0

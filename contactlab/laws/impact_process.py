@@ -15,15 +15,13 @@ Source: Routh (1891), Dynamics of a System of Rigid Bodies, elementary part; Wan
 J. Appl. Mech. 59, 635.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 from types import MappingProxyType
-from typing import Annotated, ClassVar
+from typing import Annotated
 
-from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel
-from contactlab.laws.base import SLIP, STICK, Impulses, MultiplierLaw
+from contactlab.laws.base import SLIP, STICK, MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 
@@ -32,7 +30,7 @@ from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 class ImpactLaw(MultiplierLaw):
     """A rigid law with a restitution, whichever of velocity, impulse or energy it is of."""
 
-    default_contact_step: ClassVar[float] = 5e-8
+    default_contact_step = 5e-8
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     restitution: Annotated[float, RESTITUTION] = 0.5
@@ -45,7 +43,7 @@ class ImpactProcess(ImpactLaw):
     Contact that lasts has no restitution and is that of `lagrange_stick`.
     """
 
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+    violations = MappingProxyType(
         {
             "friction_opposes_slip": "friction opposes the slip at every instant of an impact, but where "
             "the slip reverses in it the sum of friction may have the direction of the slip that is left."
@@ -58,7 +56,7 @@ Stages = tuple[float, float, float, int]
 
 
 @inner_kernel
-def impact_approach(normal_rate: float, gap_rate: float) -> float:
+def impact_approach(normal_rate, gap_rate):
     """The gap rate [m/s] that is an impact, not positive.
 
     Args:
@@ -72,7 +70,7 @@ def impact_approach(normal_rate: float, gap_rate: float) -> float:
 
 
 @inner_kernel
-def stages_of(slip: float, d_nt: float, d_tt: float, mu: float) -> Stages:
+def stages_of(slip, d_nt, d_tt, mu):
     """The two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`."""
     mode = STICK if abs(d_nt) <= mu * d_tt else SLIP
     after = -d_nt / d_tt if mode == STICK else -mu if d_nt > 0.0 else mu
@@ -84,7 +82,7 @@ def stages_of(slip: float, d_nt: float, d_tt: float, mu: float) -> Stages:
 
 
 @inner_kernel
-def compression(approach: float, d_nn: float, d_nt: float, stages: Stages) -> float:
+def compression(approach, d_nn, d_nt, stages):
     """Normal impulse at which the gap rate is zero [N s].
 
     Args:
@@ -102,17 +100,7 @@ def compression(approach: float, d_nn: float, d_nt: float, stages: Stages) -> fl
 
 
 @inner_kernel
-def complete(
-    p_n: float,
-    stages: Stages,
-    remainder: float,
-    normal_rate: float,
-    tangential_rate: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    parameters: Array,
-) -> Impulses:
+def complete(p_n, stages, remainder, normal_rate, tangential_rate, d_nn, d_nt, d_tt, parameters):
     """Impulses [N s] and mode of a step with an impact.
 
     Args:

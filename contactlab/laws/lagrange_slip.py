@@ -1,13 +1,11 @@
 """The paper's first law: a rigid contact that always slips."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import SLIP, Impulses, MultiplierLaw
+from contactlab.laws.base import SLIP, MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 
@@ -25,12 +23,12 @@ class LagrangeSlip(MultiplierLaw):
     shrinks; the impulse converges.
     """
 
-    name: ClassVar[str] = "lagrange_slip"
-    equation: ClassVar[str] = "g = 0, N >= 0, F = -mu N sign(v)"
-    source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
-    default_contact_step: ClassVar[float] = 5e-8
-    exact_stick: ClassVar[bool] = False
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+    name = "lagrange_slip"
+    equation = "g = 0, N >= 0, F = -mu N sign(v)"
+    source = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
+    default_contact_step = 5e-8
+    exact_stick = False
+    violations = MappingProxyType(
         {
             "friction_opposes_slip": "the friction impulse of an impact is mu p_n whatever slip there is "
             "to end, and reverses the slip in nearly every impact of the paper's motor.",
@@ -42,16 +40,7 @@ class LagrangeSlip(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate: float,
-        tangential_rate: float,
-        gap_rate: float,
-        slip: float,
-        d_nn: float,
-        d_nt: float,
-        d_tt: float,
-        parameters: Array,
-    ) -> Impulses:
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
         """See `MultiplierLaw.solve`."""
         mu = parameters[0]
         s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0

@@ -1,11 +1,9 @@
 """Poisson's restitution of impulses in a rigid impact."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import Impulses
 from contactlab.laws.impact_process import (
     ImpactProcess,
     complete,
@@ -21,22 +19,13 @@ from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 class Poisson(ImpactProcess):
     """A rigid impact that gives back a share of the impulse of compression p_c, gdot(p_c) = 0."""
 
-    name: ClassVar[str] = "poisson"
-    equation: ClassVar[str] = "p = (1 + e) p_c, gdot(p_c) = 0, dp_t = -mu dp sign(v) or v = 0"
-    source: ClassVar[str] = "Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635"
+    name = "poisson"
+    equation = "p = (1 + e) p_c, gdot(p_c) = 0, dp_t = -mu dp sign(v) or v = 0"
+    source = "Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635"
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate: float,
-        tangential_rate: float,
-        gap_rate: float,
-        slip: float,
-        d_nn: float,
-        d_nt: float,
-        d_tt: float,
-        parameters: Array,
-    ) -> Impulses:
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
         """See `MultiplierLaw.solve`."""
         approach = impact_approach(normal_rate, gap_rate)
         if approach == 0.0:

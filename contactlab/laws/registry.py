@@ -24,8 +24,7 @@ from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.lagrange_stick import LagrangeStick
-from contactlab.laws.moreau_jean import MoreauJean
-from contactlab.laws.newton import Newton
+from contactlab.laws.newton import MoreauJean, Newton
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.laws.part import Part
 from contactlab.laws.poisson import Poisson

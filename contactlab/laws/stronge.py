@@ -2,14 +2,11 @@
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import ClassVar, final
+from typing import final
 
-from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, kernel
-from contactlab.laws.base import Impulses
 from contactlab.laws.impact_process import (
     ImpactProcess,
-    Stages,
     complete,
     compression,
     impact_approach,
@@ -19,7 +16,7 @@ from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 
 
 @inner_kernel
-def restituted(approach: float, d_nn: float, d_nt: float, stages: Stages, e: float) -> float:
+def restituted(approach, d_nn, d_nt, stages, e):
     """Normal impulse at which the share e^2 of the work of compression has been given back [N s].
 
     Args:
@@ -51,24 +48,13 @@ class Stronge(ImpactProcess):
     creates energy.
     """
 
-    name: ClassVar[str] = "stronge"
-    equation: ClassVar[str] = (
-        "int_pc^p gdot dp = -e^2 int_0^pc gdot dp, dp_t = -mu dp sign(v) or v = 0"
-    )
-    source: ClassVar[str] = "Stronge (1990), Proc. R. Soc. A 431, 169"
+    name = "stronge"
+    equation = "int_pc^p gdot dp = -e^2 int_0^pc gdot dp, dp_t = -mu dp sign(v) or v = 0"
+    source = "Stronge (1990), Proc. R. Soc. A 431, 169"
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate: float,
-        tangential_rate: float,
-        gap_rate: float,
-        slip: float,
-        d_nn: float,
-        d_nt: float,
-        d_tt: float,
-        parameters: Array,
-    ) -> Impulses:
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
         """See `MultiplierLaw.solve`."""
         approach = impact_approach(normal_rate, gap_rate)
         if approach == 0.0:

@@ -140,21 +140,28 @@ def boundless(
             "RATE_DEPENDENT, but it has no kernel of friction",
         ),
         (
-            made(honest, friction_kind=ELASTOPLASTIC, memory=STRETCH),
+            made(honest, friction_kind=ELASTOPLASTIC, internal_variables=STRETCH),
             "ELASTOPLASTIC, but it has no kernel of friction",
         ),
         (made(honest, friction_kind=7, friction=spring), "friction_kind is 7; it must be"),
-        (made(honest, memory=STRETCH), "set-valued friction remembers nothing"),
+        (made(honest, internal_variables=STRETCH), "set-valued friction remembers nothing"),
         (
             made(honest, friction_kind=ELASTOPLASTIC, friction=spring),
             "and a spring its stretch",
         ),
         (
-            made(honest, friction_kind=RATE_DEPENDENT, friction=spring, memory="stretch"),
-            "memory is 'stretch'; it must be a tuple of texts",
+            made(
+                honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables="stretch"
+            ),
+            "internal_variables is 'stretch'; it must be a tuple of texts",
         ),
         (
-            made(honest, friction_kind=RATE_DEPENDENT, friction=spring, memory=("a [m]", "b [m]")),
+            made(
+                honest,
+                friction_kind=RATE_DEPENDENT,
+                friction=spring,
+                internal_variables=("a [m]", "b [m]"),
+            ),
             "it can remember one quantity at most",
         ),
         (made(honest, internal_parity=0), "internal_parity is 0; it must be ODD or EVEN"),
@@ -167,7 +174,7 @@ def boundless(
         (made(lambda *_: (1.0, 0.0)), "it gave 2 numbers, not 4"),
         (
             made(honest, friction_kind=RATE_DEPENDENT, friction=boundless),
-            "its kernel rub gives nan, 0, 0, 0 at a gap of -1e-12 m",
+            "its kernel friction_force gives nan, 0, 0, 0 at a gap of -1e-12 m",
         ),
         (made(honest, parameters=lambda _: np.ones((2, 2))), "it must give numbers"),
         (made(honest, friction_limit="much"), "friction_limit is 'much'; it must be a number"),
@@ -395,7 +402,7 @@ def test_what_friction_remembers_may_be_even_in_a_mirror(parity: int) -> None:
         honest,
         friction=ageing,
         friction_kind=RATE_DEPENDENT,
-        memory=("age of the contact [s]",),
+        internal_variables=("age of the contact [s]",),
         internal_parity=parity,
         exact_stick=False,
         friction_limit=0.36,

@@ -13,7 +13,6 @@ from contactlab.laws.base import ELASTOPLASTIC
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
-from contactlab.laws.friction.mindlin import mindlin_state
 from contactlab.laws.normal import Linear
 from contactlab.laws.part import Friction, StateKernel
 from contactlab.testing.contract.bench import Bench, paper_motor
@@ -26,6 +25,8 @@ WEIGHT, STIFFNESS, MU = 10.0, 1e7, 0.3
 REMEMBERING = pytest.mark.parametrize(
     "friction", [Mindlin(), LuGre(), ElastoPlastic()], ids=lambda friction: friction.name
 )
+
+mindlin_state = Mindlin().state
 
 
 def test_the_energy_of_a_stretched_spring_is_stored_and_not_lost() -> None:

@@ -4,8 +4,6 @@ from contactlab.laws.damping.dashpot import LinearDamping, Undamped
 from contactlab.laws.damping.hysteresis import Flores, HuntCrossley, LankaraniNikravesh
 from contactlab.laws.part import Damping
 
-__all__ = ["DAMPINGS", "Flores", "HuntCrossley", "LankaraniNikravesh", "LinearDamping", "Undamped"]
-
 DAMPINGS: dict[str, type[Damping]] = {
     part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores)
 }

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, ClassVar, final
+from typing import Annotated, Any, final
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -23,9 +23,9 @@ INTEGRATION = 1e-12
 class Undamped(Damping):
     """The elastic force alone: restitution 1."""
 
-    name: ClassVar[str] = "none"
-    equation: ClassVar[str] = "no loss"
-    source: ClassVar[str] = "Hertz (1881)"
+    name = "none"
+    equation = "no loss"
+    source = "Hertz (1881)"
 
     def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
         """Give none."""
@@ -33,9 +33,7 @@ class Undamped(Damping):
 
     @staticmethod
     @kernel
-    def damped(
-        elastic: float, depth_rate: float, impact_speed: float, parameters: Array, at: int
-    ) -> float:
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
         """See `Damping.damped`."""
         return elastic
 
@@ -49,9 +47,9 @@ class LinearDamping(Damping):
     has another one at another mass, and with an f that is not linear at another speed.
     """
 
-    name: ClassVar[str] = "linear"
-    equation: ClassVar[str] = "N = max(f(d) + c dd/dt, 0), c solved for e of (m, v)"
-    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    name = "linear"
+    equation = "N = max(f(d) + c dd/dt, 0), c solved for e of (m, v)"
+    source = "Johnson, Contact Mechanics (1985), sec. 11.5"
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     effective_mass: Annotated[float, Parameter("m", "kg", "mass of the impact", above=0.0)] = 2e-3
@@ -64,9 +62,7 @@ class LinearDamping(Damping):
 
     @staticmethod
     @kernel
-    def damped(
-        elastic: float, depth_rate: float, impact_speed: float, parameters: Array, at: int
-    ) -> float:
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
         """See `Damping.damped`."""
         return float(max(elastic + parameters[at] * depth_rate, 0.0))
 

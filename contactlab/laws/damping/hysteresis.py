@@ -17,11 +17,10 @@ A model whose largest nominal D, that of e_n = 0, is smaller than what is asked 
 from dataclasses import dataclass
 from functools import cache
 from math import exp, inf, log, log1p
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
 from scipy.optimize import brentq
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.laws.part import Damping, NormalForce
 from contactlab.parameter import Parameter
@@ -60,7 +59,7 @@ def loss_number(restitution: float) -> float:
 class Hysteretic(Damping):
     """A loss in proportion to the elastic force, solved for the restitution of a free impact."""
 
-    largest: ClassVar[float] = inf
+    largest = inf
     """The D that the published model has at a nominal restitution of 0."""
     restitution: float
 
@@ -85,10 +84,10 @@ class Hysteretic(Damping):
 class HuntCrossley(Hysteretic):
     """A constant a: restitution falls with the speed of impact, and is e at v."""
 
-    name: ClassVar[str] = "hunt_crossley"
-    equation: ClassVar[str] = "N = f(d) max(1 + a dd/dt, 0), a v = D(e)"
-    source: ClassVar[str] = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
-    largest: ClassVar[float] = 1.5
+    name = "hunt_crossley"
+    equation = "N = f(d) max(1 + a dd/dt, 0), a v = D(e)"
+    source = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
+    largest = 1.5
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     impact_speed: Annotated[
@@ -101,17 +100,13 @@ class HuntCrossley(Hysteretic):
 
     @staticmethod
     @kernel
-    def damped(
-        elastic: float, depth_rate: float, impact_speed: float, parameters: Array, at: int
-    ) -> float:
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
         """See `Damping.damped`."""
         return float(elastic * max(1.0 + parameters[at] * depth_rate, 0.0))
 
 
 @kernel
-def speed_damped(
-    elastic: float, depth_rate: float, impact_speed: float, parameters: Array, at: int
-) -> float:
+def speed_damped(elastic, depth_rate, impact_speed, parameters, at):
     """Normal force [N]; D and v_min stand in the parameters. See `Damping.damped`."""
     factor = parameters[at] / max(impact_speed, parameters[at + 1])
     return float(elastic * max(1.0 + factor * depth_rate, 0.0))
@@ -126,10 +121,10 @@ class LankaraniNikravesh(Hysteretic):
     model, so solved, is `flores`.
     """
 
-    name: ClassVar[str] = "lankarani_nikravesh"
-    equation: ClassVar[str] = "N = f(d) max(1 + D(e) (dd/dt)/v, 0), D <= 3/4"
-    source: ClassVar[str] = "Lankarani and Nikravesh (1990), J. Mech. Des. 112, 369"
-    largest: ClassVar[float] = 0.75
+    name = "lankarani_nikravesh"
+    equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0), D <= 3/4"
+    source = "Lankarani and Nikravesh (1990), J. Mech. Des. 112, 369"
+    largest = 0.75
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     least_speed: Annotated[float, LEAST_SPEED] = 1e-3
@@ -145,9 +140,9 @@ class Flores(Hysteretic):
     The published D = 8 (1 - e_n)/(5 e_n) reaches any, and e_n is then not what is achieved.
     """
 
-    name: ClassVar[str] = "flores"
-    equation: ClassVar[str] = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
-    source: ClassVar[str] = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
+    name = "flores"
+    equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
+    source = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     least_speed: Annotated[float, LEAST_SPEED] = 1e-3

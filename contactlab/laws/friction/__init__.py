@@ -5,8 +5,6 @@ from contactlab.laws.friction.coulomb import Coulomb, Regularised
 from contactlab.laws.friction.mindlin import Mindlin
 from contactlab.laws.part import Friction
 
-__all__ = ["FRICTIONS", "Coulomb", "ElastoPlastic", "LuGre", "Mindlin", "Regularised"]
-
 FRICTIONS: dict[str, type[Friction]] = {
     part.name: part for part in (Coulomb, Regularised, Mindlin, LuGre, ElastoPlastic)
 }

@@ -1,14 +1,12 @@
 """Friction of bristles, of stiffness and damping in proportion to the normal force."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import exp, pi, sin
 from types import MappingProxyType
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import RATE_DEPENDENT, Forces
+from contactlab.laws.base import RATE_DEPENDENT
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.laws.part import Friction
@@ -22,12 +20,12 @@ STRIBECK_VELOCITY = Parameter("v_s", "m s-1", "Stribeck velocity", above=0.0)
 class Bristles(Friction):
     """What friction of bristles shares; g(v) = mu + (mu_s - mu) exp(-(v/v_s)^2) is that of steady slip."""
 
-    friction_kind: ClassVar[int] = RATE_DEPENDENT
-    exact_stick: ClassVar[bool] = False
+    friction_kind = RATE_DEPENDENT
+    exact_stick = False
     # The bristles have a kink where the slip reverses, and no step ends there.
-    convergence_order: ClassVar[float] = 0.5
-    internal_variables: ClassVar[tuple[str, ...]] = ("deflection of the bristles [m]",)
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType(
+    convergence_order = 0.5
+    internal_variables = ("deflection of the bristles [m]",)
+    violations = MappingProxyType(
         {
             "friction_opposes_slip": "bent bristles grow stiffer with the normal force, which gives them "
             "energy that nothing brought."
@@ -36,7 +34,7 @@ class Bristles(Friction):
 
 
 @kernel
-def stribeck(slip: float, parameters: Array, at: int) -> float:
+def stribeck(slip, parameters, at):
     """Coefficient g(v) of steady slip [1]."""
     mu = parameters[at]
     lifted = parameters[at + 1] - 1.0
@@ -51,9 +49,9 @@ class LuGre(Bristles):
     Source: in proportion to N as Canudas de Wit and Tsiotras (1999) have it.
     """
 
-    name: ClassVar[str] = "lugre"
-    equation: ClassVar[str] = "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v - sigma_0 |v| z / g(v)"
-    source: ClassVar[str] = "Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419"
+    name = "lugre"
+    equation = "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v - sigma_0 |v| z / g(v)"
+    source = "Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419"
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
@@ -63,15 +61,7 @@ class LuGre(Bristles):
 
     @staticmethod
     @kernel
-    def state(
-        normal: float,
-        stiffness: float,
-        stiffness_rate: float,
-        slip: float,
-        z: float,
-        parameters: Array,
-        at: int,
-    ) -> Forces:
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
         """See `Friction.state`; z is the deflection [m]."""
         pressed = max(normal, 0.0)
         sigma = parameters[at + 2]
@@ -90,11 +80,9 @@ class ElastoPlastic(Bristles):
     sine in between.
     """
 
-    name: ClassVar[str] = "elasto_plastic"
-    equation: ClassVar[str] = (
-        "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v (1 - alpha(z) sigma_0 |z| / g(v))"
-    )
-    source: ClassVar[str] = "Dupont et al. (2002), IEEE Trans. Autom. Control 47, 787"
+    name = "elasto_plastic"
+    equation = "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v (1 - alpha(z) sigma_0 |z| / g(v))"
+    source = "Dupont et al. (2002), IEEE Trans. Autom. Control 47, 787"
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
@@ -107,15 +95,7 @@ class ElastoPlastic(Bristles):
 
     @staticmethod
     @kernel
-    def state(
-        normal: float,
-        stiffness: float,
-        stiffness_rate: float,
-        slip: float,
-        z: float,
-        parameters: Array,
-        at: int,
-    ) -> Forces:
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
         """See `Friction.state`; z is the deflection [m]."""
         pressed = max(normal, 0.0)
         sigma = parameters[at + 2]

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import RATE_DEPENDENT, Forces
+from contactlab.laws.base import RATE_DEPENDENT
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction
 from contactlab.parameter import Parameter
@@ -33,9 +33,9 @@ def cone_bound(normal: float, slip: float, parameters: Array, at: int) -> float:
 class Coulomb(Friction):
     """Set-valued friction: exact stick."""
 
-    name: ClassVar[str] = "coulomb"
-    equation: ClassVar[str] = "|F| <= mu_s N, F = -mu N sign(v) where v != 0"
-    source: ClassVar[str] = "Coulomb (1785); Moreau (1988)"
+    name = "coulomb"
+    equation = "|F| <= mu_s N, F = -mu N sign(v) where v != 0"
+    source = "Coulomb (1785); Moreau (1988)"
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
@@ -50,26 +50,18 @@ class Regularised(Friction):
     its logarithm, as long as it is above the slip's round-off. The source compares such functions.
     """
 
-    name: ClassVar[str] = "regularised"
-    equation: ClassVar[str] = "F = -mu N v / sqrt(v^2 + v_0^2)"
-    source: ClassVar[str] = "Mostaghel and Davis (1997), Earthquake Eng. Struct. Dyn. 26, 593"
-    friction_kind: ClassVar[int] = RATE_DEPENDENT
-    exact_stick: ClassVar[bool] = False
+    name = "regularised"
+    equation = "F = -mu N v / sqrt(v^2 + v_0^2)"
+    source = "Mostaghel and Davis (1997), Earthquake Eng. Struct. Dyn. 26, 593"
+    friction_kind = RATE_DEPENDENT
+    exact_stick = False
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     creep_velocity: Annotated[float, Parameter("v_0", "m s-1", "creep velocity", above=0.0)] = 1e-3
 
     @staticmethod
     @kernel
-    def state(
-        normal: float,
-        stiffness: float,
-        stiffness_rate: float,
-        slip: float,
-        z: float,
-        parameters: Array,
-        at: int,
-    ) -> Forces:
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
         """See `Friction.state`; there is no internal variable, and nothing is stored."""
         bound = parameters[at] * max(normal, 0.0)
         return -bound * slip / sqrt(slip * slip + parameters[at + 2] ** 2), 0.0, 0.0, 0.0

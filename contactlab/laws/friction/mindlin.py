@@ -1,11 +1,10 @@
 """A tangential spring after Mindlin, ended by a slider."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import ELASTOPLASTIC, Forces
+from contactlab.laws.base import ELASTOPLASTIC
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction
 from contactlab.parameter import Parameter
@@ -27,12 +26,12 @@ class Mindlin(Friction):
     and Randall (1988) and Elata and Berryman (1996), Mech. Mater. 24, 229, for the unloading.
     """
 
-    name: ClassVar[str] = "mindlin"
-    equation: ClassVar[str] = "F = -kappa (dN/dd) z, |F| <= mu N, dz/dt = v - sliding"
-    source: ClassVar[str] = "Mindlin (1949), J. Appl. Mech. 16, 259; Elata and Berryman (1996)"
-    friction_kind: ClassVar[int] = ELASTOPLASTIC
-    exact_stick: ClassVar[bool] = False
-    internal_variables: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
+    name = "mindlin"
+    equation = "F = -kappa (dN/dd) z, |F| <= mu N, dz/dt = v - sliding"
+    source = "Mindlin (1949), J. Appl. Mech. 16, 259; Elata and Berryman (1996)"
+    friction_kind = ELASTOPLASTIC
+    exact_stick = False
+    internal_variables = ("stretch of the spring [m]",)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     stiffness_ratio: Annotated[
@@ -41,15 +40,7 @@ class Mindlin(Friction):
 
     @staticmethod
     @kernel
-    def state(
-        normal: float,
-        stiffness: float,
-        stiffness_rate: float,
-        slip: float,
-        z: float,
-        parameters: Array,
-        at: int,
-    ) -> Forces:
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
         """See `Friction.state`; z is the stretch [m]."""
         tangential = parameters[at + 2] * stiffness
         growth = max(stiffness_rate, 0.0) / stiffness if stiffness > 0.0 else 0.0

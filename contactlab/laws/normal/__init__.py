@@ -4,8 +4,6 @@ from contactlab.laws.normal.hertz import HertzElliptic, HertzPoint, Line
 from contactlab.laws.normal.springs import Linear, Lining
 from contactlab.laws.part import NormalForce
 
-__all__ = ["NORMAL_FORCES", "HertzElliptic", "HertzPoint", "Line", "Linear", "Lining"]
-
 NORMAL_FORCES: dict[str, type[NormalForce]] = {
     part.name: part for part in (HertzPoint, HertzElliptic, Line, Linear, Lining)
 }

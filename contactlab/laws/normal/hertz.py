@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 from functools import cache
 from math import exp, log, pi, sqrt
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import Forces
 from contactlab.laws.part import NormalForce
 from contactlab.parameter import Parameter
 
@@ -24,7 +22,7 @@ ROUND = 1e-5
 
 
 @kernel
-def hertz_elastic(depth: float, parameters: Array, at: int) -> Forces:
+def hertz_elastic(depth, parameters, at):
     """Force [N], energy [J], stiffness [N/m], its slope [N/m^2] of N = K d^(3/2)."""
     root = sqrt(depth)
     force = parameters[at] * depth * root
@@ -38,9 +36,9 @@ def hertz_elastic(depth: float, parameters: Array, at: int) -> Forces:
 class HertzPoint(NormalForce):
     """A circular point contact; `contactlab.laws.hertz_stiffness` gives K from radii and moduli."""
 
-    name: ClassVar[str] = "hertz_point"
-    equation: ClassVar[str] = "N = K d^1.5"
-    source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
+    name = "hertz_point"
+    equation = "N = K d^1.5"
+    source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
 
     stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)] = 1e10
 
@@ -57,9 +55,9 @@ class HertzElliptic(NormalForce):
     1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2.
     """
 
-    name: ClassVar[str] = "hertz_elliptic"
-    equation: ClassVar[str] = "N = 4/3 E* sqrt(R_e) (d / F_2(R'/R''))^1.5, R_e = sqrt(R' R'')"
-    source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28"
+    name = "hertz_elliptic"
+    equation = "N = 4/3 E* sqrt(R_e) (d / F_2(R'/R''))^1.5, R_e = sqrt(R' R'')"
+    source = "Hertz (1881); Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28"
 
     radius_along: Annotated[float, Parameter("R'", "m", "relative radius", above=0.0)] = 5e-3
     radius_across: Annotated[float, Parameter("R''", "m", "relative radius", above=0.0)] = 4.2e-3
@@ -109,9 +107,9 @@ class Line(NormalForce):
     for rollers in raceways. With steel it is Palmgren's rule within 2 %.
     """
 
-    name: ClassVar[str] = "line"
-    equation: ClassVar[str] = "N = E* (d L^0.8 / 1.36)^(10/9)"
-    source: ClassVar[str] = "Lundberg and Sjovall (1958); Palmgren (1959)"
+    name = "line"
+    equation = "N = E* (d L^0.8 / 1.36)^(10/9)"
+    source = "Lundberg and Sjovall (1958); Palmgren (1959)"
 
     length: Annotated[float, Parameter("L", "m", "length of the line", above=0.0)] = 16e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
@@ -122,7 +120,7 @@ class Line(NormalForce):
 
     @staticmethod
     @kernel
-    def elastic(depth: float, parameters: Array, at: int) -> Forces:
+    def elastic(depth, parameters, at):
         """See `NormalForce.elastic`."""
         force = parameters[at] * depth ** (10.0 / 9.0)
         stiffness = 10.0 / 9.0 * force / depth if depth > 0.0 else 0.0

@@ -1,11 +1,9 @@
 """Springs: a linear one, and a soft lining that is pressed through to what lies behind it."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import Forces
 from contactlab.laws.part import NormalForce
 from contactlab.parameter import Parameter
 
@@ -15,15 +13,15 @@ from contactlab.parameter import Parameter
 class Linear(NormalForce):
     """A flat punch, or a linearised contact."""
 
-    name: ClassVar[str] = "linear"
-    equation: ClassVar[str] = "N = k d"
-    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    name = "linear"
+    equation = "N = k d"
+    source = "Johnson, Contact Mechanics (1985), sec. 11.5"
 
     stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)] = 1e7
 
     @staticmethod
     @kernel
-    def elastic(depth: float, parameters: Array, at: int) -> Forces:
+    def elastic(depth, parameters, at):
         """See `NormalForce.elastic`."""
         force = parameters[at] * depth
         return force, 0.5 * force * depth, parameters[at], 0.0
@@ -38,9 +36,9 @@ class Lining(NormalForce):
     integration.
     """
 
-    name: ClassVar[str] = "lining"
-    equation: ClassVar[str] = "dN/dd = k_1 for d < d_1, k_2 for d > d_1 + w, linear in between"
-    source: ClassVar[str] = "after Shaw and Holmes (1983), J. Sound Vib. 90, 129"
+    name = "lining"
+    equation = "dN/dd = k_1 for d < d_1, k_2 for d > d_1 + w, linear in between"
+    source = "after Shaw and Holmes (1983), J. Sound Vib. 90, 129"
 
     soft_stiffness: Annotated[float, Parameter("k_1", "N m-1", "of the lining", above=0.0)] = 5e6
     hard_stiffness: Annotated[float, Parameter("k_2", "N m-1", "of what is behind", above=0.0)] = (
@@ -51,7 +49,7 @@ class Lining(NormalForce):
 
     @staticmethod
     @kernel
-    def elastic(depth: float, parameters: Array, at: int) -> Forces:
+    def elastic(depth, parameters, at):
         """See `NormalForce.elastic`."""
         soft, width = parameters[at], parameters[at + 3]
         more = parameters[at + 1] - soft
