@@ -84,9 +84,8 @@ def test_every_threshold_has_a_reason_and_every_metric_symbol_unit_and_meaning()
         assert metric.symbol
         assert metric.units
         assert metric.meaning
-        assert metric.relation in ("", "<=", ">=")
-        assert bool(metric.reason) == bool(metric.relation), key
-        assert not metric.relation or metric.source, key
+        assert bool(metric.reason) == bool(metric.threshold), key
+        assert not metric.threshold or metric.source, key
 
 
 def test_energy_that_the_terms_do_not_explain_is_a_share_of_the_drive_work() -> None:

@@ -302,7 +302,7 @@ def test_every_threshold_of_a_ladder_and_of_variants_has_a_reason() -> None:
         assert metric.key == key
         assert metric.symbol
         assert metric.meaning
-        assert bool(metric.reason) == bool(metric.relation)
+        assert bool(metric.reason) == bool(metric.threshold)
     assert STEP_METRICS["peak_force_step_dependence"].verdict(0.0) == PASS
 
 
