@@ -17,7 +17,7 @@ from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Source, collect
 from contactlab.comparison.scorecard import scorecard
 from contactlab.comparison.tables import Cell, Row, as_csv, as_latex, rows
-from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Run
+from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS
 from contactlab.results.files import whole_file, whole_netcdf
 
 PAGE: Final = Path(__file__).with_name("report.html")
@@ -58,23 +58,13 @@ def compare(
         OSError: the folder cannot be written to.
     """
     runs, notes = collect(sources)
-    laws = _refined(runs) if refine else [Refined(run) for run in runs]
+    total = RERUNS * len(runs)
+    with tqdm(total=total, unit=" runs", disable=None, delay=1.0, leave=False) as bar:
+        laws = [refined(run, bar.update) if refine else Refined(run) for run in runs]
     data = scorecard(laws, notes)
     if output is not None:
         _write(data, laws, Path(output))
     return data
-
-
-def _refined(runs: Sequence[Run]) -> list[Refined]:
-    """Make the reruns of every run; a bar on a terminal."""
-    laws = []
-    with tqdm(total=RERUNS * len(runs), unit=" runs", disable=None, delay=1.0, leave=False) as bar:
-        for number, run in enumerate(runs, 1):
-            bar.set_description(run.label)
-            laws.append(refined(run, bar.update))
-            # One that could not be run again has not advanced the bar.
-            bar.update(RERUNS * number - bar.n)
-    return laws
 
 
 def _write(data: xarray.Dataset, laws: Sequence[Refined], folder: Path) -> None:

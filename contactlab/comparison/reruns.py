@@ -4,15 +4,14 @@ The configuration that a run recorded builds the same motor and law again, so th
 brought to its own convergence before it is set beside the others.
 """
 
-import copy
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError, build
 from contactlab.engine import simulate
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics import Run
@@ -122,44 +121,76 @@ def refined(run: Run, advance: Callable[[], object] = lambda: None) -> Refined:
     steps = []
     for divisor in FINER[control]:
         finer = getattr(setup, control) / divisor
-        steps.append((finer, _run(law, setup, f"at {control} {finer:.3g}", **{control: finer})))
+        again = _again(law, f"at {control} {finer:.3g}", solver={control: finer})
         advance()
-    reached = [(step, again) for step, again in steps if again is not None]
+        if again is not None:
+            steps.append((finer, again))
     # Without all of them there is no convergence to speak of.
-    if len(reached) < len(steps):
+    if len(steps) < len(FINER[control]):
         return law
-    law.control, law.order, law.steps = control, setup.law.convergence_order, reached
+    law.control, law.order, law.steps = control, setup.law.convergence_order, steps
     law.notes += _unlike(run, law.base)
-    if (rougher := _more_friction(law)) is not None:
-        law.friction = (FRICTION_CHANGE, rougher)
+    law.friction = _more_friction(law)
     advance()
     law.basis = _larger_basis(law)
     advance()
     return law
 
 
-def _run(law: Refined, setup: Setup, words: str, **finer: float) -> Run | None:
-    """Make one rerun in memory; None with a note if it does not reach its end."""
-    interval = min(setup.record_interval, law.period / RECORDS_PER_PERIOD)
-    if setup.duration / interval > MOST_RECORDS:
-        interval = setup.record_interval
+def _more_friction(law: Refined) -> tuple[float, Run] | None:
+    coefficient = law.run.setting("contact", "friction_coefficient")
+    if coefficient == 0.0:
+        law.notes.append(
+            f"{law.run.label} is frictionless: no sensitivity to the friction coefficient."
+        )
+        return None
+    more = {"friction_coefficient": coefficient * (1.0 + FRICTION_CHANGE)}
+    again = _again(law, "with more friction", contact=more)
+    return None if again is None else (FRICTION_CHANGE, again)
+
+
+def _larger_basis(law: Refined) -> Run | None:
+    """Run with more functions; a drive at the first natural frequency stays there."""
+    resonator, drive = law.run.configuration["resonator"], law.run.configuration["drive"]
+    key = "shapes" if resonator["basis"] == "ritz" else "kept_modes"
+    larger = resonator[key] + MORE_SHAPES
+    known = law.run.columns.get("natural_frequency")
+    tuned = known is not None and drive["frequency"] == known[0]
+    return _again(
+        law,
+        f"with resonator.{key} {larger}",
+        resonator={key: larger},
+        drive={"frequency": None} if tuned else {},
+    )
+
+
+def _again(law: Refined, words: str, **changes: Mapping[str, Any]) -> Run | None:
+    """Make one rerun in memory, with keys changed by section; None with a note where there is none."""
+    given = law.run.configuration
+    changed = {section: {**given[section], **keys} for section, keys in changes.items()}
     try:
+        setup = build({**given, **changed})
+        interval = min(setup.record_interval, law.period / RECORDS_PER_PERIOD)
+        if setup.duration / interval > MOST_RECORDS:
+            interval = setup.record_interval
         trajectory = simulate(
             setup.motor,
             setup.law,
             duration=setup.duration,
             record_interval=interval,
-            contact_step=finer.get("contact_step", setup.contact_step),
-            tolerance=finer.get("tolerance", setup.tolerance),
+            contact_step=setup.contact_step,
+            tolerance=setup.tolerance,
         )
+    except ConfigurationError as error:
+        law.notes.append(f"{law.run.label} cannot be run {words}: {error.faults[0]}")
     # A law of another package may fail in ways of its own.
     except Exception as error:
         law.notes.append(f"{law.run.label} fails {words}: {error}")
-        return None
-    if not trajectory.ending.reached_end:
+    else:
+        if trajectory.ending.reached_end:
+            return Run.of_trajectory(trajectory, setup.configuration)
         law.notes.append(f"{law.run.label} does not reach its end {words}: {trajectory.message}")
-        return None
-    return Run.of_trajectory(trajectory, setup.configuration)
+    return None
 
 
 def _unlike(run: Run, again: Run) -> Iterator[str]:
@@ -172,34 +203,3 @@ def _unlike(run: Run, again: Run) -> Iterator[str]:
             f"{run.label} run again ends at {new:.9g} rad/s and not at the recorded {old:.9g} rad/s: "
             "other code has left it. The reruns are compared."
         )
-
-
-def _more_friction(law: Refined) -> Run | None:
-    changed = copy.deepcopy(dict(law.run.configuration))
-    changed["contact"]["friction_coefficient"] *= 1.0 + FRICTION_CHANGE
-    if changed["contact"]["friction_coefficient"] == 0.0:
-        law.notes.append(
-            f"{law.run.label} is frictionless: no sensitivity to the friction coefficient."
-        )
-        return None
-    return _changed(law, changed, "with more friction")
-
-
-def _larger_basis(law: Refined) -> Run | None:
-    """Run with more functions; a drive at the first natural frequency stays there."""
-    changed = copy.deepcopy(dict(law.run.configuration))
-    key = "shapes" if changed["resonator"]["basis"] == "ritz" else "kept_modes"
-    changed["resonator"][key] += MORE_SHAPES
-    known = law.run.columns.get("natural_frequency")
-    if known is not None and changed["drive"]["frequency"] == known[0]:
-        changed["drive"]["frequency"] = None
-    return _changed(law, changed, f"with resonator.{key} {changed['resonator'][key]}")
-
-
-def _changed(law: Refined, configuration: dict[str, Any], words: str) -> Run | None:
-    try:
-        setup = build(configuration)
-    except ConfigurationError as error:
-        law.notes.append(f"{law.run.label} cannot be run {words}: {error.faults[0]}")
-        return None
-    return _run(law, setup, words)

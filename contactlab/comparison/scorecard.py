@@ -12,13 +12,10 @@ import yaml
 
 from contactlab.comparison.reruns import Refined
 from contactlab.metrics import (
-    FAIL,
     METRICS,
-    NOT_APPLICABLE,
-    PASS,
-    REPORTED,
     SENSITIVITIES,
     STEP_METRICS,
+    VERDICTS,
     Run,
     assess,
     assess_steps,
@@ -26,11 +23,8 @@ from contactlab.metrics import (
 )
 from contactlab.results.provenance import checkout_state, versions
 
-VERDICTS: Final = (NOT_APPLICABLE, PASS, FAIL, REPORTED)
-"""In the order of their flags."""
-
 FLAGS: Final = ("not_applicable", "pass", "fail", "reported")
-"""The same as words of the CF conventions."""
+"""`VERDICTS` as words of the CF conventions."""
 
 ENERGY_TERMS: Final = {
     "damping_loss": "viscous damping",

@@ -1,15 +1,14 @@
 """The scorecard as text for the terminal, as CSV and as a LaTeX table."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import isnan
 from typing import Final, final
 
 import pandas
 import xarray
 
-from contactlab.comparison.scorecard import VERDICTS
-from contactlab.metrics import NOT_APPLICABLE, REPORTED
+from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS
 
 
 @final
@@ -65,22 +64,18 @@ class Row:
         return self.unit and f" [{self.unit[1:]}]"
 
 
-_SAID: Final = ("metric", "symbol", "units", "meaning", "threshold", "reason", "metric_source")
-
-
 def rows(data: xarray.Dataset) -> list[Row]:
     """Take a scorecard apart."""
     found = []
     for key in data["metric"].values:
         one = data.sel(metric=key)
-        numbers = zip(one["value"].values, one["numerical_error"].values, strict=True)
-        verdicts = [VERDICTS[flag] for flag in one["verdict"].values]
-        cells = (
-            Cell(float(value), float(error), verdict)
-            for (value, error), verdict in zip(numbers, verdicts, strict=True)
-        )
-        words = {name: str(one[name].item()) for name in _SAID}
-        found.append(Row(**words, cells=dict(zip(data["law"].values, cells, strict=True))))
+        words = {f.name: str(one[f.name].item()) for f in fields(Row) if f.name != "cells"}
+        columns = (one[name].values for name in ("law", "value", "numerical_error", "verdict"))
+        cells = {
+            str(label): Cell(float(value), float(error), VERDICTS[flag])
+            for label, value, error, flag in zip(*columns, strict=True)
+        }
+        found.append(Row(**words, cells=cells))
     return found
 
 
@@ -88,39 +83,26 @@ def as_text(data: xarray.Dataset) -> str:
     """Write the table for a terminal, plain ASCII."""
     table = rows(data)
     width = max(len(row.threshold) for row in table)
-    frame = pandas.DataFrame(
-        [
-            {"must be": row.threshold.ljust(width)}
-            | {k: f"{cell.number} {cell.word}".rstrip() for k, cell in row.cells.items()}
-            for row in table
-        ],
-        index=[row.metric + row.bracketed for row in table],
-    )
+    lines = [
+        {"must be": row.threshold.ljust(width)}
+        | {label: f"{cell.number} {cell.word}".rstrip() for label, cell in row.cells.items()}
+        for row in table
+    ]
+    frame = pandas.DataFrame(lines, index=[row.metric + row.bracketed for row in table])
     frame = frame.replace({"\u2212": "-", "\u00b1": "+-"}, regex=True)
     return str(frame.rename_axis(columns="metric").to_string())
 
 
 def as_csv(data: xarray.Dataset) -> str:
     """Write one row a metric; value, numerical error and verdict of every law."""
-    table = [
-        {
-            "metric": row.metric,
-            "meaning": row.meaning,
-            "units": row.units,
-            "must be": row.threshold,
-        }
-        | {
-            f"{label}{what}": text
-            for label, cell in row.cells.items()
-            for what, text in (
-                ("", _exact(cell.value)),
-                (" numerical error", _exact(cell.error)),
-                (" verdict", cell.verdict),
-            )
-        }
-        for row in rows(data)
-    ]
-    return str(pandas.DataFrame(table).to_csv(index=False, lineterminator="\n"))
+    names = {"metric": "metric", "meaning": "meaning", "units": "units", "must be": "threshold"}
+    frame = pandas.DataFrame({title: data[name].values for title, name in names.items()})
+    for label in data["law"].values:
+        one = data.sel(law=label)
+        frame[label] = [_exact(value) for value in one["value"].values]
+        frame[f"{label} numerical error"] = [_exact(e) for e in one["numerical_error"].values]
+        frame[f"{label} verdict"] = [VERDICTS[flag] for flag in one["verdict"].values]
+    return str(frame.to_csv(index=False, lineterminator="\n"))
 
 
 def _exact(value: float) -> str:

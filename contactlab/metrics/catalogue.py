@@ -13,8 +13,10 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 Measure = TypeVar("Measure", bound=Callable[[Any], float])
 
-PASS, FAIL, NOT_APPLICABLE, REPORTED = "pass", "fail", "n/a", "-"
-"""Verdicts; a metric without a threshold is only reported."""
+VERDICTS: Final = ("n/a", "pass", "fail", "-")
+"""In the order of their flags in a file; a metric without a threshold is only reported."""
+
+NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS
 
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven

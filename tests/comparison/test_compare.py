@@ -8,16 +8,16 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray
-from contactlab.comparison.scorecard import energy_flow
-from contactlab.comparison.findings import conclusion, differences, verdicts
 from support.command_line import Command
 from support.compared import LAWS, leave, leave_all
 
 from contactlab.comparison import ComparisonError, compare
 from contactlab.comparison.curves import one_contact_each
 from contactlab.comparison.figures import draw_energy
+from contactlab.comparison.findings import conclusion, differences, verdicts
 from contactlab.comparison.reruns import Refined, richardson
 from contactlab.comparison.runs import collect
+from contactlab.comparison.scorecard import energy_flow
 from contactlab.comparison.tables import as_latex, as_text, latex
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
 
