@@ -114,6 +114,9 @@ def metric(
 invariant = partial(metric, invariant=True)
 """Declares a metric that holds whatever the law."""
 
+without_records = partial(metric, needs_records=False)
+"""Declares a metric that takes no record but the last."""
+
 of_steps = partial(metric, catalogue=STEP_METRICS)
 """Declares a metric of a ladder of steps."""
 

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from contactlab.metrics.catalogue import metric
+from contactlab.metrics.catalogue import metric, without_records
 from contactlab.metrics.hertz import effective_mass, hertz_duration, stiffness
 from contactlab.metrics.run import Run, needed
 
@@ -12,67 +12,54 @@ OCCUPIED: Final = 0.99
 """Share of the spectral energy below the bandwidth."""
 
 
-@metric(
-    "n_c",
-    "number of contacts, one that the end cuts included",
-    needs_records=False,
-    usual=True,
-)
+@without_records("n_c", "number of contacts, one that the end cuts included", usual=True)
 def contact_count(run: Run) -> float:
     needed("start_time" in run.rows)
     return float(run.rows["start_time"].size)
 
 
-@metric(
-    "N_max", "largest normal force", "N", source="paper, fig. 9", needs_records=False, usual=True
-)
+@without_records("N_max", "largest normal force", "N", source="paper, fig. 9", usual=True)
 def peak_force(run: Run) -> float:
     return float(run.contacts("peak_normal_force").max())
 
 
-@metric("mean p_n", "mean normal impulse of a contact", "N s", needs_records=False)
+@without_records("mean p_n", "mean normal impulse of a contact", "N s")
 def mean_impulse(run: Run) -> float:
     return float(run.contacts("normal_impulse").mean())
 
 
-@metric("sum p_n", "normal impulse of all contacts", "N s", needs_records=False, usual=True)
+@without_records("sum p_n", "normal impulse of all contacts", "N s", usual=True)
 def total_impulse(run: Run) -> float:
     return float(run.contacts("normal_impulse").sum())
 
 
-@metric("sum p_t", "friction impulse of all contacts", "N s", needs_records=False, usual=True)
+@without_records("sum p_t", "friction impulse of all contacts", "N s", usual=True)
 def total_friction_impulse(run: Run) -> float:
     return float(run.contacts("friction_impulse").sum())
 
 
-@metric("sum t_c", "time in contact", "s", needs_records=False, usual=True)
+@without_records("sum t_c", "time in contact", "s", usual=True)
 def contact_time(run: Run) -> float:
     return float(run.contacts("duration").sum())
 
 
-@metric("median t_c", "median duration of a contact", "s", needs_records=False)
+@without_records("median t_c", "median duration of a contact", "s")
 def contact_duration(run: Run) -> float:
     return float(np.median(run.contacts("duration")))
 
 
-@metric(
-    "sum t_st / sum t_c",
-    "share of the time in contact that sticks",
-    needs_records=False,
-    usual=True,
-)
+@without_records("sum t_st / sum t_c", "share of the time in contact that sticks", usual=True)
 def stick_share(run: Run) -> float:
     duration = contact_time(run)
     needed(duration > 0.0)
     return float(run.contacts("stick_duration").sum()) / duration
 
 
-@metric(
+@without_records(
     "median(-g_dot_1 / g_dot_0)",
     "apparent restitution: separation over approach velocity. The drive works on through a contact, so "
     "that one is no bound",
     source="Stronge (2000), Impact Mechanics, ch. 3",
-    needs_records=False,
 )
 def restitution(run: Run) -> float:
     approach, separation = run.contacts("approach_velocity"), run.contacts("separation_velocity")
@@ -130,7 +117,7 @@ def rotor_velocity(run: Run) -> float:
     return float((angle[-1] - angle[0]) / (time[-1] - time[0]))
 
 
-@metric("Omega(T)", "rotor velocity at the last record", "rad s-1", needs_records=False, usual=True)
+@without_records("Omega(T)", "rotor velocity at the last record", "rad s-1", usual=True)
 def final_rotor_velocity(run: Run) -> float:
     return float(run.series("rotor_velocity")[-1])
 
@@ -159,16 +146,13 @@ def efficiency(run: Run) -> float:
     return done / given
 
 
-@metric("W_f / W_d", "friction loss over work of the drive", needs_records=False, usual=True)
+@without_records("W_f / W_d", "friction loss over work of the drive", usual=True)
 def friction_share(run: Run) -> float:
     return _share_of_work(run, "friction_loss")
 
 
-@metric(
-    "W_n / W_d",
-    "loss in normal damping and impacts over work of the drive",
-    needs_records=False,
-    usual=True,
+@without_records(
+    "W_n / W_d", "loss in normal damping and impacts over work of the drive", usual=True
 )
 def normal_loss_share(run: Run) -> float:
     return _share_of_work(run, "contact_loss")
