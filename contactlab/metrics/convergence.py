@@ -1,10 +1,9 @@
 """How a law's answers depend on the step, on the basis of the resonator and on the friction."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import log
-from typing import Final, final
+from typing import Final
 
 import numpy as np
 import xarray
@@ -25,37 +24,32 @@ FIGURE_9: Final = "paper, fig. 9"
 ROACHE: Final = "Roache (1998), Verification and Validation in Computational Science, ch. 5"
 
 
-@final
-@dataclass(frozen=True)
-class Ladder:
-    """Runs of one law on one motor.
+Ladder = Sequence[tuple[float, Run]]
+"""Step [s] or tolerance [1] and run, of one law on one motor, coarsest first."""
 
-    Args:
-        steps: steps [s] or tolerances [1], coarsest first.
-        runs: at these steps.
-    """
+Variants = Mapping[str, tuple[float, Run]]
+"""Runs of one law: `base` by 0, and with the `basis` or the `friction` changed by an amount [1]."""
 
-    steps: Sequence[float]
-    runs: Sequence[Run]
 
-    def exponent(self, value: Callable[[Run], float]) -> float:
-        """Give the slope of the line through the logarithms of values over steps, by least squares."""
-        needed(len(self.steps) > 1)
-        values = np.array([value(run) for run in self.runs])
-        needed(bool(np.isfinite(values).all() and (values > 0.0).all()))
-        x = np.log(self.steps)
-        x = x - x.mean()
-        needed(bool(x.any()))
-        return float(x @ np.log(values) / (x @ x))
+def _exponent(ladder: Ladder, value: Callable[[Run], float]) -> float:
+    """Give the slope of the line through the logarithms of values over steps, by least squares."""
+    needed(len(ladder) > 1)
+    values = np.array([value(run) for _, run in ladder])
+    needed(bool(np.isfinite(values).all() and (values > 0.0).all()))
+    x = np.log([step for step, _ in ladder])
+    x = x - x.mean()
+    needed(bool(x.any()))
+    return float(x @ np.log(values) / (x @ x))
 
-    def velocities(self) -> tuple[float, float, float]:
-        """Give the rotor velocities of the three finest steps, which are in one ratio [rad/s]."""
-        needed(len(self.steps) > 2)
-        coarse, middle, fine = self.steps[-3:]
-        needed(coarse > middle > fine > 0.0)
-        needed(abs(coarse * fine / middle**2 - 1.0) <= ONE_RATIO)
-        first, second, third = map(rotor_velocity, self.runs[-3:])
-        return first, second, third
+
+def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
+    """Give the rotor velocities of the three finest steps [rad/s], and the one ratio of these steps."""
+    needed(len(ladder) > 2)
+    coarse, middle, fine = (step for step, _ in ladder[-3:])
+    needed(coarse > middle > fine > 0.0)
+    needed(abs(coarse * fine / middle**2 - 1.0) <= ONE_RATIO)
+    first, second, third = (rotor_velocity(run) for _, run in ladder[-3:])
+    return first, second, third, middle / fine
 
 
 @of_steps(
@@ -64,7 +58,7 @@ class Ladder:
     source=FIGURE_9,
 )
 def peak_force_exponent(ladder: Ladder) -> float:
-    return ladder.exponent(peak_force)
+    return _exponent(ladder, peak_force)
 
 
 @of_steps(
@@ -77,7 +71,7 @@ def peak_force_exponent(ladder: Ladder) -> float:
     source=f"{FIGURE_9} and its discussion",
 )
 def peak_force_step_dependence(ladder: Ladder) -> float:
-    return abs(ladder.exponent(peak_force))
+    return abs(_exponent(ladder, peak_force))
 
 
 @of_steps(
@@ -86,7 +80,7 @@ def peak_force_step_dependence(ladder: Ladder) -> float:
     source=FIGURE_9,
 )
 def impulse_exponent(ladder: Ladder) -> float:
-    return ladder.exponent(total_impulse)
+    return _exponent(ladder, total_impulse)
 
 
 @of_steps(
@@ -97,7 +91,7 @@ def impulse_exponent(ladder: Ladder) -> float:
     source=f"{FIGURE_9} and its discussion",
 )
 def impulse_step_dependence(ladder: Ladder) -> float:
-    return abs(ladder.exponent(total_impulse))
+    return abs(_exponent(ladder, total_impulse))
 
 
 @of_steps(
@@ -106,11 +100,11 @@ def impulse_step_dependence(ladder: Ladder) -> float:
     source=ROACHE,
 )
 def velocity_order(ladder: Ladder) -> float:
-    first, second, third = ladder.velocities()
+    first, second, third, ratio = _velocities(ladder)
     before, after = first - second, second - third
     # Round-off has no order; equal signs and a fall are what convergence looks like.
     needed(abs(after) > 1e-12 * abs(third) and before * after > 0.0 and abs(before) > abs(after))
-    return log(before / after) / log(ladder.steps[-2] / ladder.steps[-1])
+    return log(before / after) / log(ratio)
 
 
 @of_steps(
@@ -120,11 +114,10 @@ def velocity_order(ladder: Ladder) -> float:
     source=ROACHE,
 )
 def extrapolated_rotor_velocity(ladder: Ladder) -> float:
-    _, second, third = ladder.velocities()
+    _, second, third, ratio = _velocities(ladder)
     order = velocity_order(ladder)
     needed(order >= LEAST_ORDER)
-    growth = float((ladder.steps[-2] / ladder.steps[-1]) ** order)
-    return third - (second - third) / (growth - 1.0)
+    return third - (second - third) / (float(ratio**order) - 1.0)
 
 
 @of_steps(
@@ -134,13 +127,13 @@ def extrapolated_rotor_velocity(ladder: Ladder) -> float:
     source=ROACHE,
 )
 def velocity_error(ladder: Ladder) -> float:
-    velocities = ladder.velocities()
+    *coarser, finest, _ = _velocities(ladder)
     try:
-        error = abs(velocities[-1] - extrapolated_rotor_velocity(ladder))
+        error = abs(finest - extrapolated_rotor_velocity(ladder))
     except NotApplicableError:
-        error = float(np.ptp(velocities))
-    needed(velocities[-1] != 0.0)
-    return error / abs(velocities[-1])
+        error = float(np.ptp([*coarser, finest]))
+    needed(finest != 0.0)
+    return error / abs(finest)
 
 
 def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[str, float]:
@@ -161,24 +154,16 @@ def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[st
             f"The steps are {steps}; they must be positive and fall from run to run. Sort the runs, "
             "coarsest first, and give each step once."
         )
-    return measured(STEP_METRICS, Ladder(steps, [Run.of(run) for _, run in runs]))
+    return measured(STEP_METRICS, [(float(step), Run.of(run)) for step, run in runs])
 
 
-@final
-@dataclass(frozen=True)
-class Variants:
-    """A run, and runs of the same law with one thing changed by an amount: the basis, the friction."""
-
-    base: Run
-    changed: dict[str, tuple[float, Run]]
-
-    def sensitivity(self, thing: str, value: Callable[[Run], float]) -> float:
-        """Give ((x_changed - x) / x) / amount."""
-        amount, variant = self.changed.get(thing, (0.0, self.base))
-        needed(amount != 0.0)
-        before = value(self.base)
-        needed(before != 0.0)
-        return (value(variant) - before) / before / amount
+def _sensitivity(runs: Variants, thing: str, value: Callable[[Run], float]) -> float:
+    """Give ((x_changed - x) / x) / amount."""
+    needed(thing in runs and runs[thing][0] != 0.0)
+    amount, variant = runs[thing]
+    before = value(runs["base"][1])
+    needed(before != 0.0)
+    return (value(variant) - before) / before / amount
 
 
 _WAYS: Final = {
@@ -201,7 +186,7 @@ for _thing, (_symbol, _meaning) in _WAYS.items():
             _meaning.format(_words),
             catalogue=SENSITIVITIES,
             key=f"{_value.__name__}_by_{_thing}",
-        )(partial(Variants.sensitivity, thing=_thing, value=_value))
+        )(partial(_sensitivity, thing=_thing, value=_value))
 
 
 def assess_variants(
@@ -219,7 +204,9 @@ def assess_variants(
     Returns:
         A number for every key of `SENSITIVITIES`; NaN where the variant is not given.
     """
-    changed = {} if basis is None else {"basis": (1.0, Run.of(basis))}
+    runs = {"base": (0.0, base)}
+    if basis is not None:
+        runs["basis"] = (1.0, basis)
     if friction is not None:
-        changed["friction"] = (float(friction[0]), Run.of(friction[1]))
-    return measured(SENSITIVITIES, Variants(Run.of(base), changed))
+        runs["friction"] = friction
+    return measured(SENSITIVITIES, {k: (float(by), Run.of(run)) for k, (by, run) in runs.items()})
