@@ -11,7 +11,6 @@ from typing import Final
 import xarray
 from tqdm import tqdm
 
-from contactlab.comparison.figures import draw_all
 from contactlab.comparison.findings import conclusion, differences, verdicts
 from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Source, collect
@@ -68,6 +67,9 @@ def compare(
 
 
 def _write(data: xarray.Dataset, laws: Sequence[Refined], folder: Path) -> None:
+    # It brings the plotting.
+    from contactlab.comparison.figures import draw_all
+
     folder.mkdir(parents=True, exist_ok=True)
     texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data)}
     with whole_netcdf(folder / "metrics.nc") as partial:
