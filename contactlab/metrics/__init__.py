@@ -10,8 +10,9 @@ from contactlab.metrics.assessment import (
     assess_variants,
 )
 from contactlab.metrics.metric import FAIL, NOT_APPLICABLE, PASS, REPORTED, Metric
-from contactlab.metrics.reading import configuration_of, is_complete, read_run
+from contactlab.metrics.reading import is_complete, read_run
 from contactlab.metrics.record import Record
+from contactlab.results.netcdf import configuration_of
 
 __all__ = [
     "FAIL",

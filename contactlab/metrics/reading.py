@@ -5,10 +5,9 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
-import yaml
 
 from contactlab import variables
-from contactlab.results.run_folder import damage
+from contactlab.results.files import damage
 from contactlab.variables import Variable
 
 _ROOT: Final = {v.name: v for v in (*variables.SERIES, variables.CONTACT_MODE)}
@@ -69,16 +68,6 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
 def is_complete(tree: xarray.DataTree) -> bool:
     """Whether a dataset is of a run that reached its end; one of one's own need not say so."""
     return bool(tree.attrs.get("complete", 1))
-
-
-def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
-    """The configuration that a dataset tells; empty where it tells none."""
-    try:
-        found = yaml.safe_load(str(tree.attrs.get("configuration", "")))
-    # Besides its own errors YAML raises those of impossible dates.
-    except (yaml.YAMLError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def _check(tree: xarray.DataTree, words: str) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from contactlab.metrics.reading import configuration_of
+from contactlab.results.netcdf import configuration_of
 from contactlab.trajectory import Trajectory
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from contactlab.plot.animation_trace import COLOUR, MODES, draw_traces
 from contactlab.plot.overview import COLOURS, STYLE
 from contactlab.plot.overview_data import drawable
 from contactlab.results.netcdf import reached_end
-from contactlab.results.prefixes import prefixed, prefixed_unit
+from contactlab.results.summary import prefixed, prefixed_unit
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from contactlab.plot.animation_data import Film
 from contactlab.plot.overview import COLOURS
 from contactlab.plot.overview_data import COLUMNS, drawable, envelope
-from contactlab.results.prefixes import prefixed, prefixed_unit
+from contactlab.results.summary import prefixed, prefixed_unit
 
 MODES: Final = ("free", "slip", "stick")
 COLOUR: Final = ("#707070", COLOURS["slip"], COLOURS["stick"])

@@ -30,7 +30,7 @@ from contactlab.plot.overview_data import (
 )
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end
-from contactlab.results.prefixes import prefixed, prefixed_unit
+from contactlab.results.summary import prefixed, prefixed_unit
 
 Array = NDArray[np.float64]
 

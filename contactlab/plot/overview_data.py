@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from contactlab.results.prefixes import prefixed_unit
+from contactlab.results.summary import prefixed_unit
 
 Array = NDArray[np.float64]
 
