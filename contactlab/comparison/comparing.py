@@ -6,7 +6,6 @@ from typing import Final
 
 import xarray
 
-from contactlab.comparison.figures import draw_all, write_all
 from contactlab.comparison.report import write_page
 from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Run, Source, collect
@@ -63,6 +62,9 @@ def _refined(runs: list[Run]) -> list[Refined]:
 
 
 def _write(data: xarray.Dataset, laws: list[Refined], folder: Path) -> None:
+    # They bring the plotting.
+    from contactlab.comparison.figures import draw_all, write_all
+
     folder.mkdir(parents=True, exist_ok=True)
     for name, of in TEXT.items():
         _write_text(of(data), folder / name)

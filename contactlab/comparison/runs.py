@@ -13,8 +13,8 @@ from contactlab.comparison.arrays import series
 from contactlab.comparison.faults import ComparisonError
 from contactlab.comparison.sameness import differences, law_keys, shown
 from contactlab.metrics import configuration_of, read_run
+from contactlab.results.files import DATASET
 from contactlab.results.netcdf import reached_end
-from contactlab.results.run_folder import DATASET
 
 Source = str | Path | xarray.DataTree
 """A run folder, a dataset, a folder of such folders, or a run in memory."""
