@@ -78,10 +78,7 @@ class Solution:
 
     @property
     def state(self) -> dict[str, Any]:
-        """The state of motor, law and solver at the end, from which another run goes on.
-
-        It is the group `state` of the tree, and of its file. Empty where the run cannot go on.
-        """
+        """The state in which the run ended, from which another goes on: the group `state` of the tree."""
         return state_of(self.tree)
 
     @property
@@ -176,12 +173,13 @@ def simulate(
     given = {name: value for name, value in numbers.items() if value is not None}
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
+        given[name] = float(value)
     if start is not None:
         check_kind("The start", start, Solution)
         if not start.state:
             raise ValueError(
-                "The run to start from tells no state to go on from; it must have reached its end, and "
-                "its file must have the group 'state'. Run it again."
+                "The run to start from tells no state to go on from; its file must have the group 'state', "
+                "which those of earlier versions lack. Run it again."
             )
     if motor is None and start is not None:
         motor = start.setup
@@ -210,9 +208,7 @@ def simulate(
         progress=progress,
         **going_on,
     )
-    configuration = setup.configuration or settings_of(trajectory)
-    tree = to_datatree(trajectory, configuration)
-    return Solution(tree, replace(setup, configuration=configuration))
+    return Solution(to_datatree(trajectory, setup.configuration), setup)
 
 
 def load(path: str | Path) -> Solution:
@@ -239,7 +235,7 @@ def load(path: str | Path) -> Solution:
 
 
 def _setup(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
-    """Put together what is given in Python; there is no configuration."""
+    """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
     check_kind("The motor", motor, Motor)
     if isinstance(law, str):
         raise TypeError(
@@ -251,12 +247,16 @@ def _setup(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
         raise ValueError(
             "The duration is missing; a motor and a law need one in seconds: duration=5e-3."
         )
-    usual = {
-        "record_interval": min(RECORD_INTERVAL, given["duration"]),
-        "contact_step": default_contact_step(motor.modes, law),
-        "tolerance": None,
-    }
-    return Setup(motor=motor, law=law, **usual | given, configuration={})
+    usual = Setup(
+        motor=motor,
+        law=law,
+        duration=given["duration"],
+        record_interval=min(RECORD_INTERVAL, given["duration"]),
+        contact_step=default_contact_step(motor.modes, law),
+        tolerance=None,
+        configuration=settings_of(motor, law),
+    )
+    return _changed(usual, {name: getattr(usual, name) for name in _KEYS} | given)
 
 
 def _changed(setup: Setup, given: dict[str, Any]) -> Setup:
@@ -264,5 +264,5 @@ def _changed(setup: Setup, given: dict[str, Any]) -> Setup:
     configuration = {name: dict(section) for name, section in setup.configuration.items()}
     for name, value in given.items():
         section, key = _KEYS[name]
-        configuration[section][key] = value
+        configuration.setdefault(section, {})[key] = value
     return replace(setup, **given, configuration=configuration)

@@ -149,7 +149,7 @@ def explain_shades(axes: Axes, height: float) -> None:
 
 def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
     """Draw one factual line over the picture."""
-    time, velocity = float(root["time"][-1]), float(root["rotor_velocity"][-1])
+    time, velocity = float(np.ptp(root["time"].values)), float(root["rotor_velocity"][-1])
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
     text = (

@@ -19,7 +19,9 @@ import xarray
 import yaml
 
 from contactlab import variables
+from contactlab.laws import ContactLaw
 from contactlab.laws.registry import provenance
+from contactlab.motor import Motor
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.trajectory import Ending, Trajectory
@@ -67,22 +69,23 @@ def to_datatree(
     root = xarray.Dataset(
         _columns((*variables.SERIES, variables.CONTACT_MODE, *variables.RESONATOR), values),
         coords=_columns((variables.TIME,), values),
-        attrs=_attributes(trajectory, configuration or settings_of(trajectory)),
+        attrs=_attributes(
+            trajectory, configuration or settings_of(trajectory.motor, trajectory.law)
+        ),
     )
     contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
     groups = {"/": root, "/contacts": contacts}
     if state := getattr(trajectory, "state", None):
-        groups["/state"] = xarray.Dataset(
-            {
-                name: (
-                    [f"{name}_{axis}" for axis in range(np.ndim(value))],
-                    np.asarray(value),
-                    {"long_name": f"{name} where the run ended"},
-                )
-                for name, value in state.items()
-            }
-        )
+        groups["/state"] = xarray.Dataset({k: _as_variable(k, v) for k, v in state.items()})
     return xarray.DataTree.from_dict(groups)
+
+
+def _as_variable(name: str, value: object) -> xarray.Variable:
+    """Give an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
+    values = np.asarray(value)
+    values = values.astype(np.int8) if values.dtype.kind == "b" else values
+    axes = [f"{name}_{axis}" for axis in range(values.ndim)]
+    return xarray.Variable(axes, values, {"long_name": f"{name} where the run ended"})
 
 
 def state_of(tree: xarray.DataTree) -> dict[str, Any]:
@@ -91,20 +94,17 @@ def state_of(tree: xarray.DataTree) -> dict[str, Any]:
     return {} if group is None else {str(k): v.values[()] for k, v in group.data_vars.items()}
 
 
-def settings_of(trajectory: Trajectory) -> dict[str, Any]:
-    """Say what ran where there is no configuration: the numbers of motor, law and solver by its keys."""
-    motor, geometry = trajectory.motor, trajectory.motor.geometry
-    law = trajectory.law.describe()
+def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
+    """Give the numbers of a motor and a law by the keys of a configuration, where there is none."""
+    parameters, geometry = law.describe(), motor.geometry
     settings: dict[str, dict[str, Any]] = {
-        "law": {"name": trajectory.law.name, **law},
+        "law": {"name": law.name, **parameters},
         "contact": {"tip_length": geometry.tip_length, "clearance": geometry.clearance},
         "rotor": {"radius": geometry.rotor_radius, **asdict(motor.rotor)},
-        "solver": {"duration": trajectory.duration, "contact_step": trajectory.contact_step},
-        "record": {"interval": trajectory.record_interval},
     }
     if motor.drive.frequency.size:
         settings["drive"] = {"frequency": motor.drive.frequency[0]}
-    if (friction := law.get("friction_coefficient")) is not None:
+    if (friction := parameters.get("friction_coefficient")) is not None:
         settings["contact"]["friction_coefficient"] = friction
     # Plain numbers, whatever a motor was made from.
     plain: dict[str, Any] = json.loads(json.dumps(settings, default=float))

@@ -31,14 +31,14 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
     """Give the values of `summarise` by their labels."""
     attributes, root = tree.attrs, tree.to_dataset()
     contacts = tree.children["contacts"].to_dataset(inherit=False)
-    simulated = float(root["time"][-1])
+    start, end = root["time"].values[[0, -1]].tolist()
     # Plus nothing: a rotor at rest has no sign.
     velocity = float(root["rotor_velocity"][-1]) + 0.0
     peak = float(np.max(contacts["peak_normal_force"].values, initial=0.0))
     lines = {
         "law": _law(attributes),
         "contacts": _contacts(tree, contacts),
-        "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(simulated, 's')}",
+        "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
         "peak normal force": f"{peak:.4g} N",
     }
     if root["load_work"].values.any():
@@ -49,8 +49,10 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
     lines["normal impulse"] = f"{impulse:.6g} N s in all"
     lines["ledger residual"] = _residual(root)
     if wall_time is not None:
-        pace = f", {simulated / wall_time:.3g} times real time" if wall_time > 0.0 else ""
-        lines["speed"] = f"{prefixed(simulated, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
+        pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
+        lines["speed"] = (
+            f"{prefixed(end - start, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
+        )
     if wedged := json.loads(attributes["solver_statistics"]).get("wedged_steps", 0):
         lines["Painleve's paradox"] = (
             f"{wedged} steps in contact with several solutions: what slid was released, what stuck was held"
