@@ -19,7 +19,7 @@ from contactlab.comparison.scorecard import ENERGY_TERMS
 from contactlab.plot.overview_data import drawable, envelope
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
-from contactlab.results.prefixes import prefixed_unit
+from contactlab.results.summary import prefixed_unit
 
 WIDTH: Final = 5.2
 """Inches; the words are still read where a phone makes it its own width."""

@@ -12,10 +12,11 @@ import xarray
 
 from contactlab.config.nesting import flat
 from contactlab.metrics import Run, read_run
+from contactlab.results.files import DATASET
 from contactlab.results.netcdf import reached_end
-from contactlab.results.run_folder import DATASET
+from contactlab.simulation import Solution
 
-Source = str | Path | xarray.DataTree
+Source = str | Path | Solution | xarray.DataTree
 """A run folder, a dataset, a folder of such folders, or a run in memory."""
 
 FREE = ("law", "solver", "record", "hydra")
@@ -66,8 +67,8 @@ def _found(sources: Sequence[Source], faults: list[str]) -> dict[str, Path | xar
     found: dict[str, Path | xarray.DataTree] = {}
     seen: set[Path] = set()
     for number, source in enumerate(sources, 1):
-        if isinstance(source, xarray.DataTree):
-            found[f"run {number}"] = source
+        if isinstance(source, Solution | xarray.DataTree):
+            found[f"run {number}"] = source.tree if isinstance(source, Solution) else source
             continue
         for path in _datasets(Path(source), faults):
             if path.resolve() not in seen:

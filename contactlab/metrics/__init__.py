@@ -19,8 +19,9 @@ from contactlab.metrics.catalogue import (
     metric,
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants
-from contactlab.metrics.reading import configuration_of, is_complete, read_run
+from contactlab.metrics.reading import is_complete, read_run
 from contactlab.metrics.run import NotApplicableError, Run, needed
+from contactlab.results.netcdf import configuration_of
 
 __all__ = [
     "FAIL",

@@ -1,14 +1,13 @@
 """A dataset from a file or a tree, checked for its layout before anything is made of it."""
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import xarray
-import yaml
 
 from contactlab import variables
-from contactlab.results.run_folder import damage
+from contactlab.results.files import damage
 from contactlab.variables import Variable
 
 _ROOT: Final = {v.name: v for v in (*variables.SERIES, variables.CONTACT_MODE)}
@@ -45,16 +44,6 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
 def is_complete(tree: xarray.DataTree) -> bool:
     """Tell whether a dataset is of a run that reached its end; one of one's own need not say so."""
     return bool(tree.attrs.get("complete", 1))
-
-
-def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
-    """Give the configuration that a dataset tells; empty where it tells none."""
-    try:
-        found = yaml.safe_load(str(tree.attrs.get("configuration", "")))
-    # Besides its own errors YAML raises those of impossible dates.
-    except (yaml.YAMLError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def _opened(path: Path) -> xarray.DataTree:

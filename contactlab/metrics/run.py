@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.laws.declaration import PARTS
 from contactlab.laws.registry import law_class
-from contactlab.metrics.reading import configuration_of
+from contactlab.results.netcdf import configuration_of
 from contactlab.trajectory import Trajectory
 
 LAST_SHARE: Final = 0.25
