@@ -7,10 +7,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import Motor
-
-Array = NDArray[np.float64]
 
 
 class Ending(IntEnum):

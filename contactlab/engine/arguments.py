@@ -4,8 +4,8 @@ from math import inf
 
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number
 from contactlab.engine.plant import Plant, resolved_rate
-from contactlab.laws.base import LAW_WORDS, ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.soundness import refuse_unsound
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.declaration import refuse_unsound
 from contactlab.motor.motor import Motor
 
 
@@ -22,7 +22,7 @@ def check_kinds(motor: Motor, law: ContactLaw) -> None:
             f"contactlab.laws.law_class({law!r})(...)."
         )
     check_kind("The law", law, ContactLaw)
-    refuse_unsound(type(law), LAW_WORDS)
+    refuse_unsound(type(law))
     if not isinstance(law, PenaltyLaw | MultiplierLaw):
         raise TypeError(
             f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."

@@ -9,8 +9,8 @@ Friction that is not set-valued is in `contactlab.engine.state_friction`.
 from math import nan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import part_kernel
 from contactlab.engine.nodes import free_response
 from contactlab.engine.plant import Plant
@@ -40,10 +40,8 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, step_length
-from contactlab.laws.base import CREEPING, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
+from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 MOST_ITERATIONS = 25
 AGREEMENT = 1e-10
@@ -105,7 +103,7 @@ def collocate(
     """
     h = step_length(tables, level)
     rubbing = step.whole[RUBBING]
-    follows = rubbing == CREEPING or (rubbing != SET_VALUED and mode == STICK)
+    follows = rubbing == RATE_DEPENDENT or (rubbing != SET_VALUED and mode == STICK)
     factored = False
     for sweep in range(1, MOST_ITERATIONS + 1):
         change = 0.0

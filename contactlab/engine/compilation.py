@@ -6,9 +6,8 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import numba
-import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import INTERPRETED, is_compiled, kernel
 from contactlab.engine.callback import law_errors
 from contactlab.engine.law_kernels import compiled
@@ -26,8 +25,6 @@ from contactlab.laws.base import (
     PenaltyLaw,
 )
 from contactlab.laws.intake import function_of, said
-
-Array = NDArray[np.float64]
 
 
 @kernel
@@ -71,8 +68,8 @@ def kernels_of(
     """
     compliant = isinstance(law, PenaltyLaw)
     force = function_of(law, "force") if compliant else no_force
-    rubs = compliant and said(law, "rub") is not None
-    rub = function_of(law, "rub") if rubs else no_friction
+    rubs = compliant and said(law, "friction_force") is not None
+    rub = function_of(law, "friction_force") if rubs else no_friction
     solve = function_of(law, "solve") if isinstance(law, MultiplierLaw) else no_impulse
     chosen = [
         compiled(force, PENALTY_SIGNATURE),

@@ -1,8 +1,8 @@
 """A compliant contact step by step: accuracy, release, and the switches between slip and stick."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.compliant_events import (
     contradicted,
@@ -43,8 +43,6 @@ from contactlab.engine.step import (
 )
 from contactlab.engine.tables import NODES, Tables, level_count, step_length
 from contactlab.laws.base import SLIP, FrictionKernel, PenaltyKernel
-
-Array = NDArray[np.float64]
 
 CLOCK = 64.0 * np.finfo(np.float64).eps
 """Shortest step over the time at which it begins: below it the clock decides, and no force."""

@@ -1,8 +1,6 @@
 """Inside a step of a compliant contact: its friction mode, what ends it, and its extremes."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.contacts import count_event
 from contactlab.engine.events import CONE, NOTHING, RELEASE, REVERSAL
@@ -24,9 +22,7 @@ from contactlab.engine.step import (
 )
 from contactlab.engine.tables import NODES, Tables
 from contactlab.engine.touchdown import gap_and_rate
-from contactlab.laws.base import CREEPING, SET_VALUED, SLIP, STICK, FrictionKernel
-
-Array = NDArray[np.float64]
+from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK, FrictionKernel
 
 SLIP_ROUND_OFF = 1e-13
 """Slip velocity [m/s] that a located reversal may leave."""
@@ -71,7 +67,7 @@ def contradicted(
     Stick whose friction leaves the cone at once must slip against it; slip that starts from
     zero into the wrong direction must stick. Creeping friction has no modes.
     """
-    if step.whole[RUBBING] == CREEPING:
+    if step.whole[RUBBING] == RATE_DEPENDENT:
         return False
     if step.whole[MODE] == STICK:
         bound = step.force[BOUND, 0]
@@ -116,7 +112,7 @@ def first_event(
     left = 0.0
     before = rate
     sticks = step.whole[MODE] == STICK
-    rubs = largest(step.force[BOUND]) > 0.0 and step.whole[RUBBING] != CREEPING
+    rubs = largest(step.force[BOUND]) > 0.0 and step.whole[RUBBING] != RATE_DEPENDENT
     for i in range(NODES):
         right = tables.nodes[i] * step.real[LENGTH]
         first = NOTHING

@@ -1,8 +1,8 @@
 """An attempt at a step of a compliant contact: the forces where it begins, its solution and its error."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.collocation import collocate, prepare, sound_normal
 from contactlab.engine.compliant_events import SLIP_ROUND_OFF
@@ -26,10 +26,15 @@ from contactlab.engine.step import (
     tip_motion,
 )
 from contactlab.engine.tables import NODES, Tables, build_level, step_length
-from contactlab.laws.base import CREEPING, SET_VALUED, SLIP, STICK, FrictionKernel, PenaltyKernel
+from contactlab.laws.base import (
+    RATE_DEPENDENT,
+    SET_VALUED,
+    SLIP,
+    STICK,
+    FrictionKernel,
+    PenaltyKernel,
+)
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
@@ -80,7 +85,7 @@ def start_forces(
     rubbed, steepness = 0.0, 0.0
     if step.whole[RUBBING] != SET_VALUED:
         rubbed = rub(gap, rate, slip, normal, step.real[MEMORY], parameters)[0]
-    if step.whole[RUBBING] == CREEPING:
+    if step.whole[RUBBING] == RATE_DEPENDENT:
         steepness = steepness_of(
             gap, rate, slip, normal, step.real[MEMORY], rubbed, rub, parameters
         )
@@ -118,7 +123,9 @@ def attempt(
     momentum = run.real[MOMENTUM]
     stiffness = steepness * mobility(tables, step, level, 0, 0)
     sweeps = 0
-    for held in range(1 if stiffness > 1.0 else 0, 2 if step.whole[RUBBING] == CREEPING else 1):
+    for held in range(
+        1 if stiffness > 1.0 else 0, 2 if step.whole[RUBBING] == RATE_DEPENDENT else 1
+    ):
         if sweeps == 0:
             _first_forces(tables, step, stretch, mode, sign)
             sweeps = collocate(
@@ -134,11 +141,11 @@ def attempt(
         most = max(abs(normal), abs(rubbed), _most_force(step))
         return 0.5 if most * h <= allowed else KINK
     error = abs(step.shape[NORMAL, 0] - normal)
-    if step.whole[RUBBING] != CREEPING:
+    if step.whole[RUBBING] != RATE_DEPENDENT:
         error = max(error, abs(step.shape[BOUND, 0] - bound))
     if step.whole[RUBBING] != SET_VALUED:
         error = max(error, abs(step.shape[FRICTION, 0] - rubbed) / (1.0 + stiffness))
-        if step.whole[RUBBING] == CREEPING:
+        if step.whole[RUBBING] == RATE_DEPENDENT:
             error = max(error, missed_between(plant, tables, step, level, rub, parameters))
     if mode == STICK:
         error = max(error, 0.1 * abs(step.shape[FRICTION, NODES - 1]))
@@ -153,7 +160,7 @@ def _first_forces(tables: Tables, step: Step, stretch: float, mode: int, sign: f
         step.force[NORMAL, i] = max(force_at(step, NORMAL, x), 0.0)
         step.force[BOUND, i] = max(force_at(step, BOUND, x), 0.0)
         step.force[FRICTION, i] = force_at(step, FRICTION, x)
-        if mode == SLIP and step.whole[RUBBING] != CREEPING:
+        if mode == SLIP and step.whole[RUBBING] != RATE_DEPENDENT:
             step.force[FRICTION, i] = -sign * step.force[BOUND, i]
         # Only friction with a memory reads these.
         step.force[MEMORY_RATE, i] = force_at(step, MEMORY_RATE, x)
@@ -168,7 +175,7 @@ def _most_force(step: Step) -> float:
     most = 0.0
     for i in range(NODES):
         most = max(most, abs(step.force[NORMAL, i]))
-        if step.whole[RUBBING] == CREEPING:
+        if step.whole[RUBBING] == RATE_DEPENDENT:
             most = max(most, abs(step.force[FRICTION, i]))
     return float(most)
 

@@ -3,8 +3,8 @@
 from math import pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant, delassus
 from contactlab.engine.run import (
@@ -31,11 +31,8 @@ from contactlab.engine.run import (
 )
 from contactlab.engine.step import CLOSING, MEMORY, MODE, RUBBING, Step, tip_motion
 from contactlab.engine.tables import Tables, step_length
-from contactlab.laws.base import CREEPING, FREE, SLIP, STICK, PenaltyKernel
+from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
-
 
 ROUND_OFF = 1e-13
 """Impulse over that of the tip that the forces which hold its slip cannot be told apart by."""
@@ -65,7 +62,7 @@ def open_contact(plant: Plant, step: Step, run: Run, level: int) -> None:
     run.whole[PHASE] = TOUCHING
     step.real[CLOSING] = max(-rate, 0.0)
     step.real[MEMORY] = 0.0
-    step.whole[MODE] = SLIP if slip != 0.0 or step.whole[RUBBING] == CREEPING else STICK
+    step.whole[MODE] = SLIP if slip != 0.0 or step.whole[RUBBING] == RATE_DEPENDENT else STICK
     run.whole[SIGN] = 1 if slip > 0.0 else -1
     run.whole[LEVEL] = level
     run.whole[TOUCHDOWNS] += 1

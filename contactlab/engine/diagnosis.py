@@ -7,15 +7,13 @@ from collections.abc import Iterator
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.engine.plant import Plant
 from contactlab.engine.run import MOMENTUM, Run
 from contactlab.engine.step import CLOSING, FRICTION, MEMORY, MODE, NORMAL, RUBBING, Step
 from contactlab.laws.base import SET_VALUED, STICK
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 PROBES: Final = 65
 """States at which a law is asked along the way of a step."""

@@ -1,8 +1,8 @@
 """How a run ended, in a sentence: the value, the bound and the way out."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.energy import LEDGER_LIMIT, SCALE
 from contactlab.engine.balance import openness_of
 from contactlab.engine.diagnosis import Witness
@@ -29,8 +29,6 @@ from contactlab.engine.step import Step
 from contactlab.engine.touchdown import MOST_HALVINGS
 from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import Ending
-
-Array = NDArray[np.float64]
 
 FARTHEST = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""

@@ -11,9 +11,7 @@ None is the difference of the others, so that the residual of the ledger measure
 
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
@@ -33,8 +31,6 @@ from contactlab.engine.step import (
 from contactlab.engine.tables import NODES, Tables
 from contactlab.laws.base import PenaltyKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 TERMS: Final = (
     "drive_work",

@@ -1,8 +1,6 @@
 """The hybrid loop: a phase proposes a step, the step is committed, and its event opens the next phase."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import kernel, part_kernel
 from contactlab.engine.balance import weigh
 from contactlab.engine.compliant_contact import press
@@ -29,8 +27,6 @@ from contactlab.engine.run import (
 from contactlab.engine.step import FLIGHT, KIND, TAKEN, Step, begin, is_finite
 from contactlab.engine.tables import Tables
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
-
-Array = NDArray[np.float64]
 
 TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""

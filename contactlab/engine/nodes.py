@@ -1,14 +1,9 @@
 """What the nodes of a step see: the motion without contact, and the answer to the forces."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import FRICTION, PUSH_TH, PUSH_U, Step, driven
 from contactlab.engine.tables import NODES, Tables
-
-Array = NDArray[np.float64]
 
 
 @part_kernel

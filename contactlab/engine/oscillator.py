@@ -17,11 +17,9 @@ oscillators and for a free mass (k = 0) alike: there is no case to choose and no
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import kernel, part_kernel
-
-Array = NDArray[np.float64]
 
 REACH = 0.25
 """Largest (c + sqrt k) d that the power series is asked for; the rest is doubled."""

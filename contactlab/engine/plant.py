@@ -17,10 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.motor.motor import Motor
-
-Array = NDArray[np.float64]
 
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""

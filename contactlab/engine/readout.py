@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.engine.run import END, INTERVAL, Run
 from contactlab.variables import SERIES
-
-Array = NDArray[np.float64]
 
 
 def record_times(run: Run, records: int) -> Array:

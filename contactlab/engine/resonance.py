@@ -13,12 +13,7 @@ it does so without cancellation however slow the beat is.
 
 from math import cos, exp, expm1, sin, sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
 from contactlab.compiled import inner_kernel, kernel
-
-Array = NDArray[np.float64]
 
 
 @kernel

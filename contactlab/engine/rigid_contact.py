@@ -15,9 +15,7 @@ impulse until the gap is open.
 
 from math import inf
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.events import NOTHING, RELEASE
 from contactlab.engine.nodes import add_held, add_held_rates, free_response
@@ -58,8 +56,6 @@ from contactlab.engine.tables import NODES, Tables, build_level, level_count, st
 from contactlab.laws.base import SLIP, MultiplierKernel
 from contactlab.laws.lagrange_stick import wedges
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 NONE, ONE, SEVERAL = range(3)
 """How many answers the step of a law has; what is none and what are several see `wedges`."""

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.ledger import (
     FRICTION_IMPULSE,
@@ -34,8 +35,6 @@ from contactlab.engine.tables import Tables, step_length
 from contactlab.laws.base import FREE, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 from contactlab.variables import CONTACTS, SERIES
-
-Array = NDArray[np.float64]
 
 (
     TIME,

@@ -5,8 +5,8 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.engine.arguments import check_kinds, check_numbers, check_rates
 from contactlab.engine.compilation import compile_loop, kernels_of
 from contactlab.engine.contact_step import default_contact_step
@@ -45,14 +45,12 @@ from contactlab.engine.run import (
 from contactlab.engine.step import PARITY, RUBBING, Step, step_for
 from contactlab.engine.workspace import Workspace
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.failure import LawError
-from contactlab.laws.intake import check_words, fault_of_answers, guarded, parameters_of
+from contactlab.laws.declaration import LawError
+from contactlab.laws.intake import check_words, fault_of_answers, guarded, kernel_parameters
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
-
-Array = NDArray[np.float64]
 
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
@@ -198,7 +196,7 @@ def take_in(
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     check_words(law)
-    parameters = parameters_of(law)
+    parameters = kernel_parameters(law)
     kernels, law_errors = kernels_of(law)
     with law_errors():
         fault = fault_of_answers(law, parameters, *kernels)
@@ -217,7 +215,7 @@ def _note_kind(law: ContactLaw, step: Step, run: Run) -> None:
     run.real[FRICTION_LIMIT] = law.friction_limit
     if isinstance(law, PenaltyLaw):
         step.whole[RUBBING] = law.friction_kind
-        step.whole[PARITY] = law.memory_parity
+        step.whole[PARITY] = law.internal_parity
     if isinstance(law, MultiplierLaw):
         run.whole[PROJECTS] = law.projects
 

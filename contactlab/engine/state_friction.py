@@ -12,8 +12,8 @@ crosses the creep velocity and up again. A slider keeps F on the bound; its memo
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import (
@@ -36,8 +36,6 @@ from contactlab.engine.step import (
 from contactlab.engine.tables import NODES, Tables, step_length
 from contactlab.laws.base import EVEN, SET_VALUED, FrictionKernel
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""

@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals
 from contactlab.engine.plant import Plant
 from contactlab.engine.resonance import answer_from_rest
 from contactlab.engine.tables import NODES, Tables
-
-Array = NDArray[np.float64]
 
 FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
 """Kinds of a step: the degree of its force polynomial."""

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.engine.oscillator import impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
 from contactlab.engine.resonance import answer_from_rest
-
-Array = NDArray[np.float64]
 
 NODES = 5
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""

@@ -8,15 +8,11 @@ until every piece is either proven open or holds one falling zero.
 
 from math import sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.plant import Plant
 from contactlab.engine.step import Step, flow_to, tip_motion
 from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 REACH = 1e-5
 """Way [m] of a tip up to which its gap has the digits below; further ones have fewer, see `coarseness`."""

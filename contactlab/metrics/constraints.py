@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.laws.base import SPRING_AND_SLIDER, STICK
+from contactlab.laws.base import ELASTOPLASTIC, STICK
 from contactlab.metrics.catalogue import ROUND_OFF, metric
 from contactlab.metrics.hertz import tip_radius
 from contactlab.metrics.run import Run, needed
@@ -170,7 +170,7 @@ def contact_gain(run: Run) -> float:
 def stick_slip(run: Run) -> float:
     # A spring gives way while it holds; that comes back and is no drift.
     kinds = [getattr(owner, "friction_kind", None) for owner in run.law_classes.values()]
-    needed(SPRING_AND_SLIDER not in kinds)
+    needed(ELASTOPLASTIC not in kinds)
     stuck, slip = run.series("contact_mode") == STICK, np.abs(run.series("slip_velocity"))
     # A record next to another mode may lie on the switch itself.
     inside = stuck[1:-1] & stuck[:-2] & stuck[2:]

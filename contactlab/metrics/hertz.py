@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
-from contactlab.laws.hertz_penalty import hertz_stiffness
+from contactlab.laws import hertz_stiffness
 from contactlab.metrics.run import NotApplicableError, Run, needed
 from contactlab.parameter import parameters_of
 

@@ -11,8 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.laws.declaration import PARTS
-from contactlab.laws.registry import law_class
+from contactlab.laws.registry import PARTS, law_class
 from contactlab.results.netcdf import configuration_of
 from contactlab.trajectory import Trajectory
 
