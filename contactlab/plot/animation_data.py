@@ -9,14 +9,14 @@ the marks of the rotor.
 
 from dataclasses import dataclass
 from math import floor, log10
-from typing import Any, Final, final
+from typing import Final, final
 
 import numpy as np
 import xarray
-import yaml
 from numpy.typing import NDArray
 
 from contactlab.plot.overview_data import COARSE, contact_spans, drawable, drive_period
+from contactlab.results.netcdf import configuration_of
 
 Array = NDArray[np.float64]
 
@@ -43,14 +43,7 @@ class UnfitRunError(ValueError):
 @final
 @dataclass(frozen=True)
 class Run:
-    """A recorded run as far as an animation needs it.
-
-    Args:
-        root: time series.
-        contacts: a row each.
-        tip_length, radius: of tip and rotor [m].
-        period: of the drive [s].
-    """
+    """A recorded run as far as an animation needs it: lengths of tip and rotor [m], drive period [s]."""
 
     root: xarray.Dataset
     contacts: xarray.Dataset
@@ -60,7 +53,7 @@ class Run:
 
     @property
     def time(self) -> Array:
-        """Times of the records [s]."""
+        """Give the times of the records [s]."""
         return np.asarray(self.root["time"].values, dtype=float)
 
     @property
@@ -70,10 +63,7 @@ class Run:
 
 
 def run_of(tree: xarray.DataTree) -> Run:
-    """Take a dataset apart.
-
-    Args:
-        tree: as from `contactlab.results.netcdf.to_datatree`, complete or not.
+    """Take a dataset apart, of a complete run or not.
 
     Raises:
         UnfitRunError: something is missing, or there is no motion in it.
@@ -89,8 +79,8 @@ def run_of(tree: xarray.DataTree) -> Run:
         raise UnfitRunError(f"has {time.size} record in time, and a motion takes at least 2")
     if not np.all(np.diff(time) > 0.0):
         raise UnfitRunError("has times that do not increase")
+    configuration = configuration_of(tree)
     try:
-        configuration: dict[str, Any] = yaml.safe_load(root.attrs["configuration"])
         run = Run(
             root=root,
             contacts=tree.children["contacts"].to_dataset(inherit=False),
@@ -98,7 +88,7 @@ def run_of(tree: xarray.DataTree) -> Run:
             radius=float(configuration["rotor"]["radius"]),
             period=drive_period(root, configuration),
         )
-    except (KeyError, TypeError, ValueError, ZeroDivisionError, yaml.YAMLError) as fault:
+    except (LookupError, TypeError, ValueError, AttributeError) as fault:
         raise UnfitRunError(
             "lacks contact.tip_length, rotor.radius or drive.frequency in its attribute configuration"
         ) from fault
@@ -117,9 +107,8 @@ class Film:
     Args:
         run: what is shown.
         start, end: of the part that is shown [s]; frame k stands at the end of the k-th of equal
-            intervals between them.
+            intervals between them, at `time`.
         magnification: M.
-        time: of the frames [s].
         tangential, gap, slope, angle, velocity: of the tip end [m], the tip [rad] and the rotor
             [rad, rad/s] at these times.
         normal, friction: force on the tip [N], mean since the frame before, so that no impact falls
@@ -153,7 +142,7 @@ class Film:
         return float(np.nanmax(np.hypot(self.normal, self.friction), initial=0.0)) or 1.0
 
     def tip_end(self, tangential: Array, gap: Array) -> Array:
-        """Where tip ends are drawn [m], shape (point, 2)."""
+        """Give the points where tip ends are drawn [m], shape (point, 2)."""
         angle = self.magnification * tangential / self.run.radius
         height = self.magnification * gap
         # 1 - cos without cancellation.
@@ -165,27 +154,28 @@ class Film:
             )
         )
 
-    def force_on_rotor(self, frame: int) -> Array:
-        """The force on the rotor in the axes of the picture [N], shape (2,)."""
+    def axes_of_contact(self, frame: int) -> tuple[Array, Array]:
+        """Give the normal at the tip, from the rotor's centre, and the tangent in the picture."""
         angle = self.magnification * self.tangential[frame] / self.run.radius
-        normal, tangent = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
-        force = -self.normal[frame] * np.array(normal) - self.friction[frame] * np.array(tangent)
-        return np.asarray(force, dtype=float)
+        sine, cosine = np.sin(angle), np.cos(angle)
+        return np.array((sine, -cosine)), np.array((cosine, sine))
+
+    def force_on_rotor(self, frame: int) -> Array:
+        """Give the force on the rotor in the axes of the picture [N], shape (2,)."""
+        normal, tangent = self.axes_of_contact(frame)
+        return np.asarray(-self.normal[frame] * normal - self.friction[frame] * tangent)
 
     def contact_spans(self) -> dict[str, Array]:
-        """Times of slip and stick that are shown [s]; see `contactlab.plot.overview_data`."""
+        """Give the times of slip and stick that are shown, from the start of the film [s]."""
         spans = contact_spans(self.run.root, self.run.contacts)
-        clipped = {mode: np.clip(times, self.start, self.end) for mode, times in spans.items()}
+        clipped = {
+            mode: np.clip(times, self.start, self.end) - self.start for mode, times in spans.items()
+        }
         return {mode: times[times[:, 1] > times[:, 0]] for mode, times in clipped.items()}
 
 
 def film_of(run: Run, start: float, end: float, frames: int) -> Film:
-    """Choose what the frames of an animation show.
-
-    Args:
-        run: what is shown.
-        start, end: of the part that is shown, within the run [s].
-        frames: how many.
+    """Choose what a number of frames show of a run, from start to end [s].
 
     Raises:
         UnfitRunError: this part has diverged.
@@ -252,7 +242,7 @@ def film_of(run: Run, start: float, end: float, frames: int) -> Film:
 
 
 def _magnification(reach: float, size: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture."""
+    """Find the largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture."""
     if reach <= 0.0:
         return 1.0
     largest = REACH * size / reach
@@ -261,7 +251,7 @@ def _magnification(reach: float, size: float) -> float:
 
 
 def _modes(edges: Array, run: Run) -> NDArray[np.int8]:
-    """The contact mode of every interval between edges."""
+    """Give the contact mode of every interval between edges."""
     spans = contact_spans(run.root, run.contacts)
     lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
     # A contact of no duration is one all the same.
@@ -272,7 +262,7 @@ def _modes(edges: Array, run: Run) -> NDArray[np.int8]:
 
 
 def _time_spent(time: Array, spans: Array) -> Array:
-    """How much of disjoint, ascending spans lies before a time."""
+    """Say how much of disjoint, ascending spans lies before a time."""
     if not spans.size:
         return np.zeros_like(time)
     lengths = spans[:, 1] - spans[:, 0]

@@ -11,7 +11,7 @@ from support.plausibility_trees import CONFIGURATION, TIME, contacts, series, tr
 from support.synthetic import synthetic_trajectory
 
 from contactlab.metrics import METRICS, assess, read_run
-from contactlab.results.netcdf import write
+from contactlab.results.netcdf import to_datatree, write_tree
 
 
 def saved(dataset: xarray.DataTree, folder: Path) -> Path:
@@ -30,7 +30,7 @@ def test_a_file_gives_what_its_tree_gives_and_is_closed_again(tmp_path: Path) ->
 
 def test_what_contactlab_writes_is_read(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
-    write(synthetic_trajectory(), {"drive": {"frequency": 3210.0}}, path)
+    write_tree(to_datatree(synthetic_trajectory(), {"drive": {"frequency": 3210.0}}), path)
     found = assess(read_run(str(path)))
     assert found["peak_force"] == 9.0
     assert found["contact_duration"] == pytest.approx(60e-6)
