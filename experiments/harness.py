@@ -24,15 +24,9 @@ from typing import Any
 import matplotlib.pyplot as plt
 import xarray
 import yaml
-from hydra import compose, initialize_config_dir
-from hydra.errors import HydraException
 from matplotlib.figure import Figure
-from omegaconf import OmegaConf
-from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.cli.application import conf_directory
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.faults import one_line
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor import NormalModes
 from contactlab.plot.style import STYLE
@@ -75,21 +69,7 @@ def setup_of(name: str, overrides: Sequence[str] = ()) -> Setup:
     Raises:
         ConfigurationError: with every fault, a sentence each.
     """
-    return build(composed([f"experiment={name}", *overrides]))
-
-
-def composed(overrides: Sequence[str]) -> dict[str, Any]:
-    """What the configuration files and some overrides give, not yet checked.
-
-    Raises:
-        ConfigurationError: with Hydra's fault.
-    """
-    try:
-        with initialize_config_dir(str(conf_directory()), version_base="1.3"):
-            found = compose("config", overrides=list(overrides))
-    except (HydraException, OmegaConfBaseException) as error:
-        raise ConfigurationError([one_line(error)]) from error
-    return OmegaConf.to_container(found, resolve=True)  # type: ignore[return-value]
+    return build([f"experiment={name}", *overrides])
 
 
 def changed(setup: Setup, changes: Mapping[str, object]) -> Setup:

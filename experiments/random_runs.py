@@ -27,13 +27,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
-from harness import composed, with_values
+from harness import with_values
 from random_configuration import COMPOSED, random_configuration
 from tqdm import tqdm
 
-from contactlab.config import ConfigurationError, build
+from contactlab.config import ConfigurationError, build, compose
 from contactlab.engine import simulate
-from contactlab.metrics import FAIL, INVARIANTS, METRICS, Record, assess
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, Run, assess
 
 LAWFUL: Final = (
     "tension",
@@ -85,7 +85,7 @@ class Outcome:
 
 @lru_cache
 def _base(groups: frozenset[tuple[str, str]]) -> dict[str, Any]:
-    return composed([f"{group}={option}" for group, option in sorted(groups)])
+    return compose([f"{group}={option}" for group, option in sorted(groups)])
 
 
 def outcome_of(number: int, seed: int = 0) -> Outcome:
@@ -106,7 +106,7 @@ def outcome_of(number: int, seed: int = 0) -> Outcome:
         contact_step=setup.contact_step,
         tolerance=setup.tolerance,
     )
-    record = Record.of_trajectory(run, setup.configuration)
+    record = Run.of_trajectory(run, setup.configuration)
     steps = ("flight_steps", "contact_steps", "rejected_steps")
     return Outcome(
         number=number,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from contactlab.cli import interrupts
 from contactlab.cli.arguments import Parser
 from contactlab.cli.verbs import VERBS
-from contactlab.config.units import UnitError, to_si
+from contactlab.config.quantity import UnitError, to_si
 from contactlab.results.files import damage
 
 if TYPE_CHECKING:

@@ -49,17 +49,8 @@ class Declared(ABC):
         refuse_unsound(type(self))
 
     def __post_init__(self) -> None:
-        kind: type = type(self)
-        refuse_unsound(kind)
+        refuse_unsound(type(self))
         check_fields(self, self.name)
-        given = {name: (getattr(self, name), said) for name, said in parameters_of(kind).items()}
-        faults = [
-            f"{self.name}: {name} is {value} {said.units}; it must be {said.range}."
-            for name, (value, said) in given.items()
-            if value is not None and not said.holds(value)
-        ]
-        if faults:
-            raise ValueError(" ".join(faults))
 
     def describe(self) -> dict[str, float]:
         """Give the effective parameters by name, SI: the fields in their order, but those left open."""

@@ -9,11 +9,11 @@ import pytest
 from support.command_line import Command
 
 from contactlab import laws
-from contactlab.config.units import from_cf, to_si
+from contactlab.config.quantity import to_si
 from contactlab.laws import HertzPenalty, PenaltyLaw, law_class, law_names, origin_of
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, members_of
 from contactlab.laws.registry import LAWS, PARTS, build_law
-from contactlab.parameter import Parameter, parameters_of
+from contactlab.parameter import Parameter, from_cf, parameters_of
 
 
 def test_every_law_of_the_package_is_found_by_its_name() -> None:
