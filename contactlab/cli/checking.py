@@ -31,7 +31,7 @@ from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import group_told_by, known_keys
 from contactlab.config.nesting import flat
 from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
-from contactlab.config.suggestion import suggestion
+from contactlab.suggestion import suggestion
 
 IN_FILE = 60
 """Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""

@@ -35,8 +35,7 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
 from contactlab.config.rules import idle_friction
-from contactlab.results.files import told
-from contactlab.results.run_folder import LOG
+from contactlab.results.files import LOG, told
 from contactlab.settings import Sweep
 from contactlab.sweeps.batch import WorkerError, processors
 from contactlab.sweeps.collection import collect
@@ -214,14 +213,9 @@ class ContactlabSweeper(Sweeper):
             # A run that is refused is told of at its place.
             with suppress(ConfigurationError):
                 announce_series(plan.cells, len(plan.outputs.series), Setups(plan)(0).configuration)
-        missing = store.missing()
-        status = COMPLETE
         try:
             with terminal.raising():
-                if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
-                    _run_here(store, missing, settings.workers)
-                elif missing:
-                    status = self._launched_chunks(store, missing, settings.workers)
+                status = self._chunks(store, store.missing(), settings.workers)
                 dataset = store.merge()
         except WorkerError as error:
             tell(str(error), sys.stderr)
@@ -236,7 +230,13 @@ class ContactlabSweeper(Sweeper):
         print(summary(dataset, store.file))
         return max(status, int(dataset.attrs["runs_absent"] > 0))
 
-    def _launched_chunks(self, store: Store, missing: Sequence[int], workers: int | None) -> int:
+    def _chunks(self, store: Store, missing: Sequence[int], workers: int | None) -> int:
+        """Run the chunks that are missing, here or by a launcher."""
+        if not missing:
+            return COMPLETE
+        if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
+            _run_here(store, missing, workers)
+            return COMPLETE
         where = quoted(str(store.path.absolute()))
         own = [
             f"hydra.sweep.dir={quoted(str((store.path / CHUNKS).absolute()))}",

@@ -10,8 +10,8 @@ from contactlab.config import ConfigurationError, Setup, build, validate
 from contactlab.config.nesting import Value, flat
 from contactlab.config.quantity import UnitError, describe, to_si
 from contactlab.config.schema import declared_in
-from contactlab.config.suggestion import suggestion
 from contactlab.parameter import Parameter, from_cf
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.dataset import Axis
 from contactlab.sweeps.plan import (
     Configuration,
@@ -174,9 +174,7 @@ def short_ends(name: str, known: Iterable[str]) -> list[str]:
     return [key for key in known if f"_{key.replace('.', '_')}".endswith(f"_{name}")]
 
 
-NOTHING: Final = (
-    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
-)
+NOTHING: Final = f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
 
 
 @final

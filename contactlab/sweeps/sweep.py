@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 import pandas
@@ -13,7 +13,7 @@ from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
 from contactlab.config.nesting import Value
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.results.netcdf import cf_attributes
@@ -24,7 +24,7 @@ from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import listed
 
-Over = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
+Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 
 
 def sweep(
@@ -151,8 +151,8 @@ def _made(
     empty = [axis.key for axis in axes if not axis.values]
     if empty:
         raise ValueError(
-            f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list or "
-            "an array of numbers."
+            f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list "
+            "or an array of numbers."
         )
     if not callable(law):
         check_kind("The law", law, ContactLaw)

@@ -15,7 +15,7 @@ from support.motors import default_motor, every_law, hertz
 from support.sweeps import METRICS_ALONE
 
 from contactlab.engine import simulate
-from contactlab.engine.workspace import Workspace
+from contactlab.engine.propagator import Workspace
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor

@@ -1,4 +1,4 @@
-"""Swept values are those that were typed: a range ends before STOP whatever round-off says, names are short."""
+"""Swept values are those that were typed: a range ends before STOP whatever round-off says."""
 
 import pytest
 from support.command_line import Command
@@ -55,7 +55,13 @@ def test_a_shuffled_range_keeps_its_values(command: Command, simulations: Simula
 
 
 def test_a_name_is_the_shortest_tail_of_its_key_that_no_other_has() -> None:
-    keys = ["contact.clearance", "law", "law/normal", "law.normal.stiffness", "law.friction.stiffness"]
+    keys = [
+        "contact.clearance",
+        "law",
+        "law/normal",
+        "law.normal.stiffness",
+        "law.friction.stiffness",
+    ]
     assert [*short_names([*keys, "law.restitution"], {"restitution"}).values()] == [
         *("clearance", "law", "normal", "normal_stiffness", "friction_stiffness", "law_restitution")
     ]
