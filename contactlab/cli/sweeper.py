@@ -40,7 +40,7 @@ from contactlab.settings import Sweep
 from contactlab.sweeps.batch import WorkerError, processors
 from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.manifest import extend_manifest, resume
+from contactlab.sweeps.manifest import extend_manifest, resume, sentence
 from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
 from contactlab.sweeps.planning import NOTHING, Columns, full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
@@ -149,8 +149,8 @@ class ContactlabSweeper(Sweeper):
         longest = folder / max((name for name, _, _ in jobs), key=len)
         if faults := [fault for path in {*there, longest} for fault in refusals(path)]:
             raise ConfigurationError(faults)
-        done, sentence = resume([(folder / name, job.key) for name, job, _ in jobs])
-        print(sentence, flush=True)
+        done, said = resume([(folder / name, job.key) for name, job, _ in jobs])
+        print(said, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
         extend_manifest(folder, {name: job for name, job, _ in jobs}, samples)
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
@@ -208,7 +208,7 @@ class ContactlabSweeper(Sweeper):
             deque(setups_of(plan, None, terminal.progress), maxlen=0)
         store = Store(folder, plan)
         store.begin()
-        print(store.sentence, flush=True)
+        print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
         if plan.outputs.series:
             # A run that is refused is told of at its place.
             with suppress(ConfigurationError):
@@ -235,7 +235,8 @@ class ContactlabSweeper(Sweeper):
         if not missing:
             return COMPLETE
         if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
-            _run_here(store, missing, workers)
+            with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
+                store.run_missing(workers, show)
             return COMPLETE
         where = quoted(str(store.path.absolute()))
         own = [
@@ -296,22 +297,6 @@ def run_chunk(settings: DictConfig) -> int:
     with store.batch(min(workers, processors())) as batch:
         store.run(asked.number, batch)
     return COMPLETE
-
-
-def _run_here(store: Store, missing: Sequence[int], workers: int | None) -> None:
-    """Run chunk after chunk on this machine."""
-    runs = sum(len(store.plan.cells_of(chunk)) for chunk in missing)
-    done = 0
-    with terminal.progress(runs, "runs", "The sweep") as show:
-
-        def report(count: int) -> None:
-            nonlocal done
-            done += count
-            show(done)
-
-        with store.batch(workers, report) as batch:
-            for chunk in missing:
-                store.run(chunk, batch)
 
 
 def _collected(folder: Path, settings: Sweep) -> None:

@@ -174,7 +174,10 @@ def short_ends(name: str, known: Iterable[str]) -> list[str]:
     return [key for key in known if f"_{key.replace('.', '_')}".endswith(f"_{name}")]
 
 
-NOTHING: Final = f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
+NOTHING: Final = (
+    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no "
+    "sweep."
+)
 
 
 @final

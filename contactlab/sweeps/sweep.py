@@ -17,7 +17,8 @@ from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.results.netcdf import cf_attributes
-from contactlab.sweeps.batch import Answers, Batch, Report, SetupAt
+from contactlab.sweeps.answers import Answers
+from contactlab.sweeps.batch import Batch, Report, SetupAt
 from contactlab.sweeps.dataset import SERIES, Axis, dataset_of
 from contactlab.sweeps.plan import USUAL, Configuration, Outputs, Plan, Setups, with_key
 from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
@@ -67,7 +68,7 @@ def sweep(
         folder: where chunks are kept as they are finished, so that the same sweep goes on where it was
             stopped; not with `motor`, since of a function nobody can tell whether it is the same.
         workers: processes at work; None is one a processor.
-        report: told now and then how many runs have ended since the last time.
+        report: told now and then how many runs have ended.
 
     Returns:
         The metrics over the parameters, or over `run` for a table, with `status` (see `Status`) and
@@ -80,7 +81,7 @@ def sweep(
         WorkerError: a worker process died.
     """
     samples = not isinstance(over, Mapping)
-    table = pandas.DataFrame(over) if samples else over
+    table: Any = pandas.DataFrame(over) if samples else over
     columns = {str(name): _values(table[name]) for name in table}
     units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
     if not columns:
@@ -133,9 +134,7 @@ def _values(given: Any) -> list[Value]:
 def _stored(store: Store, workers: int | None, report: Report | None) -> xarray.Dataset:
     """Run what is missing of a sweep in a folder."""
     store.begin()
-    with store.batch(workers, report) as batch:
-        for chunk in store.missing():
-            store.run(chunk, batch)
+    store.run_missing(workers, report)
     return store.merge()
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contactlab.sweeps.batch import Answers
+from contactlab.sweeps.answers import Answers
 from contactlab.sweeps.dataset import Axis
 from contactlab.sweeps.plan import Outputs, Plan
 from contactlab.sweeps.store import Store
