@@ -2,7 +2,7 @@
 
 import random
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, final
 
 import pandas
@@ -18,7 +18,8 @@ from contactlab.cli.checking import sentences
 from contactlab.config import ConfigurationError
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
-from contactlab.sweeps.plan import Configuration, Plan
+from contactlab.settings import Sweep
+from contactlab.sweeps.plan import Configuration, Outputs, Plan
 from contactlab.sweeps.values import FORMS, SweepError, is_spaced, spread
 
 
@@ -66,22 +67,23 @@ class Arguments:
         """The overrides that all runs have."""
         return [line for line, _ in self._order.values() if line]
 
-    def texts(self, plan: Plan) -> dict[str, list[str]]:
-        """Give all values of each key as an override has them: as typed, where they were typed one by one."""
+    def lines(self, plan: Plan) -> Callable[[int], list[str]]:
+        """Give what gives the overrides of each run, with its values as typed where they were one by one."""
         texts = {}
         for axis in plan.axes:
             typed = self._typed.get(axis.key, ())
             as_typed = len(typed) == len(axis.values)
-            texts[axis.key] = [*typed] if as_typed else [_text(value) for value in axis.values]
-        return texts
+            texts[axis.key] = typed if as_typed else [_text(value) for value in axis.values]
 
-    def lines(self, chosen: Mapping[str, str]) -> list[str]:
-        """Give the overrides of a run from the texts of its swept values."""
-        swept = dict(chosen)
-        lines = [
-            line or f"{prefix}={swept.pop(key)}" for key, (line, prefix) in self._order.items()
-        ]
-        return [*lines, *(f"{key}={text}" for key, text in swept.items())]
+        def lines_of(cell: int) -> list[str]:
+            places = zip(texts.items(), plan.places(cell), strict=True)
+            chosen = {key: column[place] for (key, column), place in places}
+            lines = [
+                line or f"{name}={chosen.pop(key)}" for key, (line, name) in self._order.items()
+            ]
+            return [*lines, *(f"{key}={text}" for key, text in chosen.items())]
+
+        return lines_of
 
     def _values(self, override: Override) -> tuple[list[Any], list[str]]:
         """Give the values of an override, and how they are typed."""
@@ -191,6 +193,18 @@ class HydraComposer:
             raise ConfigurationError(
                 [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
             ) from error
+
+
+def outputs_of(settings: Sweep) -> Outputs:
+    """Take what is kept of a run.
+
+    Raises:
+        ConfigurationError: there is no such metric or series.
+    """
+    try:
+        return Outputs.named(settings.metrics, settings.series or ())
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error
 
 
 def table(path: str) -> dict[str, list[Value]]:
