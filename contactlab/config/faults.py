@@ -1,6 +1,6 @@
 """What a configuration gets wrong, in sentences: key, value, what is admitted, the way out."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
 from pydantic_core import ErrorDetails
@@ -77,15 +77,25 @@ def one_line(error: BaseException) -> str:
 
 
 def _unknown(key: str, kind: str, chosen: Mapping[str, str]) -> str:
-    """The sentence for a key that does not exist, or not in this kind of section."""
-    if kind and any(name == key or name.startswith(f"{key}.") for name in known_keys()):
+    own = flat({LAW: law_keys(chosen[LAW], parts_of(chosen))}) if LAW in chosen else ["law.name"]
+    others = (name for name in known_keys() if not name.startswith(f"{LAW}."))
+    return unknown_key(key, kind, [*own, *others])
+
+
+def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
+    """Say that a key does not exist, or not in this kind of section.
+
+    Args:
+        key: the key.
+        kind: what is chosen of the key's group; empty where it is no group.
+        known: the keys that there are with what is chosen.
+    """
+    if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
         group = key.rpartition(".")[0].replace(".", "/")
         return (
             f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
             f"Leave it out or choose another {group}."
         )
-    own = flat({LAW: law_keys(chosen[LAW], parts_of(chosen))}) if LAW in chosen else ["law.name"]
-    known = [*own, *(name for name in known_keys() if not name.startswith(f"{LAW}."))]
     parent, _, leaf = key.rpartition(".")
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
