@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from contactlab.parameter import Declared, declared_fields
+from contactlab.parameter import DeclaredField, declared_fields
 
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
@@ -110,7 +110,7 @@ def shown(value: object) -> str:
 
 
 @cache
-def _checked(owner: type) -> dict[str, Declared]:
+def _checked(owner: type) -> dict[str, DeclaredField]:
     """The fields of numbers and of classes."""
     return {
         name: declared
@@ -119,7 +119,7 @@ def _checked(owner: type) -> dict[str, Declared]:
     }
 
 
-def _outside(name: str, value: float, declared: Declared) -> str:
+def _outside(name: str, value: float, declared: DeclaredField) -> str:
     """What is wrong with a number; empty where nothing is."""
     if not isfinite(value):
         return f"{name} is {value}; it must be finite."

@@ -72,7 +72,7 @@ class Parameter:
 
 @final
 @dataclass(frozen=True)
-class Declared:
+class DeclaredField:
     """A field of a dataclass with what is declared of it.
 
     Args:
@@ -100,7 +100,7 @@ class Declared:
 
 
 @cache
-def declared_fields(owner: type) -> dict[str, Declared]:
+def declared_fields(owner: type) -> dict[str, DeclaredField]:
     """Give the fields of a dataclass by name, in their order."""
     found = {}
     hints = get_type_hints(owner, include_extras=True)
@@ -114,7 +114,7 @@ def declared_fields(owner: type) -> dict[str, Declared]:
                 (extra for extra in hint.__metadata__ if isinstance(extra, Parameter)), None
             )
             hint = hint.__origin__
-        found[field.name] = Declared(hint, default, said)
+        found[field.name] = DeclaredField(hint, default, said)
     return found
 
 

@@ -11,7 +11,7 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
 from contactlab.config.quantity import UnitError, to_si
-from contactlab.results.run_folder import damage
+from contactlab.results.files import damage
 
 if TYPE_CHECKING:
     import xarray

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from contactlab.cli.terminal import REFUSED
-from contactlab.config.suggestion import suggestion
+from contactlab.suggestion import suggestion
 
 VERBS = {
     "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",

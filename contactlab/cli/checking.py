@@ -24,13 +24,17 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import VERBS, gives_several
 from contactlab.cli.jobs import refusals
-from contactlab.cli.terminal import refuse, tell
+from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import Setup, build
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.groups import group_told_by, known_keys
 from contactlab.config.nesting import flat
 from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
-from contactlab.config.suggestion import suggestion
+from contactlab.results.files import STATE
+from contactlab.suggestion import suggestion
+from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE
+from contactlab.sweeps.state import REFUSED as REFUSED_STATE
+from contactlab.sweeps.state import read_state
 
 IN_FILE = 60
 """Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""
@@ -64,6 +68,19 @@ class Check(Callback):
         except ConfigurationError as error:
             sys.exit(refuse(dict.fromkeys(error.faults)))
         announce([setup.configuration])
+
+    def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
+        """Give the exit status of a sweep by what its runs left, where the sweeper is not ours and gives none.
+
+        Raises:
+            SystemExit: with it, where a run is not complete.
+        """
+        if "contactlab" in str(config.hydra.sweeper.get("_target_")):
+            return
+        found = Path(str(config.hydra.sweep.dir)).rglob(STATE)
+        states = {state.state for path in found if (state := read_state(path.parent))}
+        if states - {COMPLETE_STATE}:
+            sys.exit(REFUSED if REFUSED_STATE in states else INCOMPLETE)
 
 
 def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:

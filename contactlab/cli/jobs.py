@@ -16,8 +16,7 @@ from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
 from contactlab.results import netcdf
-from contactlab.results.files import told
-from contactlab.results.run_folder import DATASET, LOG
+from contactlab.results.files import DATASET, LOG, told
 from contactlab.results.summary import summarise
 from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
@@ -113,7 +112,7 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
 
             overview.overview(tree, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
-    summary = f"{summarise(trajectory, wall_time)}\nWritten to {directory / DATASET}{beside}"
+    summary = f"{summarise(tree, wall_time)}\nWritten to {directory / DATASET}{beside}"
     return State(trajectory.ending.name.lower(), job, trajectory.message, digest), summary
 
 

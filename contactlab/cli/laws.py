@@ -6,11 +6,11 @@ from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.config.suggestion import suggestion
 from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
-from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
+from contactlab.laws.declaration import SHARED, Member, members_of
 from contactlab.laws.part import Friction, Part
-from contactlab.laws.registry import Origin, law_class, origins
+from contactlab.laws.registry import PARTS, Origin, law_class, origins
+from contactlab.suggestion import suggestion
 
 WIDTH = 100
 INDENT = "  "

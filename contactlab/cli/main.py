@@ -9,7 +9,7 @@ from io import TextIOWrapper
 from contactlab.cli import terminal
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
-from contactlab.config.suggestion import suggestion
+from contactlab.suggestion import suggestion
 
 GONE = {
     "map": "sweeps run without it: contactlab -m KEY=VALUES ... sweep.keep=metrics keeps numbers alone",

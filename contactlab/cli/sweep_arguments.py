@@ -1,4 +1,4 @@
-"""What the arguments of a sweep say: swept values by Hydra's grammar and ours, and compositions of the rest."""
+"""What the arguments of a sweep say: swept values by Hydra's grammar and ours, and the rest composed."""
 
 import random
 import re
@@ -201,13 +201,13 @@ def table(path: str) -> dict[str, list[Value]]:
     """
     try:
         if path.endswith(".csv"):
-            read = pandas.read_csv(path, skipinitialspace=True)
+            rows = pandas.read_csv(path, skipinitialspace=True)
         else:
             with xarray.open_dataset(path, decode_times=False) as dataset:
                 keys = {
                     name: str(v.attrs.get("key", name)) for name, v in dataset.variables.items()
                 }
-                read = dataset.to_dataframe().rename(columns=keys)
+                rows = dataset.to_dataframe().rename(columns=keys)
     # A file can be anything.
     except Exception as error:
         raise ConfigurationError(
@@ -219,12 +219,12 @@ def table(path: str) -> dict[str, list[Value]]:
     empty = [
         f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "
         "leave the row out."
-        for name in table
-        for row in table[name].isna().to_numpy().nonzero()[0]
+        for name in rows
+        for row in rows[name].isna().to_numpy().nonzero()[0]
     ]
     if empty:
         raise ConfigurationError(empty)
-    return {str(name).strip(): table[name].tolist() for name in table}
+    return {str(name).strip(): rows[name].tolist() for name in rows}
 
 
 def _plain(value: Any) -> Any:

@@ -35,15 +35,14 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
 from contactlab.config.rules import idle_friction
-from contactlab.results.files import told
-from contactlab.results.run_folder import LOG
+from contactlab.results.files import LOG, told
 from contactlab.settings import Sweep
 from contactlab.sweeps.batch import WorkerError, processors
 from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.manifest import extend_manifest, resume
+from contactlab.sweeps.manifest import extend_manifest, resume, sentence
 from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
-from contactlab.sweeps.planning import full_keys, planned, setups_of
+from contactlab.sweeps.planning import NOTHING, Columns, full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
@@ -110,7 +109,7 @@ class ContactlabSweeper(Sweeper):
             raise ConfigurationError(faults)
         settings = Sweep(**arguments.settings)
         samples = settings.samples is not None
-        columns = arguments.columns
+        columns: Columns = arguments.columns
         if settings.samples is not None:
             columns = full_keys(table(settings.samples), composer)
         plan = planned(
@@ -150,8 +149,8 @@ class ContactlabSweeper(Sweeper):
         longest = folder / max((name for name, _, _ in jobs), key=len)
         if faults := [fault for path in {*there, longest} for fault in refusals(path)]:
             raise ConfigurationError(faults)
-        done, sentence = resume([(folder / name, job.key) for name, job, _ in jobs])
-        print(sentence, flush=True)
+        done, said = resume([(folder / name, job.key) for name, job, _ in jobs])
+        print(said, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
         extend_manifest(folder, {name: job for name, job, _ in jobs}, samples)
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
@@ -196,10 +195,12 @@ class ContactlabSweeper(Sweeper):
     def _metrics(self, plan: Plan, settings: Sweep, folder: Path) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
         faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
+        if not plan.axes:
+            faults.append(NOTHING)
         if "${" in str(plan.bases):
             faults.append(
-                "The configuration has references in ${...}; a sweep of metrics must have their values, which "
-                "may depend on what is swept. Write the values."
+                "The configuration has references in ${...}; a sweep of metrics must have their values, "
+                "which may depend on what is swept. Write the values."
             )
         if faults:
             raise ConfigurationError(faults)
@@ -207,19 +208,14 @@ class ContactlabSweeper(Sweeper):
             deque(setups_of(plan, None, terminal.progress), maxlen=0)
         store = Store(folder, plan)
         store.begin()
-        print(store.sentence, flush=True)
+        print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
         if plan.outputs.series:
             # A run that is refused is told of at its place.
             with suppress(ConfigurationError):
                 announce_series(plan.cells, len(plan.outputs.series), Setups(plan)(0).configuration)
-        missing = store.missing()
-        status = COMPLETE
         try:
             with terminal.raising():
-                if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
-                    _run_here(store, missing, settings.workers)
-                elif missing:
-                    status = self._launched_chunks(store, missing, settings.workers)
+                status = self._chunks(store, store.missing(), settings.workers)
                 dataset = store.merge()
         except WorkerError as error:
             tell(str(error), sys.stderr)
@@ -234,7 +230,14 @@ class ContactlabSweeper(Sweeper):
         print(summary(dataset, store.file))
         return max(status, int(dataset.attrs["runs_absent"] > 0))
 
-    def _launched_chunks(self, store: Store, missing: Sequence[int], workers: int | None) -> int:
+    def _chunks(self, store: Store, missing: Sequence[int], workers: int | None) -> int:
+        """Run the chunks that are missing, here or by a launcher."""
+        if not missing:
+            return COMPLETE
+        if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
+            with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
+                store.run_missing(workers, show)
+            return COMPLETE
         where = quoted(str(store.path.absolute()))
         own = [
             f"hydra.sweep.dir={quoted(str((store.path / CHUNKS).absolute()))}",
@@ -294,22 +297,6 @@ def run_chunk(settings: DictConfig) -> int:
     with store.batch(min(workers, processors())) as batch:
         store.run(asked.number, batch)
     return COMPLETE
-
-
-def _run_here(store: Store, missing: Sequence[int], workers: int | None) -> None:
-    """Run chunk after chunk on this machine."""
-    runs = sum(len(store.plan.cells_of(chunk)) for chunk in missing)
-    done = 0
-    with terminal.progress(runs, "runs", "The sweep") as show:
-
-        def report(count: int) -> None:
-            nonlocal done
-            done += count
-            show(done)
-
-        with store.batch(workers, report) as batch:
-            for chunk in missing:
-                store.run(chunk, batch)
 
 
 def _collected(folder: Path, settings: Sweep) -> None:

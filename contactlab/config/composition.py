@@ -18,7 +18,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.groups import content, groups, options
+from contactlab.config.groups import content, groups
 
 CONFIG_NAME: Final = "config"
 VERSION_BASE: Final = "1.3"
@@ -117,24 +117,21 @@ class DeclaredSource(ConfigSource):
 
     def is_group(self, config_path: str) -> bool:
         """See `ConfigSource.is_group`."""
-        return config_path.strip("/") in ("", *groups())
+        return config_path.strip("/") in {"", *groups()}
 
     def is_config(self, config_path: str) -> bool:
         """See `ConfigSource.is_config`."""
         group, option = _split(config_path)
-        return group in groups() and option in options(group)
+        return option in groups().get(group, ())
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
         """See `ConfigSource.list`."""
         group = config_path.strip("/")
-        prefix = f"{group}/" if group else ""
-        found = []
-        if results_filter in (None, ObjectType.CONFIG) and group in groups():
-            found += options(group)
-        if results_filter in (None, ObjectType.GROUP):
-            below = [name.removeprefix(prefix) for name in groups() if name.startswith(prefix)]
-            found += [name for name in below if "/" not in name]
-        return sorted(set(found))
+        found = {*groups().get(group, ())} if results_filter is not ObjectType.GROUP else set()
+        if results_filter is not ObjectType.CONFIG:
+            parents = {name: name.rpartition("/")[0] for name in groups()}
+            found |= {n.rpartition("/")[2] for n, parent in parents.items() if parent == group}
+        return sorted(found)
 
 
 @final

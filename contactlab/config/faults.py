@@ -1,14 +1,13 @@
 """What a configuration gets wrong, in sentences: key, value, what is admitted, the way out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 from pydantic_core import ErrorDetails
 
-from contactlab.config.groups import GROUPS, KINDS, LAW, known_keys, law_keys
-from contactlab.config.nesting import flat
+from contactlab.config.groups import GROUPS, keys_of_law, known_keys, told_by
 from contactlab.config.quantity import FAULT, describe
-from contactlab.config.schema import parts_of
+from contactlab.laws.registry import law_class, law_names
 
 
 class ConfigurationError(ValueError):
@@ -26,36 +25,28 @@ class ConfigurationError(ValueError):
 _PLAIN = {"bool_type": "true or false", "string_type": "a text"}
 
 
-def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
+def sentence(fault: ErrorDetails, law: str) -> str:
     """Tell one of the findings of pydantic in a sentence that starts with the key.
 
     Args:
         fault: as pydantic has it.
-        chosen: the names of law and parts by the keys of their sections.
+        law: the name of the law that is chosen.
     """
-    steps = [str(step) for step in fault["loc"]]
-    kind = chosen.get(".".join(steps[:-1]), "")
-    # A section of several kinds is entered by the kind's name, which is no part of the key.
-    if len(steps) > 2 and steps[0] in KINDS:
-        kind = steps.pop(1)
-    key = ".".join(steps)
-    value = describe(fault["input"])
+    key, kind = _place(fault)
+    group, value, context = key.replace(".", "/"), describe(fault["input"]), fault.get("ctx", {})
     match fault["type"]:
         case str(found) if found == FAULT:
-            return f"{key} {fault['ctx']['sentence']}"
+            return f"{key} {context['sentence']}"
         case "extra_forbidden":
-            return _unknown(key, kind, chosen)
+            return unknown_key(key, kind, known_keys(law))
         case "missing":
             return f"{key} is missing; it must be given. Add it to the configuration."
         case "union_tag_not_found":
-            return f"{key}.{KINDS[key]} is missing; it must be given. Choose one by {key}=NAME."
+            return f"{key}.{told_by(key)} is missing; it must be given. Choose one by {group}=NAME."
         case "union_tag_invalid":
-            return (
-                f"{key}.{KINDS[key]} is {describe(fault['ctx']['tag'])}; it must be one of "
-                f"{fault['ctx']['expected_tags']}. Choose one by {key}=NAME."
-            )
+            return _unknown_option(key, context["tag"], context["expected_tags"])
         case "literal_error":
-            return f"{key} is {value}; it must be one of {fault['ctx']['expected']}."
+            return f"{key} is {value}; it must be one of {context['expected']}."
         case str(found) if found in _PLAIN:
             return f"{key} is {value}; it must be {_PLAIN[found]}. Leave it out for the default."
         case _:
@@ -63,7 +54,7 @@ def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
                 return f"The configuration is {value}; it must be a mapping of groups of keys."
             return (
                 f"{key} is {value}; it must be a group of keys. "
-                f"Set a single one by {key}.KEY=VALUE or choose a file by {key.replace('.', '/')}=NAME."
+                f"Set a single one by {key}.KEY=VALUE or choose a file by {group}=NAME."
             )
 
 
@@ -76,10 +67,30 @@ def one_line(error: BaseException) -> str:
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
-def _unknown(key: str, kind: str, chosen: Mapping[str, str]) -> str:
-    own = flat({LAW: law_keys(chosen[LAW], parts_of(chosen))}) if LAW in chosen else ["law.name"]
-    others = (name for name in known_keys() if not name.startswith(f"{LAW}."))
-    return unknown_key(key, kind, [*own, *others])
+def _place(fault: ErrorDetails) -> tuple[str, str]:
+    """The key, and which option its section is: pydantic has that in the key, behind each choice."""
+    key = kind = option = ""
+    for step in map(str, fault["loc"]):
+        if told_by(key) and not option:
+            option = step
+        else:
+            key, kind, option = f"{key}.{step}" if key else step, option, ""
+    return key, kind
+
+
+def _unknown_option(key: str, name: object, expected: str) -> str:
+    """The sentence for a choice that there is not, or that is broken."""
+    if key == "law":
+        expected = ", ".join(map(repr, law_names()))
+        try:
+            if name in law_names():
+                keys_of_law(law_class(str(name)))
+        except ValueError as error:
+            return f"law.name is '{name}', which cannot run. {error}"
+    return (
+        f"{key}.{told_by(key)} is {describe(name)}; it must be one of {expected}. "
+        f"Choose one by {key.replace('.', '/')}=NAME."
+    )
 
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
@@ -96,18 +107,19 @@ def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
             f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
             f"Leave it out or choose another {group}."
         )
+    top = ("law", *GROUPS)
     parent, _, leaf = key.rpartition(".")
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
     near = (
         get_close_matches(key, known, 1, 0.8)
         or [name for name in known if name.rpartition(".")[2] in endings]
-        or get_close_matches(key, known if parent else (LAW, *GROUPS), 1)
+        or get_close_matches(key, known if parent else top, 1)
     )
     if near:
         return f"{key} is not a known key. Did you mean {' or '.join(near)}?"
     siblings = [name for name in known if parent and name.startswith(f"{parent}.")]
     return (
-        f"{key} is not a known key; it must be one of {', '.join(siblings or (LAW, *GROUPS))}. "
+        f"{key} is not a known key; it must be one of {', '.join(siblings or top)}. "
         "See contactlab --cfg job for all keys with their values."
     )

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, final
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from contactlab.parameter import Declared, Parameter
+from contactlab.parameter import DeclaredField, Parameter
 
 if TYPE_CHECKING:
     import pint
@@ -67,7 +67,7 @@ class Quantity:
         parameter: that of `declared`.
     """
 
-    declared: Declared
+    declared: DeclaredField
     parameter: Parameter
 
     def __get_pydantic_core_schema__(

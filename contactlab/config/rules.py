@@ -11,8 +11,8 @@ from typing import Any
 from contactlab.checks import SMALLEST_STEP
 from contactlab.config.faults import ConfigurationError
 from contactlab.laws.base import PenaltyLaw
-from contactlab.laws.declaration import SHARED, takes_shared
-from contactlab.laws.registry import law_class
+from contactlab.laws.declaration import SHARED
+from contactlab.laws.registry import law_class, takes_shared
 
 Values = Mapping[str, Any]
 Rule = Callable[..., Iterator[str]]

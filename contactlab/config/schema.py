@@ -1,16 +1,14 @@
 """The schema of a configuration: pydantic models made from the groups' tables of keys."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cache
 from typing import Annotated, Any, ClassVar, Union
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model, field_validator
 
-from contactlab.config.groups import GROUPS, KINDS, LAW, NOT_OF_A_RUN, Keys, law_keys, part_members
-from contactlab.config.quantity import Quantity, describe
-from contactlab.laws.declaration import PARTS
-from contactlab.laws.registry import law_names
-from contactlab.parameter import Declared, Parameter
+from contactlab.config.groups import GROUPS, NOT_OF_A_RUN, Choice, Keys, laws
+from contactlab.config.quantity import Quantity
+from contactlab.parameter import DeclaredField, Parameter
 
 
 class Section(BaseModel):
@@ -36,95 +34,37 @@ class Section(BaseModel):
 
 
 @cache
-def configuration_with(law: str = "", parts: tuple[tuple[str, str], ...] = ()) -> type[Section]:
-    """Give the schema of a configuration with one law; of any law, whose keys are not looked at, without.
-
-    Args:
-        law: its name.
-        parts: the name of the part in each field of the law that is one.
-
-    Raises:
-        ValueError: a sentence on why the law has no keys.
-    """
-    fields: dict[str, Any] = {
-        LAW: (_section(f"{LAW}.", law_keys(law, parts)) if law else dict[str, Any], ...)
-    }
-    for group, options in GROUPS.items():
-        kinds = tuple(_section(f"{group}.", keys) for keys in options.values())
-        found: Any = kinds[0]
-        if len(kinds) > 1:
-            found = Annotated[Union[kinds], Field(discriminator=KINDS[group])]  # noqa: UP007
-        fields[group] = (found | None, None) if group in NOT_OF_A_RUN else (found, ...)
+def configuration_with(*others: str) -> type[Section]:
+    """Give the schema of a configuration; the names are those of laws of other packages that it may have."""
+    fields: dict[str, Any] = {}
+    for group, choice in {"law": laws(*others), **GROUPS}.items():
+        kind = _annotation(choice, f"{group}.")
+        fields[group] = (kind | None, None) if group in NOT_OF_A_RUN else (kind, ...)
     return create_model("Configuration", __base__=Section, **fields)
 
 
-def _section(path: str, keys: Keys) -> type[Section]:
-    """The pydantic model of a table of keys."""
-    fields: dict[str, Any] = {}
-    for name, declared in keys.items():
-        if name.startswith("_") or hasattr(Section, name):
-            raise ValueError(
-                f"{path}{name} is a name that configurations use themselves; the parameter must be "
-                "named otherwise."
-            )
-        if not isinstance(declared, Declared):
-            kind: Any = _section(f"{path}{name}.", declared)
-        elif declared.parameter and {int, float} & {*declared.kinds}:
-            kind = Annotated[declared.kind, Quantity(declared, declared.parameter)]
-        else:
-            kind = declared.kind
-        fields[name] = (kind, ...)
+def _annotation(found: DeclaredField | Keys | Choice, path: str) -> Any:
+    """What pydantic wants of a field, a section or a choice between sections."""
+    if isinstance(found, dict):
+        return _section(found, path)
+    if isinstance(found, Choice):
+        kinds = tuple(_section(keys, path) for keys in found.options.values())
+        if not found.told_by:
+            return kinds[0]
+        return Annotated[Union[kinds], Field(discriminator=found.told_by)]  # noqa: UP007
+    if found.parameter and {int, float} & {*found.kinds}:
+        return Annotated[found.kind, Quantity(found, found.parameter)]
+    return found.kind
+
+
+def _section(keys: Keys, path: str) -> type[Section]:
+    """The model of a table of keys."""
+    fields: dict[str, Any] = {
+        name: (_annotation(found, f"{path}{name}."), ...) for name, found in keys.items()
+    }
     section = create_model(path, __base__=Section, **fields)
     section.path = path
     return section
-
-
-def chosen_law(given: object) -> tuple[type[Section], dict[str, str], list[str]]:
-    """Give the schema that a configuration's law asks for.
-
-    Args:
-        given: what stands under the key `law`.
-
-    Returns:
-        The schema, the names of law and parts by their keys, and sentences on those that are not known.
-    """
-    if not isinstance(given, Mapping):
-        return configuration_with(), {}, []
-    choices: dict[str, str] = {}
-    faults: list[str] = []
-    name = _choice(given, LAW, law_names(), choices, faults)
-    try:
-        for member in part_members(name):
-            if isinstance(below := given.get(member.name), Mapping):
-                known = sorted(PARTS[member.family])
-                _choice(below, f"{LAW}.{member.name}", known, choices, faults)
-        if not faults:
-            return configuration_with(name, parts_of(choices)), choices, []
-    except ValueError as error:
-        faults = [f"law.name is '{name}', which cannot run. {error}"]
-    return configuration_with(), choices, faults
-
-
-def _choice(
-    given: Mapping[str, Any], key: str, known: list[str], choices: dict[str, str], faults: list[str]
-) -> str:
-    """The name in a section, remembered under the section's key; empty with a fault."""
-    way_out = f"Choose one by {key.replace('.', '/')}=NAME."
-    if "name" not in given:
-        faults.append(f"{key}.name is missing; it must be given. {way_out}")
-        return ""
-    name = given["name"]
-    if not isinstance(name, str) or name not in known:
-        expected = ", ".join(f"'{known_name}'" for known_name in known)
-        faults.append(f"{key}.name is {describe(name)}; it must be one of {expected}. {way_out}")
-        return ""
-    choices[key] = name
-    return name
-
-
-def parts_of(choices: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
-    """Give the part in each field of the law, from the choices by the keys of their sections."""
-    return tuple((k.removeprefix(f"{LAW}."), part) for k, part in choices.items() if k != LAW)
 
 
 def declared_in(checked: Section) -> dict[str, Parameter]:

@@ -17,14 +17,14 @@ from pydantic import ValidationError
 
 from contactlab.config.composition import compose
 from contactlab.config.faults import ConfigurationError, one_line, sentence
-from contactlab.config.groups import BASES, LAW, NOT_OF_A_RUN
+from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.rules import broken_rules
-from contactlab.config.schema import Section, chosen_law
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.config.schema import Section, configuration_with
+from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
 from contactlab.fingerprint import is_own
-from contactlab.laws import ContactLaw, LawError, PenaltyLaw, hertz_stiffness, law_class
-from contactlab.laws.declaration import made
+from contactlab.laws import ContactLaw, LawError, PenaltyLaw
+from contactlab.laws.registry import LAWS, build_law, law_class, law_names
 from contactlab.motor import (
     ContactGeometry,
     Drive,
@@ -123,12 +123,14 @@ def validate(configuration: Values) -> Section:
         ConfigurationError: with every fault that was found.
     """
     sound: dict[str, object] = {}
-    given = configuration.get(LAW) if isinstance(configuration, Mapping) else None
-    schema, chosen, faults = chosen_law(given)
+    faults: list[str] = []
+    given = configuration.get("law") if isinstance(configuration, Mapping) else None
+    law = str(given.get("name")) if isinstance(given, Mapping) else "none"
+    others = [law] if law in law_names() and law not in LAWS else []
     try:
-        checked = schema.model_validate(configuration, context=sound)
+        checked = configuration_with(*others).model_validate(configuration, context=sound)
     except ValidationError as error:
-        faults += [sentence(fault, chosen) for fault in error.errors(include_url=False)]
+        faults = [sentence(fault, law) for fault in error.errors(include_url=False)]
     if faults := faults + broken_rules(sound):
         raise ConfigurationError(faults)
     return checked
@@ -164,13 +166,14 @@ def _no_resonator(error: ValueError) -> ConfigurationError:
 
 
 def _law(resolved: Values) -> ContactLaw:
-    """The law; a stiffness that follows from the tip's radius takes its place in the configuration."""
-    given = resolved[LAW]
-    if given.get("tip_radius") is not None and given["name"] == "hertz_penalty":
-        given["stiffness"] = hertz_stiffness(given["tip_radius"], resolved["rotor"]["radius"])
-        given["tip_radius"] = None
+    """The law; what follows from the rotor's radius takes its place in the configuration."""
+    given = resolved["law"]
     try:
-        law = made(law_class(given["name"]), given, resolved["contact"]["friction_coefficient"])
+        owner, mu = law_class(given["name"]), resolved["contact"]["friction_coefficient"]
+        law: ContactLaw = build_law(owner, given, mu).on_rotor(resolved["rotor"]["radius"])
+        given |= {
+            k: getattr(law, k) for k in given if k != "name" and not isinstance(given[k], dict)
+        }
         # Those of this package are sound, and their kernels are not needed yet.
         if not is_own(type(law)):
             _take_in_once(law)
@@ -181,7 +184,7 @@ def _law(resolved: Values) -> ContactLaw:
         raise ConfigurationError(
             [f"law={given['name']} cannot be made from its parameters: {one_line(told)}"]
         ) from error
-    return law  # type: ignore[no-any-return]
+    return law
 
 
 @lru_cache(maxsize=4096)

@@ -16,51 +16,28 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
-from dataclasses import dataclass
 from math import ceil
 from typing import Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import prepare, simulate
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.engine.workspace import Workspace
+from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
-from contactlab.metrics import Record, assess
+from contactlab.metrics import Run, assess
+from contactlab.sweeps.answers import Answers, joined, stacked
 from contactlab.sweeps.plan import Outputs
 from contactlab.sweeps.state import Status, status_of
 from contactlab.trajectory import Trajectory
 
-Array = NDArray[np.float64]
-
-
-@final
-@dataclass(frozen=True)
-class Answers:
-    """Holds what some runs gave.
-
-    Args:
-        metrics: shape (run, metric); NaN where there is no number.
-        status: codes of `Status`, shape (run,).
-        reason: why a run is not complete, empty where it is; an unbalanced one has its numbers all the same.
-        series: by name, shape (run, record); NaN where a run has none.
-        time: of the records of the series [s].
-    """
-
-    metrics: Array
-    status: NDArray[np.int8]
-    reason: list[str]
-    series: dict[str, Array]
-    time: Array
-
-
 SetupAt = Callable[[int], Setup]
 """What runs in a cell; it may raise a `ConfigurationError`, which makes the cell a refused one."""
 
-Report = Callable[[int], None]
-"""Told now and then how many runs have ended since the last time."""
+Report = Callable[[int], object]
+"""Told now and then how many runs have ended."""
 
 MOST_IN_PIECE: Final = 50
 """Runs that a worker is given at once; four pieces a worker at least, so that all end together."""
@@ -99,7 +76,8 @@ class Batch:
     ) -> None:
         self._task = (setup_at, outputs)
         self._count = workers or processors()
-        self._report = report or (lambda _: None)
+        self._report = report
+        self._done = 0
         self._executor: ProcessPoolExecutor | None = None
         self._others = set(multiprocessing.active_children())
 
@@ -128,18 +106,23 @@ class Batch:
             parts = []
             for piece in pieces:
                 parts.append(_answers(*self._task, piece, workspace))
-                self._report(len(piece))
-            return _joined(parts)
+                self._ended(len(piece))
+            return joined(parts)
         try:
             futures = self._submitted(pieces)
             for done in as_completed(futures):
-                self._report(done.result().status.size)
+                self._ended(done.result().status.size)
         except BrokenProcessPool as error:
             raise WorkerError(
                 "A worker process died, maybe for want of memory; what was finished before is kept. Start "
                 "again, with fewer workers if it dies again."
             ) from error
-        return _joined([future.result() for future in futures])
+        return joined([future.result() for future in futures])
+
+    def _ended(self, count: int) -> None:
+        self._done += count
+        if self._report:
+            self._report(self._done)
 
     def _submitted(self, pieces: Sequence[Sequence[int]]) -> list[Future[Answers]]:
         with ExitStack() as stack:
@@ -216,7 +199,7 @@ def _answers(
         if run is not None and outputs.series:
             time = max(time, run.time, key=len)
     return Answers(
-        metrics, status, reason, {name: _stacked(rows) for name, rows in series.items()}, time
+        metrics, status, reason, {name: stacked(rows) for name, rows in series.items()}, time
     )
 
 
@@ -241,7 +224,7 @@ def _run(
         )
         if not run.ending.reached_end:
             return None, status_of(run.ending), run.message
-        found = assess(Record.of_trajectory(run, setup.configuration), outputs.metrics)
+        found = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)
     except ConfigurationError as error:
         return None, Status.REFUSED, " ".join(error.faults)
     except LawError as error:
@@ -254,25 +237,3 @@ def _run(
         return None, Status.FAILED, f"The run ended in {type(error).__name__}: {error}"
     metrics[:] = [found[key] for key in outputs.metrics]
     return run, status_of(run.ending), run.message
-
-
-def _joined(parts: Sequence[Answers]) -> Answers:
-    """Give the answers of all pieces, one after the other."""
-    return Answers(
-        metrics=np.concatenate([part.metrics for part in parts]),
-        status=np.concatenate([part.status for part in parts]),
-        reason=[reason for part in parts for reason in part.reason],
-        series={
-            name: _stacked([row for part in parts for row in part.series[name]])
-            for name in parts[0].series
-        },
-        time=max((part.time for part in parts), key=len),
-    )
-
-
-def _stacked(rows: Sequence[Array]) -> Array:
-    """Give series as the rows of one array; those that are shorter end in NaN."""
-    stacked = np.full((len(rows), max(map(len, rows))), np.nan)
-    for place, row in zip(stacked, rows, strict=True):
-        place[: row.size] = row
-    return stacked

@@ -11,7 +11,7 @@ import yaml
 
 from contactlab.config.nesting import nested
 from contactlab.metrics import METRICS, read_run
-from contactlab.results import run_folder
+from contactlab.results import files
 from contactlab.results.provenance import checkout_state
 from contactlab.sweeps.dataset import DATASET, SERIES, counts_of, dataset_of, series_group, write
 from contactlab.sweeps.discovery import FoundRun, discovered
@@ -148,7 +148,7 @@ def _add_series(path: Path, runs: Sequence[FoundRun], layout: Layout, names: Seq
         group, time = None, np.empty(0)
         for place, run in complete:
             try:
-                tree = read_run(run.folder / run_folder.DATASET)
+                tree = read_run(run.folder / files.DATASET)
             except ValueError as error:
                 raise SweepError(str(error)) from error
             mine = np.asarray(tree["time"].values, dtype=np.float64)

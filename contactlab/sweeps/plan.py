@@ -14,10 +14,10 @@ import numpy as np
 from contactlab import metrics
 from contactlab.config import Setup, build
 from contactlab.config.nesting import Value
-from contactlab.config.suggestion import suggestion
 from contactlab.laws import law_class
 from contactlab.metrics import METRICS
 from contactlab.results.provenance import digest_of
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.dataset import SERIES, Axis
 from contactlab.sweeps.state import code_of
 

@@ -10,8 +10,8 @@ from contactlab.config import ConfigurationError, Setup, build, validate
 from contactlab.config.nesting import Value, flat
 from contactlab.config.quantity import UnitError, describe, to_si
 from contactlab.config.schema import declared_in
-from contactlab.config.suggestion import suggestion
 from contactlab.parameter import Parameter, from_cf
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.dataset import Axis
 from contactlab.sweeps.plan import (
     Configuration,
@@ -37,11 +37,11 @@ Columns = Mapping[str, Sequence[Value]]
 """What is swept: values by key or group, each a number, a text, or a text that stands for several."""
 
 
-Progress = Callable[[float, str, str], AbstractContextManager[Callable[[float], None]]]
+Progress = Callable[[float, str, str], AbstractContextManager[Callable[[float], object]]]
 """Shows how far something has come, of a total in some unit; see `contactlab.cli.terminal.progress`."""
 
 
-def unseen(*_: object) -> AbstractContextManager[Callable[[float], None]]:
+def unseen(*_: object) -> AbstractContextManager[Callable[[float], object]]:
     """Show nothing."""
     return nullcontext(lambda _: None)
 
@@ -174,6 +174,12 @@ def short_ends(name: str, known: Iterable[str]) -> list[str]:
     return [key for key in known if f"_{key.replace('.', '_')}".endswith(f"_{name}")]
 
 
+NOTHING: Final = (
+    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no "
+    "sweep."
+)
+
+
 @final
 class _Planner:
     """Finds the axes of a plan, and collects the faults."""
@@ -195,11 +201,6 @@ class _Planner:
 
     def refuse_columns(self, columns: Columns, outputs: Outputs) -> None:
         """Note what can be no sweep at all."""
-        if not columns:
-            self._faults.append(
-                f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs "
-                "no sweep."
-            )
         for key, column in columns.items():
             if not len(column):
                 self._faults.append(f"{key} has no values; it must have one at least. Name one.")
@@ -273,7 +274,7 @@ class _Planner:
         trials: Sequence[Configuration],
         key: str,
         values: Sequence[Value],
-        show: Callable[[float], None],
+        show: Callable[[float], object],
     ) -> list[Value]:
         """Give the values as they run; a fault is noted for each that no combination tried admits."""
         path = key.split(".")

@@ -17,10 +17,8 @@ import errno
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from hashlib import sha256
-from io import BytesIO
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Final, final
 
 import netCDF4
 import numpy as np
@@ -28,7 +26,8 @@ import xarray
 import yaml
 
 from contactlab.results.files import digest_of_file, whole_file
-from contactlab.sweeps.batch import Answers, Batch, Report
+from contactlab.sweeps.answers import Answers, ChunkGoneError, read_chunk, write_chunk
+from contactlab.sweeps.batch import Batch, Report
 from contactlab.sweeps.dataset import (
     DATASET,
     GROUP,
@@ -39,7 +38,7 @@ from contactlab.sweeps.dataset import (
     series_group,
     write,
 )
-from contactlab.sweeps.manifest import MANIFEST, sentence
+from contactlab.sweeps.manifest import MANIFEST
 from contactlab.sweeps.plan import Plan, Setups
 from contactlab.sweeps.state import Status
 from contactlab.sweeps.values import SweepError
@@ -47,13 +46,6 @@ from contactlab.sweeps.values import SweepError
 CHUNKS: Final = "chunks"
 DIGEST: Final = f"{DATASET}.sha256"
 UNFINISHED: Final = "unfinished.nc"
-
-_GONE: Final = (errno.ENOENT, errno.ESTALE)
-"""How a file that another machine has removed is told of."""
-
-
-class ChunkGoneError(Exception):
-    """A chunk that was there is there no more: another process has merged it, or somebody removed it."""
 
 
 @final
@@ -115,11 +107,9 @@ class Store:
         # In this order: who completes the sweep removes the chunks afterwards.
         return [] if self.complete else missing
 
-    @property
-    def sentence(self) -> str:
-        """What is complete, and what is to run."""
-        runs = sum(len(self.plan.cells_of(chunk)) for chunk in self.missing())
-        return sentence(self.plan.cells, {"new": runs})
+    def missing_runs(self) -> int:
+        """Count the runs of the chunks that are not finished."""
+        return sum(len(self.plan.cells_of(chunk)) for chunk in self.missing())
 
     def batch(self, workers: int | None, report: Report | None = None) -> Batch:
         """Give the processes that run the chunks."""
@@ -143,6 +133,17 @@ class Store:
             # Another process that has completed the sweep takes the folder of the chunks away.
             if not self.complete:
                 raise
+
+    def run_missing(self, workers: int | None, report: Report | None = None) -> None:
+        """Run all chunks that are not finished.
+
+        Raises:
+            WorkerError: a worker process died.
+            OSError: the answers cannot be written.
+        """
+        with self.batch(workers, report) as batch:
+            for chunk in self.missing():
+                self.run(chunk, batch)
 
     def merge(self) -> xarray.Dataset:
         """Write the dataset of all chunks that are finished; the chunks go when none is missing.
@@ -268,54 +269,6 @@ class Store:
                 )
         if not same:
             raise OSError(errno.EIO, "what was written is not what is read back")
-
-
-def write_chunk(file: Path, answers: Answers) -> None:
-    """Write a chunk, whole or not at all; the same answers give the same bytes.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
-    arrays: dict[str, Any] = {
-        "metrics": answers.metrics,
-        "status": answers.status,
-        "reason": np.array(answers.reason, dtype=np.str_),
-        "time": answers.time,
-    }
-    stream = BytesIO()
-    np.savez(stream, **arrays, **{f"series_{name}": x for name, x in answers.series.items()})
-    stream.write(sha256(stream.getbuffer()).digest())
-    with whole_file(file) as partial:
-        partial.write_bytes(stream.getbuffer())
-
-
-def read_chunk(file: Path) -> Answers:
-    """Read the answers of a chunk.
-
-    Raises:
-        ChunkGoneError: it is not there.
-        SweepError: it is damaged.
-    """
-    try:
-        kept, size = file.read_bytes(), sha256().digest_size
-        if sha256(memoryview(kept)[:-size]).digest() != kept[-size:]:
-            raise ValueError("its digest is another")
-        with np.load(BytesIO(kept), allow_pickle=False) as read:
-            series = [name for name in read.files if name.startswith("series_")]
-            return Answers(
-                metrics=read["metrics"],
-                status=read["status"],
-                reason=read["reason"].tolist(),
-                series={name.removeprefix("series_"): read[name] for name in series},
-                time=read["time"],
-            )
-    except (OSError, ValueError, KeyError) as error:
-        if isinstance(error, OSError) and error.errno in _GONE:
-            raise ChunkGoneError from error
-        raise SweepError(
-            f"'{file}' is damaged ({error}); it must be as it was written. Remove it and give the "
-            "same command again: its runs are made anew."
-        ) from error
 
 
 def _digest_line(file: Path) -> str:

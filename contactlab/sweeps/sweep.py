@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 import pandas
@@ -13,18 +13,19 @@ from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
 from contactlab.config.nesting import Value
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.results.netcdf import cf_attributes
-from contactlab.sweeps.batch import Answers, Batch, Report
+from contactlab.sweeps.answers import Answers
+from contactlab.sweeps.batch import Batch, Report, SetupAt
 from contactlab.sweeps.dataset import SERIES, Axis, dataset_of
 from contactlab.sweeps.plan import USUAL, Configuration, Outputs, Plan, Setups, with_key
-from contactlab.sweeps.planning import full_keys, planned, setups_of
+from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import listed
 
-Over = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
+Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 
 
 def sweep(
@@ -67,7 +68,7 @@ def sweep(
         folder: where chunks are kept as they are finished, so that the same sweep goes on where it was
             stopped; not with `motor`, since of a function nobody can tell whether it is the same.
         workers: processes at work; None is one a processor.
-        report: told now and then how many runs have ended since the last time.
+        report: told now and then how many runs have ended.
 
     Returns:
         The metrics over the parameters, or over `run` for a table, with `status` (see `Status`) and
@@ -80,9 +81,11 @@ def sweep(
         WorkerError: a worker process died.
     """
     samples = not isinstance(over, Mapping)
-    table = pandas.DataFrame(over) if samples else over
+    table: Any = pandas.DataFrame(over) if samples else over
     columns = {str(name): _values(table[name]) for name in table}
     units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
+    if not columns:
+        raise ValueError(NOTHING)
     outputs = Outputs.named(metrics, series)
     solver = {
         "solver.duration": duration,
@@ -97,14 +100,15 @@ def sweep(
                 "and its parameters keys: base=['law.restitution=0.4']. Or give motor=."
             )
         given = {key: value for key, value in solver.items() if value is not None}
-        composer = _Python(base, law, given)
+        composer = ScriptComposer(base, law, given)
         plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
         if samples:
             for _ in setups_of(plan):
                 pass
         if folder is not None:
             return _stored(Store(Path(folder), plan), workers, report)
-        axes, shape, setup_at = plan.axes, plan.shape, Setups(plan)
+        axes, shape = plan.axes, plan.shape
+        setup_at: SetupAt = Setups(plan)
     else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
             raise ValueError(
@@ -130,9 +134,7 @@ def _values(given: Any) -> list[Value]:
 def _stored(store: Store, workers: int | None, report: Report | None) -> xarray.Dataset:
     """Run what is missing of a sweep in a folder."""
     store.begin()
-    with store.batch(workers, report) as batch:
-        for chunk in store.missing():
-            store.run(chunk, batch)
+    store.run_missing(workers, report)
     return store.merge()
 
 
@@ -143,13 +145,13 @@ def _made(
     law: ContactLaw | Callable[..., ContactLaw] | str,
     solver: Mapping[str, float | None],
     outputs: Outputs,
-) -> tuple[tuple[int, ...], Callable[[int], Setup]]:
+) -> tuple[tuple[int, ...], SetupAt]:
     """Give the shape of a sweep over the arguments of functions, and what runs in each cell."""
     empty = [axis.key for axis in axes if not axis.values]
-    if empty or not axes:
+    if empty:
         raise ValueError(
-            f"{', '.join(empty) or 'The sweep'} has no values; there must be one at least of every "
-            "parameter, and one parameter at least. Give a list or an array of numbers."
+            f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list "
+            "or an array of numbers."
         )
     if not callable(law):
         check_kind("The law", law, ContactLaw)
@@ -217,7 +219,7 @@ def _dataset(
 
 
 @final
-class _Python:
+class ScriptComposer:
     """Composes configurations from what a script gives; see `planning.Composer`.
 
     Args:
@@ -229,12 +231,12 @@ class _Python:
     def __init__(
         self,
         base: Sequence[str] | Configuration | Setup,
-        law: str | None,
-        given: Mapping[str, float],
+        law: str | None = None,
+        given: Mapping[str, float] | None = None,
     ) -> None:
         self._base = base.configuration if isinstance(base, Setup) else base
         self._law = law
-        self._given = given
+        self._given = given or {}
         if isinstance(self._base, str):
             raise TypeError(
                 f"The base is the text {self._base!r}; it must be a list of overrides or a mapping. Write "

@@ -9,7 +9,7 @@ import pytest
 from support.conf_files import CONF, altered, composed, options
 
 from contactlab.config import ConfigurationError, build, groups, validate
-from contactlab.config.groups import known_keys, law_keys
+from contactlab.config.groups import keys_of_law, known_keys
 from contactlab.config.rules import MOST_RECORDS
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
@@ -74,7 +74,7 @@ def test_law_has_one_name_as_option_section_and_class() -> None:
     for name in LAWS:
         assert LAWS[name].name == name
         assert composed(law=name)["law"]["name"] == name
-        assert law_keys(name)["name"].kind == Literal[name]
+        assert keys_of_law(LAWS[name])["name"].kind == Literal[name]
 
 
 def test_only_compliant_laws_take_a_tolerance() -> None:

@@ -13,7 +13,7 @@ CONF = Path(__file__).resolve().parents[2] / "conf"
 def options(group: str) -> list[str]:
     """Names of a group's options."""
     files = [path.stem for path in (CONF / group).glob("*.yaml")]
-    others = groups.options(group) if group in groups.groups() else []
+    others = groups.groups().get(group, [])
     return sorted({*files, *others})
 
 

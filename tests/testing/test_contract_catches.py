@@ -18,8 +18,8 @@ from contactlab.laws import (
     PenaltyLaw,
 )
 from contactlab.laws.base import SLIP, STICK, MultiplierKernel, PenaltyKernel
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange_stick import stick_impulse, stick_or_slip_impulse
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.parameter import Parameter
 from contactlab.testing import LawContract
 from contactlab.testing.contract import bench as bench_module

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP, SPRING_AND_SLIDER, STICK
+from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction.cone import cone_bound
+from contactlab.laws.friction.coulomb import cone_bound
 from contactlab.laws.intake import guarded, misfits
 from contactlab.testing.claim import Claim, at_most
 from contactlab.testing.contract.bench import Bench
@@ -66,7 +66,7 @@ def parts_keep_apart(bench: Bench) -> Iterator[Claim]:
         law.normal.elastic,
         law.damping.damped,
         law.friction.state,
-        law.rub,
+        law.friction_force,
     )
     pressed, bounded, rubbed = 0.0, 0.0, 0.0
     for _ in range(STATES):
@@ -145,7 +145,7 @@ def _friction_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
     """A spring's F = -k z and E = 1/2 k z^2; no creep that pushes; nothing stored without memory."""
     found = list(misfits(law))
     yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
-    rub = law.rub
+    rub = law.friction_force
     if rub is None:
         return
     rng = np.random.default_rng(0)
@@ -161,7 +161,7 @@ def _friction_is_consistent(law: PenaltyLaw) -> Iterator[Claim]:
         force, _, energy, stiffness = rub(*asked, memory, parameters)
         size = abs(force) + stiffness * abs(memory) + abs(normal) + 1e-300
         stored = max(stored, -energy / (size * 1e-6), abs(rub(*asked, 0.0, parameters)[2]) / size)
-        if law.friction_kind == SPRING_AND_SLIDER:
+        if law.friction_kind == ELASTOPLASTIC:
             spring = max(spring, abs(force + stiffness * memory) / size)
             miss = energy - 0.5 * stiffness * memory**2
             spring = max(spring, abs(miss) / (size * abs(memory)))

@@ -6,9 +6,10 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
+from contactlab.arrays import Array
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import Array, FrictionKernel, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.testing.claim import Claim, at_least, at_most
 from contactlab.testing.contract.bench import Bench, mirrored
 from contactlab.trajectory import Trajectory
@@ -130,19 +131,19 @@ class _OftenAskedPenalty(PenaltyLaw):
         return self.law.friction_kind
 
     @property
-    def memory(self) -> tuple[str, ...]:  # type: ignore[override]
+    def internal_variables(self) -> tuple[str, ...]:  # type: ignore[override]
         """That of the law inside."""
-        return self.law.memory
+        return self.law.internal_variables
 
     @property
-    def memory_parity(self) -> int:  # type: ignore[override]
+    def internal_parity(self) -> int:  # type: ignore[override]
         """That of the law inside."""
-        return self.law.memory_parity
+        return self.law.internal_parity
 
     @property
-    def rub(self) -> FrictionKernel | None:
+    def friction_force(self) -> FrictionKernel | None:
         """The kernel around the kernel, where there is one."""
-        inner: Any = self.law.rub
+        inner: Any = self.law.friction_force
         if inner is None:
             return None
 

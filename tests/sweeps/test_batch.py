@@ -1,0 +1,301 @@
+"""Many runs in one go are the runs that each would be alone, by one process or several."""
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas
+import pytest
+import xarray
+from support.command_line import Command, left_behind
+from support.motors import default_motor, every_law, hertz
+from support.sweeps import METRICS_ALONE
+
+from contactlab.engine import simulate
+from contactlab.engine.propagator import Workspace
+from contactlab.laws import ContactLaw, LagrangeStick
+from contactlab.metrics import METRICS, assess
+from contactlab.motor.motor import Motor
+from contactlab.results.netcdf import to_datatree
+from contactlab.sweeps import Status, WorkerError, sweep
+from contactlab.sweeps.plan import AT_ANY_INTERVAL, USUAL
+
+DURATION = 1e-3
+CLEARANCES = (0.0, 0.5e-6, 1e-6)
+PHASES = (-1.0, 0.0, 2.0, 3.0)
+
+
+def motor_at(clearance: float, phase: float) -> Motor:
+    return default_motor(clearance=clearance, phase=phase)
+
+
+def swept(law: ContactLaw | Callable[..., ContactLaw], **changes: Any) -> xarray.Dataset:
+    over = {"clearance": CLEARANCES, "phase": PHASES}
+    return sweep(over, motor=motor_at, law=law, **{"duration": DURATION, **changes})
+
+
+@pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
+def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> None:
+    found = swept(law, workers=1)
+    assert found["final_rotor_velocity"].dims == ("clearance", "phase")
+    for clearance in CLEARANCES:
+        for phase in PHASES:
+            run = simulate(motor_at(clearance, phase), law, duration=DURATION, record_interval=1e-5)
+            cell = found.sel(clearance=clearance, phase=phase)
+            assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
+            assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
+            assert cell["contact_count"] == run.contacts["start_time"].size
+
+
+@pytest.mark.parametrize("workers", [2, 3, 50])
+def test_the_number_of_workers_changes_no_bit(workers: int) -> None:
+    alone = swept(hertz(), workers=1)
+    assert swept(hertz(), workers=workers).identical(alone)
+
+
+def test_all_metrics_are_those_of_the_datasets() -> None:
+    law = hertz()
+    found = swept(law, record_interval=1e-6, metrics=tuple(METRICS), workers=1)
+    for clearance, phase in ((0.0, 2.0), (1e-6, -1.0)):
+        motor = motor_at(clearance, phase)
+        run = simulate(motor, law, duration=DURATION, record_interval=1e-6)
+        configuration = {
+            "law": {"name": law.name, **law.describe()},
+            "drive": {"frequency": 3210.0},
+            "rotor": {"radius": 25e-3, "inertia": 4.8e-5, "damping": 0.0, "load_torque": 0.0},
+            "contact": {"friction_coefficient": law.friction_coefficient},
+        }
+        expected = assess(to_datatree(run, configuration))
+        cell = found.sel(clearance=clearance, phase=phase)
+        for key, value in expected.items():
+            assert np.array_equal(cell[key], value, equal_nan=True), key
+            assert found[key].attrs["units"] == METRICS[key].units
+
+
+def test_metrics_without_records_are_the_same_at_any_interval() -> None:
+    assert set(USUAL) <= set(AT_ANY_INTERVAL) <= set(METRICS)
+    every = [
+        swept(
+            hertz(),
+            record_interval=interval,
+            metrics=[*AT_ANY_INTERVAL, *more],
+            workers=1,
+        )[list(AT_ANY_INTERVAL)]
+        for interval, more in ((None, []), (7e-6, ["torque"]), (1e-6, ["torque"]))
+    ]
+    assert every[0].equals(every[1])
+    assert every[0].equals(every[2])
+
+
+def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
+    found = swept(
+        lambda clearance, phase: hertz(0.1 * (1.0 + clearance * 1e6) + 0.0 * phase),
+        duration=DURATION,
+        record_interval=3e-5,
+        series=["rotor_velocity", "gap"],
+        workers=2,
+    )
+    run = simulate(motor_at(1e-6, 0.0), hertz(0.2), duration=DURATION, record_interval=3e-5)
+    cell = found.sel(clearance=1e-6, phase=0.0)
+    assert np.array_equal(found["time"], run.time)
+    for name in ("rotor_velocity", "gap"):
+        assert np.array_equal(cell[f"{name}_series"], run.series[name])
+    assert found["gap_series"].attrs["units"] == "m"
+
+
+def test_a_cell_with_an_open_ledger_keeps_its_numbers_and_says_so() -> None:
+    found = sweep(
+        {"voltage": [10.0, 400.0]},
+        motor=lambda voltage: default_motor(voltage_1=voltage, voltage_2=voltage),
+        law=LagrangeStick(0.8),
+        duration=5e-3,
+        record_interval=5e-3,
+        contact_step=1e-5,
+        workers=1,
+    )
+    codes = [Status(code) for code in found["status"].values]
+    assert codes[1] is Status.UNBALANCED
+    assert "ledger is open by" in found["reason"].values[1]
+    assert np.isfinite(found["peak_force"].values[1])
+
+
+def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() -> None:
+    def motor(voltage: float) -> Motor:
+        if voltage < 0.0:
+            raise ValueError("no negative voltage here")
+        return default_motor(voltage_1=voltage, voltage_2=voltage)
+
+    found = sweep(
+        {"voltage": [-1.0, 100.0, 1e9]},
+        motor=motor,
+        law=hertz(),
+        duration=DURATION,
+        record_interval=1e-5,
+        series=["gap"],
+        workers=2,
+    )
+    codes = [Status(code) for code in found["status"].values]
+    assert codes == [Status.FAILED, Status.COMPLETE, Status.DIVERGED]
+    assert found["reason"].values[0] == "The run ended in ValueError: no negative voltage here"
+    assert found["reason"].values[1] == ""
+    assert "diverges" in found["reason"].values[2]
+    assert np.isnan(found["peak_force"].values).tolist() == [True, False, True]
+    assert np.isnan(found["gap_series"].values).all(axis=1).tolist() == [True, False, True]
+
+
+def test_an_axis_brings_its_unit() -> None:
+    clearance = xarray.DataArray([*CLEARANCES], attrs={"units": "m"})
+    over = {"clearance": clearance, "phase": PHASES}
+    found = sweep(over, motor=motor_at, law=LagrangeStick(0.3), duration=1e-4, workers=1)
+    assert found["clearance"].attrs == {"key": "clearance", "units": "m"}
+    assert found["phase"].attrs == {"key": "phase"}
+
+
+def test_a_worker_that_is_killed_is_told() -> None:
+    test = os.getpid()
+
+    def motor(phase: float) -> Motor:
+        if phase == 2.0 and os.getpid() != test:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return default_motor(phase=phase)
+
+    with pytest.raises(WorkerError, match="A worker process died"):
+        sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=2)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_signal_that_ends_the_job_is_no_result_of_a_cell(workers: int) -> None:
+    def time_is_up(*_: object) -> None:
+        raise TimeoutError("time is up")
+
+    test = os.getpid()
+
+    def motor(phase: float) -> Motor:
+        # As a cluster sends it: to every process of the job, workers included.
+        if phase == 2.0:
+            os.kill(os.getpid(), signal.SIGUSR2)
+            os.kill(test, signal.SIGUSR2)
+        return default_motor(phase=phase)
+
+    before = signal.signal(signal.SIGUSR2, time_is_up)
+    try:
+        with pytest.raises(TimeoutError, match="time is up"):
+            sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=workers)
+    finally:
+        signal.signal(signal.SIGUSR2, before)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"metrics": ["peak_farce"]}, "Did you mean peak_force"),
+        ({"series": ["gab"], "record_interval": 1e-5}, "Did you mean gap"),
+        ({"metrics": []}, "Nothing is asked for"),
+        ({"metrics": ["torque"]}, "Give a record_interval"),
+        ({"series": ["gap"]}, "Give a record_interval"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused_in_a_sentence(
+    changes: dict[str, list[str]], words: str
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        swept(hertz(), **changes)
+
+
+def test_a_sweep_without_values_is_refused() -> None:
+    with pytest.raises(ValueError, match="Nothing is swept"):
+        sweep({}, motor=motor_at, law=hertz(), duration=1e-4)
+    with pytest.raises(ValueError, match="phase has no values"):
+        sweep({"phase": []}, motor=motor_at, law=hertz(), duration=1e-4)
+
+
+def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> None:
+    """Names, values, units and bits are the same, so that both align."""
+    given = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
+    found = sweep(given, duration=1e-3, base=["drive.phase=1"], workers=1)
+    lines = ["law=newton,hertz_penalty", "contact.clearance=linspace(0, 2 um, 3)", "drive.phase=1"]
+    command(*METRICS_ALONE, *lines, "solver.duration=1 ms", "hydra.sweep.dir=here")
+    with xarray.open_dataset("here/sweep.nc") as commanded:
+        xarray.testing.assert_equal(commanded, found)
+        assert commanded["clearance"].attrs == found["clearance"].attrs
+        assert commanded["clearance"].attrs["key"] == "contact.clearance"
+        assert (
+            "clearance" in commanded["clearance"].attrs["long_name"]
+            or commanded["clearance"].units == "m"
+        )
+    stored = sweep(given, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
+    xarray.testing.assert_equal(stored, found)
+
+
+SAMPLES = [
+    {"clearance": "1 um", "law": "newton", "drive.phase": 0.1},
+    {"clearance": 2e-6, "law": "hertz_penalty", "drive.phase": 0.2},
+]
+
+
+def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> None:
+    found = sweep(SAMPLES, duration=1e-3, workers=1)
+    assert found["clearance"].dims == ("run",)
+    pandas.DataFrame(SAMPLES).to_csv("table.csv", index=False)
+    short = ("sweep.samples=table.csv", "solver.duration=1 ms", "record.picture=false")
+    assert command("-m", *short, "sweep.keep=metrics", "hydra.sweep.dir=metrics")[0] == 0
+    assert command("-m", *short, "hydra.sweep.dir=runs")[0] == 0
+    for folder in ("metrics", "runs"):
+        with xarray.open_dataset(f"{folder}/sweep.nc") as read:
+            ordered = read.sortby("phase")
+            for name in ("clearance", "law", "phase", "final_rotor_velocity", "peak_force"):
+                assert np.array_equal(ordered[name], found[name]), (folder, name)
+    # What a sweep leaves is a table for another.
+    again = ("sweep.samples=metrics/sweep.nc", "solver.duration=1 ms", "sweep.keep=metrics")
+    status, _, err = command("-m", *again, "hydra.sweep.dir=again")
+    assert status == 0, err
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("clearance\n1e-6\n\n-1\n", "contact.clearance is -1 m; it must be at least 0 m"),
+        ("clearance,law\n1e-6,newton\n1e-6,\n", "sweep.samples has no law in row 2"),
+        ("clearence\n1e-6\n", "Did you mean contact.clearance?"),
+        ("law\nnewtonn\n", "law is 'newtonn'; it must be one of"),
+    ],
+)
+def test_a_faulty_table_is_refused_in_a_sentence(command: Command, table: str, words: str) -> None:
+    Path("table.csv").write_text(table)
+    status, _, err = command("-m", "sweep.samples=table.csv")
+    assert status == 2
+    assert words in err
+    assert left_behind() == [Path("table.csv")]
+
+
+def test_a_workspace_serves_motors_that_differ_in_all_a_response_depends_on() -> None:
+    changes: list[dict[str, float]] = [
+        {},
+        {"rotor_inertia": 1e-5},
+        {"frequency": 3000.0},
+        {"shapes": 3},
+        {"stiffness_damping": 1e-5},
+        {"rotor_radius": 20e-3},
+        {"rotor_damping": 1e-4},
+        {},
+    ]
+    shared = Workspace()
+    for law in every_law():
+        for step in (1e-7, 2e-7):
+            for change in changes:
+                runs = [
+                    simulate(
+                        default_motor(**change),
+                        law,
+                        duration=DURATION,
+                        record_interval=DURATION,
+                        contact_step=step,
+                        workspace=workspace,
+                    )
+                    for workspace in (shared, None)
+                ]
+                first, second = (run.series["rotor_angle"][-1] for run in runs)
+                assert first == second, (law.name, step, change)
