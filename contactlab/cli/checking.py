@@ -4,7 +4,6 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, final
 
@@ -25,22 +24,23 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import VERBS, gives_several
 from contactlab.cli.jobs import refusals
-from contactlab.cli.terminal import refuse, tell
+from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import Setup, build
-from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.groups import group_told_by, known_keys
 from contactlab.config.nesting import flat
 from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
+from contactlab.results.files import STATE
 from contactlab.suggestion import suggestion
+from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE
+from contactlab.sweeps.state import REFUSED as REFUSED_STATE
+from contactlab.sweeps.state import read_state
 
 IN_FILE = 60
 """Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""
 
 WORTH_SAYING = 100e6
 """Bytes on disk that one wants to know of beforehand."""
-
-NOT_OF_A_RUN = ("hydra", "sweep")
-"""Sections that say how runs are made."""
 
 _OF_HYDRA = {field.name for field in fields(HydraConf)}
 """Keys of Hydra's own part of the configuration."""
@@ -69,6 +69,19 @@ class Check(Callback):
             sys.exit(refuse(dict.fromkeys(error.faults)))
         announce([setup.configuration])
 
+    def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
+        """Give the exit status of a sweep by what its runs left, where the sweeper is not ours and gives none.
+
+        Raises:
+            SystemExit: with it, where a run is not complete.
+        """
+        if "contactlab" in str(config.hydra.sweeper.get("_target_")):
+            return
+        found = Path(str(config.hydra.sweep.dir)).rglob(STATE)
+        states = {state.state for path in found if (state := read_state(path.parent))}
+        if states - {COMPLETE_STATE}:
+            sys.exit(REFUSED if REFUSED_STATE in states else INCOMPLETE)
+
 
 def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     """Build what a composed configuration says; Hydra's own part may be in it.
@@ -82,7 +95,7 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     """
     told = list(faults)
     try:
-        mine = [str(key) for key in config if key not in NOT_OF_A_RUN]
+        mine = [str(key) for key in config if key != "hydra"]
         setup = build(OmegaConf.to_container(OmegaConf.masked_copy(config, mine), resolve=True))  # type: ignore[arg-type]
     except ConfigurationError as error:
         told += error.faults
@@ -128,7 +141,7 @@ def _faults_of(override: Override) -> Iterator[str]:
             "Leave it out for the default."
         )
     elif override.is_hydra_override() and "." in key and key.split(".")[1] not in _OF_HYDRA:
-        yield unknown_key(key)
+        yield _unknown(key)
     is_set = "." in key and not isinstance(value, dict) and not override.is_delete()
     if is_set and (options := GlobalHydra.instance().config_loader().get_group_options(group)):
         yield (
@@ -215,7 +228,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     said = str(error)
     # What Hydra says of a key that is not there; the schema does not get to see it.
     if unknown := re.search(r"Could not override '([^']+)'", said):
-        return [unknown_key(unknown[1], lines)]
+        return [_unknown(unknown[1], lines)]
     if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
         return [_SEVERAL.format(several[1])]
     if said.startswith("Config group override must be"):
@@ -229,35 +242,13 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     return [f"The run could not be started: {one_line(error)}"]
 
 
-def unknown_key(key: str, lines: Iterable[str] = ()) -> str:
-    """Say that there is no such key, or none with these choices.
-
-    Args:
-        key: that Hydra does not find.
-        lines: the arguments as typed.
-    """
-    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
-    known = [*known_keys(), *hydras]
+def _unknown(key: str, lines: Iterable[str] = ()) -> str:
+    """Say that there is no such key, or none with what the arguments choose."""
     path = key.replace("/", ".")
-    if any(f"{name}.".startswith(f"{path}.") for name in known):
-        group = path.rpartition(".")[0].replace(".", "/")
-        typed = (line for line in lines if line.startswith(f"{group}="))
-        return (
-            f"{key} does not belong to {next(typed, f'this choice of {group}')}; it must be absent with it. "
-            f"Leave it out or choose another {group}: contactlab --help lists them."
-        )
-    leaf = path.rpartition(".")[2]
-    # Whoever names the last part alone, or under another group, means the key that ends so.
-    endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
-    near = (
-        get_close_matches(path, known, 1, 0.8)
-        or [name for name in known if name.rpartition(".")[2] in endings]
-        or get_close_matches(path, known, 1, 0.7)
-    )
-    hint = f"Did you mean {' or '.join(near)}?" if near else "It must be one of those of the files."
-    return (
-        f"{key} is not a known key. {hint} contactlab --cfg job shows all keys with their values."
-    )
+    group = path.rpartition(".")[0].replace(".", "/")
+    chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
+    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
+    return unknown_key(path, next(chosen, "the default"), [*known_keys(), *hydras])
 
 
 def _folder_faults(config: DictConfig) -> Iterable[str]:
