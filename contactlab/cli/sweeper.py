@@ -207,12 +207,8 @@ class ContactlabSweeper(Sweeper):
                 status = self._chunks(store, store.missing(), settings.workers)
                 dataset = store.merge()
         except (WorkerError, OSError) as error:
-            unwritten = (
-                f"The sweep could not be written: {told(error)}"
-                if isinstance(error, OSError)
-                else ""
-            )
-            tell(unwritten or str(error), sys.stderr)
+            why = told(error) if isinstance(error, OSError) else str(error)
+            tell(f"The sweep stopped: {why}", sys.stderr)
             return INCOMPLETE
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
