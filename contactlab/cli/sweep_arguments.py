@@ -218,10 +218,11 @@ def table(path: str) -> dict[str, list[Value]]:
             rows = pandas.read_csv(path, skipinitialspace=True)
         else:
             with xarray.open_dataset(path, decode_times=False) as dataset:
-                keys = {
-                    name: str(v.attrs.get("key", name)) for name, v in dataset.variables.items()
-                }
-                rows = dataset.to_dataframe().rename(columns=keys)
+                said = {name: values.attrs for name, values in dataset.variables.items()}
+                # The dataset of a sweep says which of its variables are keys.
+                keys = {name: text["key"] for name, text in said.items() if "key" in text}
+                rows = dataset.to_dataframe()
+                rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
     # A file can be anything.
     except Exception as error:
         raise ConfigurationError(
