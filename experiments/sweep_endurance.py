@@ -2,7 +2,7 @@
 
     python experiments/sweep_endurance.py [--runs N] [--kills N] [--workers N]
 
-The sweep is made twice by `contactlab -m`: once undisturbed, while the resident memory of all its processes is
+The sweep is made twice: once undisturbed, while the resident memory of all its processes is
 watched, and once killed with SIGKILL at random moments and started again. The two files must be the same to
 the last byte. The status is 1 where they are not.
 """

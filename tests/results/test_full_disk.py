@@ -6,13 +6,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from contactlab.sweeps.store import CHUNKS
 from support.command_line import Command
 from support.folders import left_run
 from support.stores import begun
 
 from contactlab.comparison import compare
 from contactlab.sweeps import collect
+from contactlab.sweeps.store import CHUNKS
 
 resource = pytest.importorskip("resource")
 
