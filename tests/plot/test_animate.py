@@ -283,7 +283,7 @@ REFUSALS = {
     "no file": (["gone.nc"], "There is no file 'gone.nc'"),
     "folder without run": (["empty"], "There is no file 'empty/run.nc'"),
     "no netCDF": (["text.nc"], "'text.nc' cannot be read as netCDF"),
-    "other netCDF": (["other.nc"], "'other.nc' lacks time, tip_tangential_displacement"),
+    "other netCDF": (["other.nc"], "'other.nc' has no variable 'time'"),
     "unknown suffix": (["run.nc", "--output", "a.avi"], "'a.avi', it must end in .gif or .mp4"),
     "no suffix": (["run.nc", "--output", "a"], "'a', it must end in"),
     "no folder": (["run.nc", "--output", "no/a.gif"], "there is no folder 'no'; create it"),
