@@ -20,7 +20,7 @@ from contactlab.config.faults import ConfigurationError, one_line, sentence
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.rules import broken_rules
 from contactlab.config.schema import Section, configuration_with
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw

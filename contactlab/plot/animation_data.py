@@ -26,14 +26,19 @@ FREE, SLIP, STICK = 0, 1, 2
 REACH: Final = 0.1
 """How far the drawn vibration may reach, in parts of the smaller of tip length and rotor radius."""
 
+_RECORDED: Final = (
+    "tip_tangential_displacement", "gap", "tip_slope", "rotor_angle", "rotor_velocity",
+    "normal_force", "friction_force",
+)  # fmt: skip
+
 NEEDED: Final = {
-    "/": (
-        "time", "tip_tangential_displacement", "tip_slope", "gap", "rotor_angle", "rotor_velocity",
-        "normal_force", "friction_force", "contact_mode", "natural_frequency",
-    ),
+    "/": ("time", *_RECORDED, "contact_mode", "natural_frequency"),
     "/contacts": ("start_time", "duration", "stick_duration"),
-}  # fmt: skip
+}
 """Variables of the groups of a dataset without which there is no animation."""
+
+LITTLE: Final = 1e-9
+"""Pace of the clock that counts time in contact, where there is none."""
 
 
 class UnfitRunError(ValueError):
@@ -180,64 +185,47 @@ def film_of(run: Run, start: float, end: float, frames: int) -> Film:
     Raises:
         UnfitRunError: this part has diverged.
     """
-    edges = np.linspace(start, end, frames + 1)
-    time = run.time
+    edges, time = np.linspace(start, end, frames + 1), run.time
     size = min(run.tip_length, run.radius)
     inside = slice(np.searchsorted(time, start), np.searchsorted(time, end) + 1)
-
-    def recorded(name: str) -> Array:
-        return drawable(np.asarray(run.root[name].values, dtype=float))
-
-    def displacement(name: str) -> Array:
+    values = {name: drawable(np.asarray(run.root[name].values, dtype=float)) for name in _RECORDED}
+    reach = 0.0
+    for name in ("tip_tangential_displacement", "gap"):
         # What is larger than the motor itself has diverged.
-        values = recorded(name)
-        return np.where(np.abs(values) < size, values, np.nan)
-
-    extents = [
-        np.abs(displacement(name)[inside]) for name in ("tip_tangential_displacement", "gap")
-    ]
-    if not all(np.isfinite(values).any() for values in extents):
-        raise UnfitRunError(
-            f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
-        )
-    reach = max(float(np.nanmax(values)) for values in extents)
-
-    def at_frames(name: str) -> Array:
-        return np.interp(edges[1:], time, recorded(name))
-
+        values[name] = np.where(np.abs(values[name]) < size, values[name], np.nan)
+        if not np.isfinite(values[name][inside]).any():
+            raise UnfitRunError(
+                f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
+            )
+        reach = max(reach, float(np.nanmax(np.abs(values[name][inside]))))
     spans = contact_spans(run.root, run.contacts)
-    # Recorded forces are means over an interval, of which a contact may have been a part only: the
-    # impulse belongs to that part, and where there was none to all of the interval.
-    interval = np.clip(np.searchsorted(time, edges) - 1, 0, time.size - 2)
-    touching = _time_spent(time, spans["slip"]) + _time_spent(time, spans["stick"])
-    gone = (
-        _time_spent(edges, spans["slip"]) + _time_spent(edges, spans["stick"]) - touching[interval]
-    )
-    part, whole = np.diff(touching)[interval], np.diff(time)[interval]
-    share = (edges - time[interval]) / whole
-    share[part > 1e-9 * whole] = (gone / np.maximum(part, 1e-300))[part > 1e-9 * whole]
+
+    def clock(times: Array) -> Array:
+        # Recorded forces are means over an interval, of which a contact may have been a part only: the
+        # impulse belongs to that part, and where there was none to all of the interval.
+        return LITTLE * times + sum(_time_spent(times, those) for those in spans.values())
 
     def means(name: str) -> Array:
-        pushes = recorded(name)[1:] * np.diff(time)
-        before = np.concatenate(([0.0], np.cumsum(pushes)))[interval]
-        mean = np.diff(before + pushes[interval] * np.clip(share, 0.0, 1.0)) / np.diff(edges)
+        impulse = np.concatenate(([0.0], np.cumsum(values[name][1:] * np.diff(time))))
+        mean = np.diff(np.interp(clock(edges), clock(time), impulse)) / np.diff(edges)
         # What is left of a difference of sums is no force.
-        return np.where(np.abs(mean) > 1e-9 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
+        return np.where(np.abs(mean) > 1e-6 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
 
+    at_frames = {name: np.interp(edges[1:], time, those) for name, those in values.items()}
     return Film(
         run=run,
         start=start,
         end=end,
         magnification=_magnification(reach, size),
         time=edges[1:],
-        tangential=np.interp(edges[1:], time, displacement("tip_tangential_displacement")),
-        gap=np.interp(edges[1:], time, displacement("gap")),
-        slope=at_frames("tip_slope"),
-        angle=at_frames("rotor_angle"),
-        velocity=at_frames("rotor_velocity"),
+        tangential=at_frames["tip_tangential_displacement"],
+        gap=at_frames["gap"],
+        slope=at_frames["tip_slope"],
+        angle=at_frames["rotor_angle"],
+        velocity=at_frames["rotor_velocity"],
         normal=means("normal_force"),
         friction=means("friction_force"),
-        mode=_modes(edges, run),
+        mode=_modes(edges, run, spans),
     )
 
 
@@ -250,9 +238,8 @@ def _magnification(reach: float, size: float) -> float:
     return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= largest * (1.0 + 1e-9))
 
 
-def _modes(edges: Array, run: Run) -> NDArray[np.int8]:
+def _modes(edges: Array, run: Run, spans: dict[str, Array]) -> NDArray[np.int8]:
     """Give the contact mode of every interval between edges."""
-    spans = contact_spans(run.root, run.contacts)
     lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
     # A contact of no duration is one all the same.
     starts = np.searchsorted(run.contacts["start_time"].values, edges, side="right")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import simulate
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.engine.workspace import Workspace
+from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
 from contactlab.metrics import METRICS, Run, assess
 from contactlab.suggestion import suggestion
