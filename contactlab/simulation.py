@@ -11,7 +11,7 @@ import xarray
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate as trajectory_of
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
