@@ -22,7 +22,11 @@ class Rotor:
     damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
     load_torque: Annotated[
         float,
-        Parameter("tau", "N m", "load torque, towards negative rotation: it brakes a positive one"),
+        Parameter(
+            "tau",
+            "N m",
+            "load torque towards negative rotation: it brakes positive, drives negative",
+        ),
     ] = 0.0
     initial_velocity: Annotated[
         float, Parameter("Omega(0)", "rad s-1", "velocity at the start")

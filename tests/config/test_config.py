@@ -162,7 +162,11 @@ def test_class_refuses_in_the_words_of_the_configuration() -> None:
         ("rotor.damping", -1, "must be at least 0 N m s/rad"),
         ("rotor.load_torque", "strong", "it must be a number in N m, for example '2 mN m'"),
         ("law.stiffness", 0, "must be greater than 0 N/m^1.5"),
-        ("law.stiffness", None, "law.stiffness is None and tip_radius is None; exactly one of them must"),
+        (
+            "law.stiffness",
+            None,
+            "law.stiffness is None and tip_radius is None; exactly one of them must",
+        ),
         ("law.tip_radius", -1, "must be greater than 0 m"),
         (
             "law.name",
