@@ -33,7 +33,7 @@ from tqdm import tqdm
 
 from contactlab.config import ConfigurationError, build, compose
 from contactlab.engine import simulate
-from contactlab.metrics import FAIL, INVARIANTS, METRICS, Record, assess
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, Run, assess
 
 LAWFUL: Final = (
     "tension",
@@ -106,7 +106,7 @@ def outcome_of(number: int, seed: int = 0) -> Outcome:
         contact_step=setup.contact_step,
         tolerance=setup.tolerance,
     )
-    record = Record.of_trajectory(run, setup.configuration)
+    record = Run.of_trajectory(run, setup.configuration)
     steps = ("flight_steps", "contact_steps", "rejected_steps")
     return Outcome(
         number=number,

@@ -21,7 +21,7 @@ from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import nested
 from contactlab.config.rules import broken_rules
 from contactlab.config.schema import Section, configuration_with
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw

@@ -36,10 +36,8 @@ def fitted_order(sizes: list[float], errors: list[float]) -> float:
 
 def test_hertz_penalty_is_a_composition_to_the_last_bit() -> None:
     law = HertzPenalty(2e9, 0.4)
-    named, composed = (
-        motor_run(law),
-        motor_run(Composed(HertzPoint(law.stiffness), friction=Coulomb(law.friction_coefficient))),
-    )
+    composition = Composed(HertzPoint(2e9), friction=Coulomb(0.4))
+    named, composed = motor_run(law), motor_run(composition)
     for name, values in named.series.items():
         np.testing.assert_array_equal(values, composed.series[name])
 
