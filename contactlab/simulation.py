@@ -11,7 +11,7 @@ import xarray
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate as trajectory_of
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
@@ -197,7 +197,6 @@ def simulate(
         setup = _changed(motor, given)
     else:
         setup = _setup(motor, law, given)
-    going_on: dict[str, Any] = {} if start is None else {"start": start.state}
     trajectory = trajectory_of(
         setup.motor,
         setup.law,
@@ -206,7 +205,7 @@ def simulate(
         contact_step=setup.contact_step,
         tolerance=setup.tolerance,
         progress=progress,
-        **going_on,
+        start=None if start is None else start.state,
     )
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 
