@@ -14,7 +14,7 @@ from contactlab.config.quantity import UnitError, to_si
 from contactlab.metrics import read_run
 
 if TYPE_CHECKING:
-    from contactlab.plot.animation_data import Run
+    from contactlab.plot.animation_data import Recording
 
 FILM_TIME = 10.0
 """How long an animation lasts [s], whatever it shows."""
@@ -155,7 +155,9 @@ def _number(option: str, text: str, unit: str) -> float:
         raise RefusalError(f"{option} is '{text}', {fault}; write it like {example}.") from fault
 
 
-def _window(run: "Run", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
+def _window(
+    run: "Recording", start_text: str | None, duration_text: str | None
+) -> tuple[float, float]:
     """Start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
@@ -181,7 +183,7 @@ def _window(run: "Run", start_text: str | None, duration_text: str | None) -> tu
     return begin, min(begin + duration, last)
 
 
-def _advise(run: "Run", duration: float, frames: int) -> None:
+def _advise(run: "Recording", duration: float, frames: int) -> None:
     """Say so if the picture will not show the vibration."""
     if run.coarse:
         print(
