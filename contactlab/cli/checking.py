@@ -70,7 +70,7 @@ class Check(Callback):
         announce([setup.configuration])
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
-        """Give the exit status of a sweep by what its runs left, where the sweeper is not ours and gives none.
+        """Give the exit status of a sweep by what its runs left, where the sweeper is another.
 
         Raises:
             SystemExit: with it, where a run is not complete.
