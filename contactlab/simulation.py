@@ -38,7 +38,7 @@ _KEYS: Final = {
     "contact_step": ("solver", "contact_step"),
     "tolerance": ("solver", "tolerance"),
 }
-"""Where a configuration holds the numbers of a run."""
+"""Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
 
 
 @final
@@ -164,13 +164,8 @@ def simulate(
         ValueError: an argument out of range, one too many or one too few.
         contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
     """
-    numbers = {
-        "duration": duration,
-        "record_interval": record_interval,
-        "contact_step": contact_step,
-        "tolerance": tolerance,
-    }
-    given = {name: value for name, value in numbers.items() if value is not None}
+    numbers = (duration, record_interval, contact_step, tolerance)
+    given = {name: x for name, x in zip(_KEYS, numbers, strict=True) if x is not None}
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
         given[name] = float(value)

@@ -22,17 +22,8 @@ from contactlab.trajectory import Ending
 
 PACKAGE = Path(cl.__file__).parent
 
-PYTHON = """
-import contactlab as cl
-
-resonator = cl.RitzResonator()
-drive = cl.Drive.two_mode(100.0, 100.0, frequency=resonator.modes.natural_frequency[0])
-motor = cl.Motor(resonator.modes, drive, rotor=cl.Rotor(load_torque=1e-4))
-solution = cl.simulate(motor, cl.law("lagrange_stick", friction_coefficient=0.3), duration=5e-3)
-print(solution)
-solution.plot().savefig("run.png")
-solution.save("run.nc")
-"""
+README = (PACKAGE.parent / "README.md").read_text(encoding="utf-8")
+PYTHON = re.findall(r"## From Python\n\n```python\n(.*?)```", README, re.DOTALL)[0]
 
 CONFIGURED = """
 import contactlab as cl
@@ -88,7 +79,7 @@ def test_no_module_goes_through_the_front_door() -> None:
                 assert "contactlab" not in {name.name for name in node.names}, file
 
 
-@pytest.mark.parametrize("text", [PYTHON, CONFIGURED], ids=["from Python", "configured"])
+@pytest.mark.parametrize("text", [PYTHON, CONFIGURED], ids=["of the README", "configured"])
 def test_an_example_is_short_and_runs(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

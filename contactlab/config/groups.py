@@ -132,7 +132,7 @@ def keys_of_law(owner: Any) -> Keys:
     Raises:
         ValueError: it has fields that cannot be keys.
     """
-    names = [member.name for member in members_of(owner)]
+    names = list(members_of(owner))
     if taken := [name for name in names if name.startswith("_") or name in _RESERVED]:
         raise ValueError(
             f"{owner.name} has parameters named {', '.join(taken)}, which configurations use themselves; "

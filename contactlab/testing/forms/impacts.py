@@ -136,7 +136,9 @@ def modal_impacts(seed: int = 1) -> Iterator[Claim]:
         *((law(0.0, 0.6), 0.6) for law in RESTITUTIONS),
     )
     plant = plant_of(motor)
-    _, n_u, n_th, t_u, t_th = contact_frame(0.0, 0.0, plant.geometry.tip_length, plant.geometry.radius, 0.0)
+    _, n_u, n_th, t_u, t_th = contact_frame(
+        0.0, 0.0, plant.geometry.tip_length, plant.geometry.radius, 0.0
+    )
     d_nn, d_nt, d_tt = delassus(plant, n_u, n_th, t_u, t_th)
     for law, e in laws:
         struck = strike(motor, law)
