@@ -124,13 +124,9 @@ def declared_fields(owner: type) -> dict[str, DeclaredField]:
 
 @cache
 def parameters_of(owner: type) -> dict[str, Parameter]:
-    """Give the declared parameters of a class by name; a field without declaration is not among them."""
-    return {
-        name: extra
-        for name, hint in get_type_hints(owner, include_extras=True).items()
-        for extra in getattr(hint, "__metadata__", ())
-        if isinstance(extra, Parameter)
-    }
+    """Give the declared parameters of a dataclass by name; a field without declaration is not among them."""
+    declared = declared_fields(owner).items()
+    return {name: field.parameter for name, field in declared if field.parameter}
 
 
 def from_cf(units: str) -> str:

@@ -132,7 +132,7 @@ def validate(configuration: Values) -> Section:
     sound: dict[str, Any] = {}
     faults: list[str] = []
     given = configuration.get("law") if isinstance(configuration, Mapping) else None
-    law = str(given.get("name")) if isinstance(given, Mapping) else "none"
+    law = str(given.get("name") if isinstance(given, Mapping) else getattr(given, "name", None))
     others = [law] if law in law_names() and law not in LAWS else []
     try:
         checked = configuration_with(*others).model_validate(configuration, context=sound)
