@@ -65,6 +65,7 @@ from contactlab.simulation import Solution, load, simulate
 from contactlab.trajectory import Ending
 
 __version__ = versions()["contactlab_version"]
+from contactlab.sweeps import collect, sweep
 
 __all__ = [
     "Composed",
@@ -114,10 +115,12 @@ __all__ = [
     "Undamped",
     "__version__",
     "build",
+    "collect",
     "compare",
     "hertz_stiffness",
     "law",
     "law_names",
     "load",
     "simulate",
+    "sweep",
 ]
