@@ -77,7 +77,7 @@ def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterabl
         ValueError: a source is no run.
     """
     from contactlab.metrics import read_run
-    from contactlab.testing.recorded import invariants_of
+    from contactlab.testing.contract import invariants_of
 
     for source in sources:
         path = Path(source)
@@ -88,36 +88,9 @@ def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterabl
 def _groups() -> Iterator[tuple[str, Callable[[], Iterable["Claim"]]]]:
     """Headings and their claims."""
     # Imported here: they bring the compiler, which --help does not need.
-    from contactlab.laws import law_class, law_names
-    from contactlab.testing.contract.bench import Bench
-    from contactlab.testing.contract.properties import PROPERTIES, check
-    from contactlab.testing.flights.touchdowns import random_touchdowns
-    from contactlab.testing.forms import CLOSED_FORMS
-    from contactlab.testing.references import REFERENCES
+    from contactlab.testing import all_claims
 
-    for form in CLOSED_FORMS:
-        yield _first_line(form), form
-    for reference in REFERENCES:
-        yield _first_line(reference), reference
-    yield _first_line(random_touchdowns), random_touchdowns
-    for name in law_names():
-        try:
-            law = law_class(name)()
-        # A law of another package may be broken, or have a parameter that has no default.
-        except Exception as error:
-            yield f"The contract of {name} is not checked: {error}", tuple
-            continue
-        bench = Bench(law)
-
-        def contract(bench: Bench = bench) -> Iterator["Claim"]:
-            for name in PROPERTIES:
-                yield from check(bench, name)
-
-        yield f"The contract of {law.name}: {law.equation}", contract
-
-
-def _first_line(function: Callable[..., object]) -> str:
-    return (function.__doc__ or "").strip().splitlines()[0]
+    return all_claims()
 
 
 def _row(claim: "Claim", width: int) -> str:
