@@ -23,7 +23,7 @@ from contactlab.laws.base import PENALTY_SIGNATURE, PenaltyKernel
 from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 from contactlab.trajectory import Ending, Trajectory
 
 Answer = tuple[float, float, float, float]
