@@ -14,15 +14,7 @@ from contactlab.testing.claim import PROPERTIES, Claim, Claims, at_least, at_mos
 from contactlab.testing.flights import flight_of
 from contactlab.testing.kernel_properties import ROUND_OFF, answers_of
 from contactlab.testing.plants import FLAT, mirrored
-from contactlab.testing.runs import (
-    BELT_MASS,
-    MASS,
-    MOTOR_DURATION,
-    NUDGE,
-    WEIGHT,
-    Bench,
-    completed,
-)
+from contactlab.testing.runs import BELT_MASS, MASS, NUDGE, WEIGHT, Bench, completed
 from contactlab.trajectory import Trajectory
 
 STEP_ERROR = 1e-5
@@ -259,7 +251,9 @@ def _momentum_of_the_motor(bench: Bench) -> Claims:
         bench.motor.geometry.rotor_radius,
     )
     gained = rotor.inertia * (series["rotor_velocity"][-1] - rotor.initial_velocity)
-    torque = rotor.load_torque * MOTOR_DURATION + rotor.damping * series["rotor_angle"][-1]
+    torque = (
+        rotor.load_torque * bench.motor_run.duration + rotor.damping * series["rotor_angle"][-1]
+    )
     push = bench.motor_run.contacts["friction_impulse"]
     given, scale = -radius * push.sum() - torque, max(radius * np.abs(push).sum(), TINY)
     words = "momentum of the rotor against friction impulses, in all"
