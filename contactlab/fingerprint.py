@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, is_dataclass
 from dis import get_instructions
-from enum import Enum
 from functools import cached_property, partial
 from hashlib import sha256
 from importlib import import_module
@@ -25,7 +24,7 @@ from numbers import Number
 from opcode import opmap
 from pathlib import Path
 from types import CodeType, FunctionType, MappingProxyType, MethodType, ModuleType, SimpleNamespace
-from typing import Any, Final, final
+from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 
@@ -33,31 +32,28 @@ _PACKAGE: Final = __name__.partition(".")[0]
 _KNOWN: Final = {_PACKAGE, "numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}
 """Top-level names of what is not entered."""
 
-_Parts = tuple[tuple[Any, Callable[[Any], Iterable[Any]]], ...]
-
-_CONSTANT: Final[_Parts] = (
-    (property, lambda found: (found.fget, found.fset)),
-    (staticmethod | classmethod, lambda found: (found.__func__,)),
-    (cached_property, lambda found: (found.func,)),
-    (MethodType, lambda found: (found.__func__, found.__self__)),
-    (partial, lambda found: (found.func, found.args, found.keywords)),
-    (type(len), lambda found: (found.__module__, found.__name__)),
-    (np.ufunc, lambda found: (found.__name__,)),
-    (np.generic, lambda found: (found.dtype.str, found.tobytes())),
-    (Enum, lambda found: (type(found), found.name, found.value)),
-    (frozenset, lambda found: sorted(found, key=lambda one: fingerprint(one).digest)),
-)
-_CHANGING: Final[_Parts] = (
-    (np.ndarray, lambda found: (found.dtype.str, found.shape, _content(found))),
-    (bytearray | array, lambda found: (bytes(found),)),
-    (list | deque, tuple),
-    (set, lambda found: (frozenset(found),)),
-    (dict | MappingProxyType, lambda found: (part for item in found.items() for part in item)),
-)
-"""What to follow in objects whose values stay, and in those whose values can change."""
-
 _PLAIN: Final = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis))
 _IMPORT: Final = opmap["IMPORT_NAME"]
+
+_PARTS: Final[tuple[tuple[Any, bool, Callable[[Any], Iterable[Any]]], ...]] = (
+    (property, False, lambda found: (found.fget, found.fset)),
+    (staticmethod | classmethod, False, lambda found: (found.__func__,)),
+    (cached_property, False, lambda found: (found.func,)),
+    (MethodType, False, lambda found: (found.__func__, found.__self__)),
+    (partial, False, lambda found: (found.func, found.args, found.keywords)),
+    (type(len) | np.ufunc, False, lambda found: (found.__name__, str(found.__class__))),
+    (frozenset, False, lambda found: sorted(found, key=lambda one: fingerprint(one).digest)),
+    (np.ndarray, True, lambda found: (found.dtype.str, found.shape, _content(found))),
+    (bytearray | array, True, lambda found: (bytes(found),)),
+    (list | deque, True, tuple),
+    (set, True, lambda found: (frozenset(found),)),
+    (
+        dict | MappingProxyType,
+        True,
+        lambda found: [part for item in found.items() for part in item],
+    ),
+)
+"""What to follow in objects of some kinds, and whether their values can change."""
 
 _NOT_OF_A_CLASS: Final = {
     *("__dict__", "__weakref__", "__module__", "__firstlineno__", "__static_attributes__"),
@@ -82,7 +78,7 @@ class Fingerprint:
     modules: tuple[ModuleType, ...]
 
     def sources(self) -> str:
-        """Digest of the modules' files as they are now: it sees what cannot be followed, and comments too."""
+        """Give a digest of the modules' files now: it sees what cannot be followed, and comments too."""
         digest = sha256()
         for module in sorted(self.modules, key=lambda module: module.__name__):
             # A module may be typed in without a file.
@@ -94,12 +90,12 @@ class Fingerprint:
 
 
 def is_own(found: Any) -> bool:
-    """Whether a function or class stands in this package."""
+    """Tell whether a function or class stands in this package."""
     return _top(found) == _PACKAGE
 
 
 def fingerprint(subject: object, *, identities: bool = False) -> Fingerprint:
-    """The fingerprint of a function, class or value, entered wherever it comes from.
+    """Give the fingerprint of a function, class or value, entered wherever it comes from.
 
     Args:
         subject: what to follow.
@@ -111,8 +107,7 @@ def fingerprint(subject: object, *, identities: bool = False) -> Fingerprint:
     return Fingerprint(walk.digest.hexdigest(), tuple(walk.kernels), tuple(modules.values()))
 
 
-@dataclass(frozen=True)
-class _Mention:
+class _Mention(NamedTuple):
     """A module in code with these names, any of which may be an attribute of it."""
 
     module: ModuleType
@@ -133,9 +128,10 @@ class _Walk:
         waiting = [subject]
         while waiting:
             found = waiting.pop()
-            key = found if isinstance(found, _Mention) else id(found)
+            mention = isinstance(found, _Mention)
+            key = found if mention else id(found)
             # Equal constants may be one object or two.
-            if key in met and not isinstance(found, (*_PLAIN, tuple, frozenset)):
+            if key in met and (mention or not isinstance(found, (*_PLAIN, tuple, frozenset))):
                 self._say("again", met[key][0])
                 continue
             met[key] = len(met), found
@@ -146,17 +142,14 @@ class _Walk:
     def _say(self, *words: object) -> None:
         self.digest.update(repr(words).encode("utf-8", "surrogatepass"))
 
-    def _children(self, found: object) -> Iterator[Any]:
-        """Say what an object is; gives what it refers to."""
+    def _children(self, found: Any) -> Iterator[Any]:
+        """Say what an object is; give what it refers to."""
         kind = type(found)
         self._say(kind.__name__)
-        if isinstance(found, _Mention):
-            yield from self._of_module(found)
-        elif kind is bytes:
-            self._say(len(found))  # type: ignore[arg-type]
-            self.digest.update(found)  # type: ignore[arg-type]
-        elif kind in _PLAIN or isinstance(found, Number | np.dtype):
+        if kind in _PLAIN or isinstance(found, Number | np.dtype | np.generic):
             self._say(repr(found))
+        elif isinstance(found, ModuleType | _Mention):
+            yield from self._of_module(*found if kind is _Mention else (found, ()))
         elif isinstance(found, tuple):
             self._say(len(found))
             yield from (kind, *found) if kind is not tuple else found
@@ -167,11 +160,12 @@ class _Walk:
         elif isinstance(found, FunctionType):
             yield from self._of_function(found)
         elif hasattr(found, "py_func") and hasattr(found, "targetoptions"):
-            yield from self._of_kernel(found)
+            if not is_own(found.py_func) or found.py_func.__closure__:
+                self.kernels.append(found)
+            self._say(*sorted(f"{key}={value}" for key, value in found.targetoptions.items()))
+            yield found.py_func
         elif isinstance(found, type):
             yield from self._of_class(found)
-        elif isinstance(found, ModuleType):
-            yield _Mention(found, ())
         else:
             yield from self._of_object(found)
 
@@ -180,8 +174,9 @@ class _Walk:
         closed = function.__closure__ and is_own(function)
         if self._known(function) and not closed:
             return
-        code, names = function.__code__, tuple(sorted(set(_names(function.__code__))))
-        yield code
+        codes = list(_codes(function.__code__))
+        names = tuple(sorted({name for code in codes for name in code.co_names}))
+        yield function.__code__
         yield function.__defaults__
         yield function.__kwdefaults__
         for cell in function.__closure__ or ():
@@ -192,62 +187,50 @@ class _Walk:
             if name in function.__globals__:
                 self._say(name)
                 yield _mentioned(function.__globals__[name], names)
-        for module in _imported(code, function.__globals__.get("__package__") or ""):
+        for module in _imported(codes, function.__globals__.get("__package__") or ""):
             yield _Mention(module, names)
-
-    def _of_kernel(self, kernel: Any) -> Iterator[Any]:
-        function = kernel.py_func
-        if not is_own(function) or function.__closure__:
-            self.kernels.append(kernel)
-        self._say(*sorted(f"{key}={value}" for key, value in kernel.targetoptions.items()))
-        yield function
 
     def _of_class(self, found: type) -> Iterator[Any]:
         if self._known(found):
             return
         yield from found.__bases__
-        for name, value in sorted(vars(found).items()):
-            if name not in _NOT_OF_A_CLASS:
-                self._say(name)
-                yield value
+        for name in sorted(vars(found).keys() - _NOT_OF_A_CLASS):
+            self._say(name)
+            yield vars(found)[name]
 
-    def _of_module(self, mention: _Mention) -> Iterator[Any]:
-        module = mention.module
+    def _of_module(self, module: ModuleType, names: tuple[str, ...]) -> Iterator[Any]:
         self._say(module.__name__)
         if module.__name__.partition(".")[0] in _KNOWN:
             self._say(getattr(module, "__version__", ""))
             return
         self.modules.append(module)
-        for name in mention.names:
+        for name in names:
             # A module that makes its attributes when they are asked for may fail in any way.
             with suppress(Exception):
                 value = getattr(module, name)
                 self._say(name)
-                yield _mentioned(value, mention.names)
+                yield _mentioned(value, names)
 
     def _of_object(self, found: Any) -> Iterator[Any]:
-        """What holds values, and the instances of classes."""
-        for kinds, parts in _CONSTANT:
-            if isinstance(found, kinds):
-                yield from parts(found)
-                return
-        if self._identities and not _is_frozen(found):
+        """Give what holds values, and the state of instances of classes."""
+        held = [(changes, parts) for kinds, changes, parts in _PARTS if isinstance(found, kinds)]
+        frozen = is_dataclass(found) and bool(getattr(found, "__dataclass_params__").frozen)  # noqa: B009
+        if self._identities and (held[0][0] if held else not frozen):
             self._say(id(found))
-            return
-        for kinds, parts in _CHANGING:
-            if isinstance(found, kinds):
-                yield from parts(found)
-                return
-        yield getattr(found, "__wrapped__", None)
-        yield (kind := type(found))
-        # What an object of a library holds inside is no value of the law's.
-        if _is_frozen(found) or kind is SimpleNamespace or _top(kind) not in _KNOWN:
-            slots = [name for base in kind.__mro__ for name in _slots(base)]
-            yield {name: getattr(found, name) for name in slots if hasattr(found, name)}
-            yield getattr(found, "__dict__", None)
+        elif held:
+            yield from held[0][1](found)
+        else:
+            yield getattr(found, "__wrapped__", None)
+            yield (kind := type(found))
+            # What an object of a library holds inside is no value of the law's.
+            if frozen or kind is SimpleNamespace or _top(kind) not in _KNOWN:
+                # Its variables and its slots, whatever its class makes of them.
+                state: Any = object.__getstate__(found)
+                for variables in state if isinstance(state, tuple) else (state,):
+                    yield from (part for item in (variables or {}).items() for part in item)
 
     def _known(self, found: Any) -> bool:
-        """Say where code comes from; whether that is all there is to say."""
+        """Say where code comes from; tell whether that is all there is to say."""
         self._say(found.__module__, found.__qualname__)
         top = _top(found)
         module: Any = sys.modules.get(found.__module__ or "")
@@ -263,37 +246,27 @@ def _top(found: Any) -> str:
     return str(getattr(found, "__module__", "")).partition(".")[0]
 
 
-def _is_frozen(found: object) -> bool:
-    return is_dataclass(found) and bool(getattr(found, "__dataclass_params__").frozen)  # noqa: B009
-
-
 def _content(values: Any) -> object:
     return values.tolist() if values.dtype.hasobject else values.tobytes()
-
-
-def _slots(kind: type) -> tuple[str, ...]:
-    slots = vars(kind).get("__slots__", ())
-    return (slots,) if isinstance(slots, str) else tuple(slots)
 
 
 def _mentioned(value: object, names: tuple[str, ...]) -> object:
     return _Mention(value, names) if isinstance(value, ModuleType) else value
 
 
-def _names(code: CodeType) -> Iterator[str]:
-    yield from code.co_names
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """Give a code and those inside of it."""
+    yield code
     for constant in code.co_consts:
-        yield from _names(constant) if isinstance(constant, CodeType) else ()
+        yield from _codes(constant) if isinstance(constant, CodeType) else ()
 
 
-def _imported(code: CodeType, package: str) -> Iterator[ModuleType]:
-    for constant in code.co_consts:
-        yield from _imported(constant, package) if isinstance(constant, CodeType) else ()
+def _imported(codes: list[CodeType], package: str) -> Iterator[ModuleType]:
     # Reading instructions takes far longer than looking whether there is such a one.
-    steps = get_instructions(code) if _IMPORT in code.co_code[::2] else ()
-    for name in [step.argval for step in steps if step.opcode == _IMPORT]:
-        # `import package.module` gives the package a name.
-        for full in (name, name.partition(".")[0], f"{package}.{name}"):
-            # What is wrong with it is seen when it is run.
-            with suppress(Exception):
-                yield import_module(full)
+    for code in [code for code in codes if _IMPORT in code.co_code[::2]]:
+        for name in [step.argval for step in get_instructions(code) if step.opcode == _IMPORT]:
+            # `import package.module` gives the package a name.
+            for full in (name, name.partition(".")[0], f"{package}.{name}"):
+                # What is wrong with it is seen when it is run.
+                with suppress(Exception):
+                    yield import_module(full)

@@ -1,16 +1,15 @@
 """What a simulation gives back: recorded series, the contacts and how the run ended."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import Motor
-
-Array = NDArray[np.float64]
 
 
 class Ending(IntEnum):
@@ -50,6 +49,8 @@ class Trajectory:
         statistics: counts of the solver's work.
         ending: how the run ended; a run that is not complete holds what it had until then.
         message: the ending in a sentence, empty for a complete run.
+        state: everything from which another run goes on, arrays and numbers by name; see
+            `contactlab.engine.simulate`.
     """
 
     motor: Motor
@@ -64,6 +65,7 @@ class Trajectory:
     statistics: dict[str, int]
     ending: Ending
     message: str
+    state: dict[str, Any] = field(default_factory=dict)
 
     @property
     def complete(self) -> bool:

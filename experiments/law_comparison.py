@@ -23,7 +23,7 @@ from contactlab.engine import simulate
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.laws import ContactLaw, law_class, law_names
 from contactlab.laws.base import MultiplierLaw
-from contactlab.laws.declaration import made
+from contactlab.laws.registry import build_law
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 from contactlab.results.netcdf import to_datatree
 
@@ -54,7 +54,7 @@ CLEAR = 3.0
 def laws_with(setup: Setup) -> dict[str, ContactLaw]:
     """The paper's laws and those named, with the configured friction."""
     mu = setup.configuration["contact"]["friction_coefficient"]
-    return laws_of(setup) | {name: made(law_class(name), section(name), mu) for name in NAMED}
+    return laws_of(setup) | {name: build_law(law_class(name), section(name), mu) for name in NAMED}
 
 
 @cache

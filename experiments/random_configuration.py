@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from contactlab.laws import LAWS, PenaltyLaw, law_class
-from contactlab.laws.declaration import PARTS, SHARED, members_of
+from contactlab.laws import LAWS, PARTS, PenaltyLaw, law_class
+from contactlab.laws.declaration import SHARED, members_of
 
 COMPOSED: Final = "composed"
 HALF_BEAM: Final = 28.5e-3
@@ -92,7 +92,7 @@ def _law_values(groups: Mapping[str, str], rng: np.random.Generator) -> dict[str
     for key, owner in owners.items():
         for member in members_of(owner):
             said = member.parameter
-            if said is None or member.name == SHARED:
+            if said is None or member.name == SHARED or member.default is None:
                 continue
             low, high = max(said.above, said.at_least), min(said.below, said.at_most)
             if isfinite(low) and isfinite(high):

@@ -31,7 +31,7 @@ from contactlab.cli.jobs import perform
 from contactlab.cli.sweeping import sweep
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.suggestion import suggestion
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.job import REFUSED as REFUSED_STATE
 from contactlab.sweeps.job import Job, State, is_done, key_of, write_state
 

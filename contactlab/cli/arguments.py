@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from contactlab.cli.verbs import VERBS
-from contactlab.config.suggestion import suggestion
+from contactlab.suggestion import suggestion
 
 REFUSED = 2
 """Exit status."""

@@ -26,7 +26,7 @@ from contactlab.cli.sweep_values import SweepError, range_values
 from contactlab.cli.verbs import VERBS
 from contactlab.config.faults import one_line
 from contactlab.config.quantity import describe
-from contactlab.config.suggestion import suggestion
+from contactlab.suggestion import suggestion
 
 MOST_JOBS = 100_000
 """Jobs of a sweep; each leaves a folder, and takes a fifth of a second beside its run."""

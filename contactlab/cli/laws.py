@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.verbs import VERBS
-from contactlab.config.suggestion import suggestion
-from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
-from contactlab.laws.registry import Origin, law_class, origins
+from contactlab.laws.declaration import SHARED, Member, members_of
+from contactlab.laws.registry import PARTS, Origin, law_class, origins
+from contactlab.suggestion import suggestion
 
 if TYPE_CHECKING:
     from contactlab.laws.base import ContactLaw
@@ -120,7 +120,8 @@ def described_parameter(member: Member) -> str:
     if member.name == SHARED:
         default = "contact.friction_coefficient"
     else:
-        default = "must be given" if member.default is None else f"default {member.default:g}"
+        given = "none" if member.default is None else f"{member.default:g}"
+        default = "must be given" if member.required else f"default {given}"
     return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range}"
 
 
@@ -140,10 +141,11 @@ def declared_rows(owner: Any) -> dict[str, str]:
         rows["stick"] = _of_parts(
             owner.exact_stick, {True: "exact", False: "not exact: it gives, creeps or chatters"}
         )
-        rows["memory"] = _of_parts(getattr(owner, "memory", ()))
-        if rows["memory"] and not isinstance(owner.memory, property):
-            even = getattr(owner, "memory_parity", ODD) == EVEN
-            rows["memory"] += f", {'even' if even else 'odd'} in a mirror"
+        word = "internal variable"
+        rows[word] = _of_parts(getattr(owner, "internal_variables", ()))
+        if rows[word] and not isinstance(owner.internal_variables, property):
+            even = getattr(owner, "internal_parity", ODD) == EVEN
+            rows[word] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):
             rows["breaks"] = _of_parts(violations)

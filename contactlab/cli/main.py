@@ -51,7 +51,7 @@ def _decoded(argument: str) -> str:
 
 def _near(verb: str) -> str:
     # Imported here: its package brings the whole configuration.
-    from contactlab.config.suggestion import suggestion
+    from contactlab.suggestion import suggestion
 
     return suggestion(verb, VERBS)
 

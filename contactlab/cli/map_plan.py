@@ -19,8 +19,8 @@ from contactlab.config.idle import FRICTION, idle_friction
 from contactlab.config.keys import units_of
 from contactlab.config.nesting import Value
 from contactlab.config.quantity import describe
-from contactlab.config.suggestion import suggestion
 from contactlab.config.units import UnitError, from_cf, to_si
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.cells import Axis
 from contactlab.sweeps.many import Wanted
 from contactlab.sweeps.plan import Configuration, Plan, code_digest_of, with_key

@@ -11,8 +11,7 @@ from contactlab.config.law_section import part_members, section_of
 from contactlab.config.quantity import FAULT, describe
 from contactlab.config.schema import KINDS, Configuration
 from contactlab.config.section import Section
-from contactlab.laws.declaration import PARTS
-from contactlab.laws.registry import law_names
+from contactlab.laws.registry import PARTS, law_names
 
 
 class ConfigurationError(ValueError):

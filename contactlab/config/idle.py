@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from contactlab.config.faults import ConfigurationError
-from contactlab.laws.declaration import SHARED, takes_shared
-from contactlab.laws.registry import law_class
+from contactlab.laws.declaration import SHARED
+from contactlab.laws.registry import law_class, takes_shared
 
 FRICTION = f"contact.{SHARED}"
 """The key that laws share, and some law of another package may not have."""

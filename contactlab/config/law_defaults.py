@@ -6,8 +6,8 @@ A file of the same name in `conf/law`, or elsewhere on the search path, has prec
 from typing import Any
 
 from contactlab.config.quantity import MISSING
-from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
-from contactlab.laws.registry import law_class, law_names
+from contactlab.laws.declaration import SHARED, Member, members_of
+from contactlab.laws.registry import PARTS, law_class, law_names
 
 LAW = "law"
 """The group of the laws; those of the parts lie below it."""
@@ -40,7 +40,7 @@ def content(group: str, option: str) -> dict[str, Any]:
     numbers = [member for member in members if not member.family and member.name != SHARED]
     parts = [member for member in members if member.family and member.default is not None]
     keys: dict[str, Any] = {"name": option} | {
-        member.name: MISSING if member.default is None else member.default for member in numbers
+        member.name: MISSING if member.required else member.default for member in numbers
     }
     if parts:
         keys = {"defaults": [*map(_default_part, parts), "_self_"], **keys}

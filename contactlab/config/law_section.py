@@ -14,8 +14,8 @@ from pydantic import ValidationInfo, create_model, field_validator
 from contactlab.config.quantity import Quantity, describe
 from contactlab.config.section import Section
 from contactlab.config.units import from_cf
-from contactlab.laws.declaration import PARTS, SHARED, Member, members_of
-from contactlab.laws.registry import law_class, law_names
+from contactlab.laws.declaration import SHARED, Member, members_of
+from contactlab.laws.registry import PARTS, law_class, law_names
 
 if TYPE_CHECKING:
     from contactlab.parameter import Parameter

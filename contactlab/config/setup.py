@@ -172,7 +172,7 @@ def _law(
     """The law, and the keys of its section that follow from others: a stiffness from the tip's radius."""
     from contactlab import laws
     from contactlab.fingerprint import is_own
-    from contactlab.laws.declaration import made
+    from contactlab.laws.registry import build_law
 
     computed: dict[str, Any] = {}
     if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
@@ -180,7 +180,7 @@ def _law(
         computed = {"stiffness": stiffness, "tip_radius": None}
     values = section.model_dump() | computed
     try:
-        law = made(laws.law_class(section.name), values, friction_coefficient)
+        law = build_law(laws.law_class(section.name), values, friction_coefficient)
         # Those of this package are sound, and their kernels are not needed yet.
         if not is_own(type(law)):
             from contactlab.engine.simulation import take_in
@@ -218,7 +218,7 @@ def _geometry(checked: Configuration) -> "ContactGeometry":
 
 
 def _default_step(modes: "NormalModes", law: "ContactLaw", duration: float) -> float:
-    from contactlab.engine.contact_step import default_contact_step
+    from contactlab.engine.arguments import default_contact_step
 
     return min(default_contact_step(modes, law), duration)
 

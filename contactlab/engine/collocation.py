@@ -3,177 +3,199 @@
 The oscillators answer a polynomial force exactly, so only the force itself is unknown: its values at
 the nodes are iterated until the law agrees with the motion that they cause. In slip the friction is
 the law's bound against the slip; in stick it is the friction that holds the slip at zero at every node.
-Friction that is not set-valued is in `contactlab.engine.state_friction`.
+Friction that is not set-valued is in `contactlab.engine.friction`.
 """
 
 from math import nan
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contactlab.compiled import part_kernel
-from contactlab.engine.nodes import free_response
-from contactlab.engine.plant import Plant
-from contactlab.engine.state_friction import (
+from contactlab.compiled import inner_kernel
+from contactlab.engine.friction import (
     HELD_SLIP,
     LEAST_SLIP,
-    correct_state,
+    correct_friction,
     follow_bound,
+    hold_slip,
+    missed_between,
     mobility,
     push_node,
 )
-from contactlab.engine.step import (
-    BOUND,
-    CLOSING,
-    FRICTION,
-    NORMAL,
-    PUSH_TH,
-    PUSH_U,
-    RUBBING,
-    TIP_ROTOR,
-    TIP_TH,
-    TIP_TH_RATE,
-    TIP_U,
-    TIP_U_RATE,
-    Step,
-    shape_forces,
-    tip_motion,
-)
-from contactlab.engine.tables import NODES, Tables, step_length
-from contactlab.laws.base import CREEPING, SET_VALUED, STICK, FrictionKernel, PenaltyKernel
-from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
+from contactlab.engine.kinematics import Law, Run, contact_of, free_response, tip_motion
+from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.state import NODES, fit, largest, value_at
+from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
 
 MOST_ITERATIONS = 25
 AGREEMENT = 1e-10
 """Relative change of the nodal forces at which the iteration ends; it contracts by far more than ten a
 sweep, so that what is left is round-off."""
 
-
 ROUND_OFF = 1e-9
 """Of a friction bound, relative to the normal force."""
 
+KINK = 1e3
+"""Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
 
-@part_kernel
+Known = tuple[float, float, float, float]
+"""Normal force, bound in the step's friction mode, friction that is not set-valued [N] and its steepness
+[N s/m], where a step begins."""
+
+
+@inner_kernel
 def sound_normal(normal: float, bound: float) -> float:
-    """The normal force [N]; no number where the law says a negative friction bound with it."""
+    """Give the normal force [N]; no number where the law says a negative friction bound with it."""
     return nan if bound < -ROUND_OFF * abs(normal) else normal
 
 
-@part_kernel
-def prepare(plant: Plant, tables: Tables, step: Step, level: int) -> None:
-    """Contact-free tip motion at the nodes of a level."""
-    free_response(plant, tables, step, level, 0)
+@inner_kernel
+def attempt(run: Run, law: Law, level: int, known: Known) -> float:
+    """Solve a step at a level; returns its error over the tolerance, infinite where it has no solution.
+
+    The error is what the polynomials of normal force, bound and friction miss of their known values
+    at the step's start, as an impulse; friction that sticks has no known start and is judged by its
+    highest coefficient, and of rate-dependent friction counts what no change of the slip makes good. A step
+    in which the gap opens, or the force ends or begins before it, carries a kink, and stands only
+    when the whole force left is negligible.
+    """
+    state, step = run.state, run.step
+    normal, bound, friction, steepness = known
+    build_level(run.plant, run.propagator, level)
+    _prepare(run, level)
+    mode = state.mode
+    depends = state.friction_kind == RATE_DEPENDENT
+    stretch = step_length(run.propagator, level) / state.length
+    state.length = step_length(run.propagator, level)
+    stiffness = steepness * mobility(run, level, 0, 0)
+    sweeps = 0
+    for held in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
+        if sweeps == 0:
+            _first_forces(run, stretch)
+            sweeps = _collocate(run, law, level, held == 1)
+    state.taken = 0.0
+    state.sweeps += sweeps
+    if sweeps == 0:
+        return np.inf
+    h = state.length
+    allowed = state.tolerance * state.momentum
+    if largest(step.gap) >= 0.0 or _lifts(run, normal):
+        most = max(abs(normal), abs(friction), _most_force(run))
+        return 0.5 if most * h <= allowed else KINK
+    error = abs(state.normal.coefficient[0] - normal)
+    if not depends:
+        error = max(error, abs(state.bound.coefficient[0] - bound))
+    if state.friction_kind != SET_VALUED:
+        error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
+        if depends:
+            error = max(error, missed_between(run, law, level))
+    if mode == STICK:
+        error = max(error, 0.1 * abs(state.friction.coefficient[NODES - 1]))
+    return float(error * h / allowed)
+
+
+@inner_kernel
+def _prepare(run: Run, level: int) -> None:
+    """Note the contact-free tip motion at the nodes of a level."""
+    step = run.step
+    free_response(run, level, 0)
     for i in range(NODES):
-        u, th, u_rate, th_rate, rotor = tip_motion(plant, step.node_q[i], step.node_v[i])
-        step.tip[i, TIP_U] = u
-        step.tip[i, TIP_TH] = th
-        step.tip[i, TIP_U_RATE] = u_rate
-        step.tip[i, TIP_TH_RATE] = th_rate
-        step.tip[i, TIP_ROTOR] = rotor
+        u, th, u_rate, th_rate, rotor = tip_motion(run.plant, i)
+        step.u[i], step.th[i], step.rotor[i] = u, th, rotor
+        step.u_rate[i], step.th_rate[i] = u_rate, th_rate
 
 
-@part_kernel
-def collocate(
-    plant: Plant,
-    tables: Tables,
-    step: Step,
-    level: int,
-    mode: int,
-    sign: float,
-    held: bool,
-    force: PenaltyKernel,
-    rub: FrictionKernel,
-    parameters: Array,
-    momentum: float,
-) -> int:
-    """Iterate the nodal forces of a step that `prepare` made ready, starting from those that stand.
+@inner_kernel
+def _first_forces(run: Run, stretch: float) -> None:
+    """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
+    state, step, nodes = run.state, run.step, run.propagator.rule.nodes
+    for i in range(NODES):
+        x = state.taken + nodes[i] * stretch
+        state.normal.node[i] = max(value_at(state.normal, x), 0.0)
+        state.bound.node[i] = max(value_at(state.bound, x), 0.0)
+        state.friction.node[i] = value_at(state.friction, x)
+        if state.mode == SLIP and state.friction_kind != RATE_DEPENDENT:
+            state.friction.node[i] = -state.sign * state.bound.node[i]
+        # Only friction with an internal variable reads these.
+        state.internal_rate.node[i] = value_at(state.internal_rate, x)
+        climb = nodes[i] * state.length
+        step.internal[i] = state.internal + climb * state.internal_rate.node[i]
+        push_node(run, i)
+
+
+@inner_kernel
+def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
+    """Iterate the nodal forces of a step that `_prepare` made ready, starting from those that stand.
 
     Args:
-        plant, tables, step, level: the step.
-        mode: SLIP or STICK.
-        sign: direction of the slip in SLIP.
-        held: whether creeping friction begins with what would hold the slip at zero. Friction that
+        run, law, level: the step.
+        held: whether rate-dependent friction begins with what would hold the slip at zero. Friction that
             rises steeply from there and then levels off is solved from its steep part, by steps that
             fall short; from its level part they would leap over it, to and fro.
-        force, rub, parameters: the law.
-        momentum: impulse scale of the contact [N s].
 
     Returns:
         Sweeps that were needed, or 0 where the iteration does not contract.
     """
-    h = step_length(tables, level)
-    rubbing = step.whole[RUBBING]
-    follows = rubbing == CREEPING or (rubbing != SET_VALUED and mode == STICK)
-    factored = False
+    state, rule = run.state, run.propagator.rule
+    h, mode, sign = state.length, state.mode, float(state.sign)
+    kind = state.friction_kind
+    follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and mode == STICK)
     for sweep in range(1, MOST_ITERATIONS + 1):
         change = 0.0
-        largest = 0.0
+        most = 0.0
         for i in range(NODES):
-            old_normal, old_friction = step.force[NORMAL, i], step.force[FRICTION, i]
-            _law_at_node(plant, tables, step, level, i, mode, force, parameters)
+            old_normal, old_friction = state.normal.node[i], state.friction.node[i]
+            _law_at_node(run, law, level, i)
             if mode != STICK and not follows:
-                step.force[FRICTION, i] = -sign * step.force[BOUND, i]
-            push_node(step, i)
-            change = max(change, abs(step.force[NORMAL, i] - old_normal))
-            change = max(change, abs(step.force[FRICTION, i] - old_friction))
+                state.friction.node[i] = -sign * state.bound.node[i]
+            push_node(run, i)
+            change = max(change, abs(state.normal.node[i] - old_normal))
+            change = max(change, abs(state.friction.node[i] - old_friction))
             # Friction that would have to hold far more than the law lets it has the round-off of its size.
-            largest = max(largest, step.force[NORMAL, i], abs(old_friction))
+            most = max(most, state.normal.node[i], abs(old_friction))
         holds = (held and sweep == 1) or (mode == STICK and not follows)
         if follows and not holds:
             least = HELD_SLIP if held else LEAST_SLIP
-            change = max(change, correct_state(tables, step, level, least, rub, parameters))
+            change = max(change, correct_friction(run, law, level, least))
         if holds:
-            if not factored:
-                _factor_stick(tables, step, level)
-                factored = True
-            change = max(change, _hold_slip(step))
+            change = max(change, hold_slip(run, level))
         if not np.isfinite(change):
             return 0
-        if change <= AGREEMENT * largest or change * h <= 1e-3 * AGREEMENT * momentum:
-            if rubbing != SET_VALUED and not follows:
-                follow_bound(tables, step, level, sign, rub, parameters)
-            shape_forces(tables, step)
+        if change <= AGREEMENT * most or change * h <= 1e-3 * AGREEMENT * state.momentum:
+            if kind != SET_VALUED and not follows:
+                follow_bound(run, law, level, sign)
+            fit(rule, state.normal)
+            fit(rule, state.friction)
+            fit(rule, state.bound)
+            fit(rule, state.internal_rate)
+            fit(rule, run.step.push_u)
+            fit(rule, run.step.push_th)
             return sweep
     return 0
 
 
-@part_kernel
-def _law_at_node(
-    plant: Plant,
-    tables: Tables,
-    step: Step,
-    level: int,
-    i: int,
-    mode: int,
-    force: PenaltyKernel,
-    parameters: Array,
-) -> None:
-    """Motion of node i under the present forces, and the law's answer to it."""
-    u, th = step.tip[i, TIP_U], step.tip[i, TIP_TH]
-    u_rate, th_rate = step.tip[i, TIP_U_RATE], step.tip[i, TIP_TH_RATE]
-    rotor = step.tip[i, TIP_ROTOR]
+@inner_kernel
+def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
+    """Set the motion of node i under the present forces, and the law's answer to it."""
+    state, step, answers = run.state, run.step, run.propagator.levels[level]
+    tip_q, tip_v = answers.tip_q, answers.tip_v
+    u, th = step.u[i], step.th[i]
+    u_rate, th_rate, rotor = step.u_rate[i], step.th_rate[i], step.rotor[i]
     for m in range(NODES):
-        push_u, push_th = step.force[PUSH_U, m], step.force[PUSH_TH, m]
-        u += tables.tip_q[level, 0, i, m] * push_u + tables.tip_q[level, 1, i, m] * push_th
-        th += tables.tip_q[level, 1, i, m] * push_u + tables.tip_q[level, 2, i, m] * push_th
-        u_rate += tables.tip_v[level, 0, i, m] * push_u + tables.tip_v[level, 1, i, m] * push_th
-        th_rate += tables.tip_v[level, 1, i, m] * push_u + tables.tip_v[level, 2, i, m] * push_th
-        rotor += tables.tip_v[level, 3, i, m] * step.force[FRICTION, m]
-    gap, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, plant.tip_length, plant.radius, plant.clearance
-    )
-    rate = n_u * u_rate + n_th * th_rate
-    slip = t_u * u_rate + t_th * th_rate + rotor
+        push_u, push_th = step.push_u.node[m], step.push_th.node[m]
+        u += tip_q[0, i, m] * push_u + tip_q[1, i, m] * push_th
+        th += tip_q[1, i, m] * push_u + tip_q[2, i, m] * push_th
+        u_rate += tip_v[0, i, m] * push_u + tip_v[1, i, m] * push_th
+        th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
+        rotor += tip_v[3, i, m] * state.friction.node[m]
+    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
     normal, bound, loss = 0.0, 0.0, 0.0
     if gap < 0.0:
-        seen = 0.0 if mode == STICK else slip
-        normal, bound, _, loss = force(gap, rate, seen, step.real[CLOSING], parameters)
+        seen = 0.0 if state.mode == STICK else slip
+        normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         normal = sound_normal(normal, bound)
-    step.rows[i, 0], step.rows[i, 1], step.rows[i, 2], step.rows[i, 3] = n_u, n_th, t_u, t_th
-    step.force[NORMAL, i] = normal
-    step.force[BOUND, i] = bound
+    step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
+    state.normal.node[i] = normal
+    state.bound.node[i] = bound
     step.loss[i] = loss
     step.gap[i] = gap
     step.gap_rate[i] = rate
@@ -181,33 +203,24 @@ def _law_at_node(
     step.sliding[i] = slip
 
 
-@part_kernel
-def _factor_stick(tables: Tables, step: Step, level: int) -> None:
-    """Factor d slip_i / d friction_m (LU without pivoting: the matrix is h a_im D_tt nearly)."""
+@inner_kernel
+def _most_force(run: Run) -> float:
+    """Give the largest normal force at a node [N], or friction that no bound ties to it."""
+    state = run.state
+    most = 0.0
     for i in range(NODES):
-        for m in range(NODES):
-            step.stick[i, m] = mobility(tables, step, level, i, m)
-    for p in range(NODES):
-        for i in range(p + 1, NODES):
-            step.stick[i, p] /= step.stick[p, p]
-            for m in range(p + 1, NODES):
-                step.stick[i, m] -= step.stick[i, p] * step.stick[p, m]
+        most = max(most, abs(state.normal.node[i]))
+        if state.friction_kind == RATE_DEPENDENT:
+            most = max(most, abs(state.friction.node[i]))
+    return float(most)
 
 
-@part_kernel
-def _hold_slip(step: Step) -> float:
-    """Correct the friction at all nodes so that the slip vanishes; returns the largest correction [N]."""
-    right = NODES
+@inner_kernel
+def _lifts(run: Run, normal: float) -> bool:
+    """Tell whether a force that only pushes ends or begins within the step, from its value at the start."""
+    values = run.state.normal.node
+    ends, begins = False, False
     for i in range(NODES):
-        step.stick[i, right] = -step.slip[i]
-        for m in range(i):
-            step.stick[i, right] -= step.stick[i, m] * step.stick[m, right]
-    largest = 0.0
-    for i in range(NODES - 1, -1, -1):
-        for m in range(i + 1, NODES):
-            step.stick[i, right] -= step.stick[i, m] * step.stick[m, right]
-        step.stick[i, right] /= step.stick[i, i]
-        step.force[FRICTION, i] += step.stick[i, right]
-        push_node(step, i)
-        largest = max(largest, abs(step.stick[i, right]))
-    return largest
+        ends = ends or (normal > 0.0 and values[i] == 0.0)
+        begins = begins or (normal == 0.0 and values[i] > 0.0)
+    return ends or (begins and values[0] == 0.0)

@@ -6,17 +6,14 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import numba
-import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.compiled import INTERPRETED, is_compiled, kernel
 from contactlab.engine.callback import law_errors
+from contactlab.engine.kinematics import Run
 from contactlab.engine.law_kernels import compiled
-from contactlab.engine.loop import advance
-from contactlab.engine.plant import Plant
-from contactlab.engine.run import Run
-from contactlab.engine.step import Step
-from contactlab.engine.tables import Tables
+from contactlab.engine.loop import advance_compliant, advance_rigid
+from contactlab.engine.state import Records
 from contactlab.laws.base import (
     FRICTION_SIGNATURE,
     MULTIPLIER_SIGNATURE,
@@ -27,14 +24,12 @@ from contactlab.laws.base import (
 )
 from contactlab.laws.intake import function_of, said
 
-Array = NDArray[np.float64]
-
 
 @kernel
 def no_force(
     gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
 ) -> tuple[float, float, float, float]:
-    """Stands for the penalty law in a run of a multiplier law."""
+    """Stand for the penalty law in a run of a multiplier law."""
     return 0.0, 0.0, 0.0, 0.0
 
 
@@ -42,7 +37,7 @@ def no_force(
 def no_friction(
     gap: float, gap_rate: float, slip: float, normal: float, memory: float, parameters: Array
 ) -> tuple[float, float, float, float]:
-    """Stands for the friction with memory in a run of a law with set-valued friction."""
+    """Stand for the friction with memory in a run of a law with set-valued friction."""
     return 0.0, 0.0, 0.0, 0.0
 
 
@@ -57,57 +52,57 @@ def no_impulse(
     d_tt: float,
     parameters: Array,
 ) -> tuple[float, float, int]:
-    """Stands for the multiplier law in a run of a penalty law."""
+    """Stand for the multiplier law in a run of a penalty law."""
     return 0.0, 0.0, 0
 
 
 def kernels_of(
     law: ContactLaw,
 ) -> tuple[tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
-    """The law's kernels of normal force, friction and impulse; idle ones for those that it lacks.
+    """Give the law's kernels of normal force, friction and impulse; idle ones for those that it lacks.
 
     Returns:
         The kernels, and a context around their calls in which their exceptions come out as `LawError`.
     """
     compliant = isinstance(law, PenaltyLaw)
     force = function_of(law, "force") if compliant else no_force
-    rubs = compliant and said(law, "rub") is not None
-    rub = function_of(law, "rub") if rubs else no_friction
+    has_friction = compliant and said(law, "friction_force") is not None
+    friction = function_of(law, "friction_force") if has_friction else no_friction
     solve = function_of(law, "solve") if isinstance(law, MultiplierLaw) else no_impulse
     chosen = [
         compiled(force, PENALTY_SIGNATURE),
-        compiled(rub, FRICTION_SIGNATURE),
+        compiled(friction, FRICTION_SIGNATURE),
         compiled(solve, MULTIPLIER_SIGNATURE),
     ]
     callbacks = [callback for _, callback in chosen if callback is not None]
     return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, callbacks)
 
 
-def compile_loop(plant: Plant, tables: Tables, step: Step, run: Run) -> None:
-    """Compile the loop, or load its code, for laws that are called by address.
+def loop_for(law: ContactLaw, run: Run, records: Records) -> Any:
+    """Give the loop of a law's family, compiled or with its code loaded, for laws that are called by address.
 
     A law is a first-class function of one type, so that the loop is compiled once for all laws; left
     to itself the compiler would take each law for a type of its own.
     """
-    loop: Any = advance
+    loop: Any = advance_compliant if isinstance(law, PenaltyLaw) else advance_rigid
     if INTERPRETED or loop.overloads:
-        return
-    if not is_compiled("advance"):
+        return loop
+    if not is_compiled(loop.__name__):
         print(
             "contactlab: compiling the engine; this happens once for an installation and takes "
             "up to a minute.",
             file=sys.stderr,
             flush=True,
         )
+    signatures = (PENALTY_SIGNATURE, FRICTION_SIGNATURE, MULTIPLIER_SIGNATURE)
     loop.compile(
         (
-            *(numba.typeof(memory) for memory in (plant, tables, step, run)),
-            numba.types.FunctionType(PENALTY_SIGNATURE),
-            numba.types.FunctionType(FRICTION_SIGNATURE),
-            numba.types.FunctionType(MULTIPLIER_SIGNATURE),
-            numba.types.boolean,
+            numba.typeof(run),
+            numba.typeof(records),
+            *(numba.types.FunctionType(signature) for signature in signatures),
             PENALTY_SIGNATURE.args[-1],
             numba.types.int64,
         )
     )
     loop.disable_compile()
+    return loop

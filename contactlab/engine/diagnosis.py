@@ -7,15 +7,11 @@ from collections.abc import Iterator
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contactlab.engine.plant import Plant
-from contactlab.engine.run import MOMENTUM, Run
-from contactlab.engine.step import CLOSING, FRICTION, MEMORY, MODE, NORMAL, RUBBING, Step
+from contactlab.arrays import Array
+from contactlab.engine.kinematics import Run, contact_from
+from contactlab.engine.state import START
 from contactlab.laws.base import SET_VALUED, STICK
-from contactlab.motor.geometry import contact_frame
-
-Array = NDArray[np.float64]
 
 PROBES: Final = 65
 """States at which a law is asked along the way of a step."""
@@ -47,33 +43,21 @@ class Witness:
     """A law where its run ended.
 
     Args:
-        plant, step, run: the motor and the memory of its run.
-        reach: way of a step in contact along which the law is asked [s].
-        compliant: the law's family.
+        run: the motor and its state.
         kernels, parameters: the law's, see `kernels_of`.
     """
 
-    def __init__(
-        self,
-        plant: Plant,
-        step: Step,
-        run: Run,
-        reach: float,
-        compliant: bool,
-        kernels: tuple[Any, ...],
-        parameters: Array,
-    ) -> None:
-        self._plant = plant
-        self._step = step
+    def __init__(self, run: Run, kernels: tuple[Any, ...], parameters: Array) -> None:
+        rule = run.propagator.rule
         self._run = run
-        self._reach = reach
-        self._compliant = compliant
-        self._force, self._rub = kernels[:2]
+        self._state_record = run.state
+        self._reach = float(rule.longest * 0.5**rule.contact_level)
+        self._force, self._friction = kernels[:2]
         self._parameters = parameters
 
     def not_finite(self) -> str:
-        """The first answer on the way of the step that cannot be, in words; empty where all can."""
-        if not self._compliant:
+        """Give the first answer on the way of the step that cannot be, in words; empty where all can."""
+        if not self._state_record.compliant:
             return self._impulses()
         for time in np.linspace(0.0, self._reach, PROBES):
             state = self._state(float(time))
@@ -83,29 +67,29 @@ class Witness:
         return ""
 
     def unknown(self) -> str:
-        """Where an answer was no number, if the way of the step does not tell which."""
+        """Say where an answer was no number, if the way of the step does not tell which."""
         return f"a value that is not finite near {self._state(0.0)}"
 
     def _impulses(self) -> str:
-        """The impulses of a rigid law that are no numbers, in words."""
-        names = {"normal impulse": NORMAL, "friction impulse": FRICTION}
-        found = [
-            f"{name} {self._step.force[row, 0]}"
-            for name, row in names.items()
-            if not np.isfinite(self._step.force[row, 0])
-        ]
+        """Say which impulses of a rigid law are no numbers."""
+        state = self._state_record
+        values = {
+            "normal impulse": state.normal.node[0],
+            "friction impulse": state.friction.node[0],
+        }
+        found = [f"{name} {value}" for name, value in values.items() if not np.isfinite(value)]
         return f"{' and '.join(found)} at {self._state(0.0)}" if found else ""
 
     def jump(self) -> str:
-        """Where the law's force changes at once, in words; empty where it does not."""
+        """Say where the law's force changes at once, in words; empty where it does not."""
         here = self._state(0.0)
-        if not self._compliant:
+        if not self._state_record.compliant:
             return ""
         if not here.gap < 0.0:
             here = self._state(self._reach)
         known = dict(self._answers(here))
-        size = max(abs(known.get("normal force", 0.0)), self._run.real[MOMENTUM] / self._reach)
-        speed = max(abs(here.gap_rate), self._step.real[CLOSING])
+        size = max(abs(known.get("normal force", 0.0)), self._state_record.momentum / self._reach)
+        speed = max(abs(here.gap_rate), self._state_record.impact_speed)
         sizes = State(abs(here.gap), speed, max(abs(here.slip), speed))
         for narrow in NARROW:
             for place, name in enumerate(("gap", "gap rate", "slip")):
@@ -122,33 +106,26 @@ class Witness:
         return ""
 
     def _state(self, time: float) -> State:
-        """The state after a time of straight motion from where the run ended [s]."""
-        plant = self._plant
-        q, v = self._step.q + time * self._step.v, self._step.v
-        u, th = float(plant.row_u @ q), float(plant.row_th @ q)
-        u_rate, th_rate = float(plant.row_u @ v), float(plant.row_th @ v)
-        gap, n_u, n_th, t_u, t_th = contact_frame(
-            u, th, plant.tip_length, plant.radius, plant.clearance
-        )
-        slip = t_u * u_rate + t_th * th_rate + float(plant.row_r @ v)
-        if self._step.whole[MODE] == STICK:
-            slip = 0.0
-        return State(float(gap), float(n_u * u_rate + n_th * th_rate), float(slip))
+        """Give the state after a time of straight motion from where the run ended [s]."""
+        modes = self._run.plant.modes
+        q, v = modes.q[:, START] + time * modes.v[:, START], modes.v[:, START]
+        gap, rate, slip = contact_from(self._run.plant, q, v)
+        return State(gap, rate, 0.0 if self._state_record.mode == STICK else slip)
 
     def _answers(self, state: State) -> Iterator[tuple[str, float]]:
-        """What a penalty law says to a state, by name."""
+        """Give what a penalty law says to a state, by name."""
         if not state.gap < 0.0:
             return
-        step = self._step
-        found = self._force(*state, step.real[CLOSING], self._parameters)
+        at = self._state_record
+        found = self._force(*state, at.impact_speed, self._parameters)
         yield from zip(_OF_FORCE, found, strict=True)
-        if step.whole[RUBBING] != SET_VALUED:
-            rubbed = self._rub(*state, found[0], step.real[MEMORY], self._parameters)
-            yield from zip(_OF_RUB, rubbed, strict=True)
+        if at.friction_kind != SET_VALUED:
+            friction = self._friction(*state, found[0], at.internal, self._parameters)
+            yield from zip(_OF_FRICTION, friction, strict=True)
 
 
 _OF_FORCE: Final = ("normal force", "friction bound", "stored energy", "normal loss")
-_OF_RUB: Final = (
+_OF_FRICTION: Final = (
     "friction",
     "rate of the friction's memory",
     "stored energy of the friction",

@@ -1,55 +1,46 @@
 """How a run ended, in a sentence: the value, the bound and the way out."""
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
+import numpy as np
+
+from contactlab.arrays import Array
 from contactlab.energy import LEDGER_LIMIT, SCALE
-from contactlab.engine.balance import openness_of
+from contactlab.engine.contacts import EVENT_LIMIT
 from contactlab.engine.diagnosis import Witness
-from contactlab.engine.inconsistency import inconsistency
+from contactlab.engine.flight import MOST_HALVINGS
+from contactlab.engine.kinematics import Run, contact_from
+from contactlab.engine.ledger import openness_of
 from contactlab.engine.plant import Plant
-from contactlab.engine.readout import energy_of
-from contactlab.engine.run import (
+from contactlab.engine.recorder import IDLE_LIMIT
+from contactlab.engine.state import (
     CHATTERED,
     DIVERGED,
-    ENDING,
-    EVENT_LIMIT,
-    IDLE,
-    IDLE_LIMIT,
     INCONSISTENT,
-    MOST_STEPS,
     NOT_FINITE,
-    TIME,
+    START,
     UNFOLLOWED,
     UNSOLVED,
-    WINDOW,
-    Run,
 )
-from contactlab.engine.step import Step
-from contactlab.engine.touchdown import MOST_HALVINGS
-from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import Ending
-
-Array = NDArray[np.float64]
 
 FARTHEST = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
 
 
-def explain(
-    plant: Plant, step: Step, run: Run, witness: Witness, contact_step: float
-) -> tuple[Ending, str]:
-    """The ending of a run that stopped by itself, and a sentence on it."""
-    time, code = f"{run.real[TIME]:.6g} s", run.whole[ENDING]
+def explain(run: Run, witness: Witness, contact_step: float) -> tuple[Ending, str]:
+    """Give the ending of a run that stopped by itself, and a sentence on it."""
+    state = run.state
+    time, code = f"{state.time:.6g} s", state.ending
     if code == CHATTERED:
         return Ending.CHATTERED, (
             f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction "
-            f"switches within {run.real[WINDOW]:.3g} s, or no progress. The run stops there; a "
+            f"switches within {state.window:.3g} s, or no progress. The run stops there; a "
             f"shorter contact step than {contact_step:.3g} s or another law may pass it."
         )
     if code == DIVERGED:
         return Ending.DIVERGED, (
-            f"The run diverges at {time}: {_runaway(plant, step)}. Check the drive and the law's "
+            f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's "
             f"parameters, or shorten the contact step, {contact_step:.3g} s."
         )
     if code == UNFOLLOWED:
@@ -58,7 +49,7 @@ def explain(
             "of one step of its flight do not tell whether it touches. Check the drive and the start."
         )
     if code == INCONSISTENT:
-        return Ending.INCONSISTENT, inconsistency(run)
+        return Ending.INCONSISTENT, _inconsistency(state)
     answer = witness.not_finite()
     if answer or code == NOT_FINITE:
         return Ending.DIVERGED, (
@@ -67,23 +58,21 @@ def explain(
             "law, or its parameters."
         )
     return Ending.STALLED, (
-        f"The run stalls at {time}: {_no_progress(run)}. {_lost_digits(plant) or _stiffness(witness)}"
+        f"The run stalls at {time}: {_no_progress(state)}. {_lost_digits(run.plant) or _stiffness(witness)}"
     )
 
 
-def balanced(
-    run: Run, series: dict[str, Array], compliant: bool, contact_step: float
-) -> tuple[Ending, str]:
-    """The ending of a run that reached its end: complete, or with a ledger that is open and a sentence."""
+def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple[Ending, str]:
+    """Give the ending of a run that reached its end: complete, or with a ledger that is open and a sentence."""
     residual = float(np.abs(series["energy_residual"]).max())
-    openness = openness_of(run, float(energy_of(series)[0]), residual)
+    openness = openness_of(state, residual)
     # A ledger that is no number is not closed.
     if openness <= LEDGER_LIMIT:
         return Ending.COMPLETE, ""
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
-        if compliant
+        if state.compliant
         else f"Choose a shorter solver.contact_step than {contact_step:.3g} s."
     )
     return Ending.UNBALANCED, (
@@ -92,35 +81,36 @@ def balanced(
     )
 
 
-def _runaway(plant: Plant, step: Step) -> str:
-    """In what way the state is no motor's."""
-    if not (np.isfinite(step.q).all() and np.isfinite(step.v).all()):
+def _runaway(run: Run) -> str:
+    """Say in what way the state is no motor's."""
+    modes, radius = run.plant.modes, run.plant.geometry.radius
+    q, v = modes.q[:, START], modes.v[:, START]
+    if not (np.isfinite(q).all() and np.isfinite(v).all()):
         return "the state is not finite"
-    u, th = float(plant.row_u @ step.q), float(plant.row_th @ step.q)
+    th = float(modes.row_th @ q)
     if abs(th) >= 1.0:
         return f"the tip leans by {th:.3g} rad, and 1 rad is the most"
-    gap = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)[0]
     return (
-        f"the tip lies {-gap:.3g} m deep in the rotor, and a tenth of its radius, "
-        f"{0.1 * plant.radius:.3g} m, is the most"
+        f"the tip lies {-contact_from(run.plant, q, v)[0]:.3g} m deep in the rotor, and a tenth of its "
+        f"radius, {0.1 * radius:.3g} m, is the most"
     )
 
 
-def _no_progress(run: Run) -> str:
-    """How little a run moves."""
-    if run.whole[ENDING] == UNSOLVED:
+def _no_progress(state: Any) -> str:
+    """Say how little a run moves."""
+    if state.ending == UNSOLVED:
         return "no step in contact, however short, satisfies the law"
-    if run.whole[IDLE] > IDLE_LIMIT:
+    if state.idle > IDLE_LIMIT:
         return f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
     return (
-        f"more than {run.whole[MOST_STEPS]} steps in contact within {run.real[WINDOW]:.3g} s, where a few "
+        f"more than {state.most_steps} steps in contact within {state.window:.3g} s, where a few "
         "hundred are usual"
     )
 
 
 def _lost_digits(plant: Plant) -> str:
-    """Whether the tones' steady state leaves no digits to a contact, in words; empty where it does."""
-    sway = float(plant.steady_u.sum())
+    """Say whether the tones' steady state leaves no digits to a contact, in words; empty where it does."""
+    sway = float(plant.tones.steady_u.sum())
     if sway < FARTHEST:
         return ""
     return (
@@ -131,11 +121,29 @@ def _lost_digits(plant: Plant) -> str:
 
 
 def _stiffness(witness: Witness) -> str:
-    """What of the law the steps are too long for, and the way out."""
+    """Say what of the law the steps are too long for, and the way out."""
     jump = witness.jump()
     if not jump:
         return "Check the law's parameters, or choose a larger solver.tolerance."
     return (
         f"The law's {jump}: for the steps that is a jump. Let the force change over a wider range; "
         "friction that jumps with the slip is set-valued and wants no kernel of its own."
+    )
+
+
+def _inconsistency(state: Any) -> str:
+    """Say why a rigid contact closes and its law has no impulse for it."""
+    time = float(state.time)
+    friction, critical = state.friction_limit, state.critical_friction
+    if friction < critical:
+        return (
+            f"The run ends at {time:.6g} s: the contact closes, and the law has no normal impulse that "
+            "stops it. Check the law: an approach must be answered."
+        )
+    return (
+        f"The run ends at {time:.6g} s in Painleve's paradox: the friction coefficient {friction:.6g} is "
+        f"not below the critical {critical:.6g}, d_nn/|d_nt| of the contact there, so that the friction of "
+        "its slip presses the bodies together more than the normal impulse parts them, and the law has no "
+        "impulse that stops the approach. Lower the friction coefficient, or take a law that may stick or "
+        "a compliant one."
     )

@@ -1,32 +1,27 @@
-"""One stretch of free flight: up to the next level of the ladder, the touch-down or the end."""
+"""One stretch of free flight, and its touch-down: the first zero of the gap, and never a later one.
 
-from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.events import NOTHING, TOUCH
-from contactlab.engine.nodes import free_response
-from contactlab.engine.plant import Plant
-from contactlab.engine.run import (
-    END,
-    ENDING,
-    FLIGHT_STEPS,
-    LEVEL,
+Over a stretch of flight the gap's second derivative is bounded by B. Between two instants at which
+gap and gap rate are known, the gap lies above both parabolas that leave them with curvature -B. Where
+these stay positive there is no contact; where they do not, the stretch is halved, left half first,
+until every piece is either proven open or holds one falling zero.
+"""
+
+from math import sqrt
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.kinematics import Law, Run, contact_after, contact_at, free_response
+from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.rootfinding import locate
+from contactlab.engine.state import (
+    FLIGHT,
+    LAST,
+    NOTHING,
     OPEN,
-    PHASE,
     RELEASED,
     SEPARATING,
-    TIME,
+    START,
+    TOUCH,
     UNFOLLOWED,
-    Run,
-)
-from contactlab.engine.step import FLIGHT, KIND, LENGTH, TAKEN, Step, flow_to
-from contactlab.engine.tables import NODES, Tables, build_level, level_count, step_length
-from contactlab.engine.touchdown import (
-    LOST,
-    NO_TOUCH,
-    certain_opening,
-    coarseness,
-    curvature_bound,
-    first_touch,
-    gap_and_rate,
 )
 
 CLEAR = 1e-18
@@ -36,9 +31,24 @@ for a tip that moves far, see `coarseness`."""
 REFINEMENT = 15
 """Levels that a flight begins finer where its gap opens from nothing, as a power of time."""
 
+REACH = 1e-5
+"""Way [m] of a tip up to which its gap has the digits below; further ones have fewer, see `coarseness`."""
 
-@part_kernel
-def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
+RESOLUTION = 1e-22
+"""Gap [m] below which open and touching cannot be told apart in float64."""
+
+ROUND_OFF = 1e-19
+"""Gap [m] that is open for certain, whatever float64 makes of it after a release."""
+
+NO_TOUCH, LOST = -1.0, -2.0
+"""The flight stays open; the flight cannot be followed."""
+
+MOST_HALVINGS = 10_000
+"""Halvings of one stretch: a motor takes a few tens, a state that has run away takes them all."""
+
+
+@inner_kernel
+def step_flight(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through free flight; returns TOUCH or NOTHING.
 
     A touch-down is looked for from where the gap is known to be open. While SEPARATING, that is
@@ -46,34 +56,34 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     release decides its sign is followed, in steps that double from very short ones, until it is
     clear. A gap that is closed and closes faster and faster is a new contact; one that rests is none.
     """
-    level = run.whole[LEVEL]
-    _, before = gap_and_rate(plant, step.q, step.v)
-    coarse = coarseness(plant, step)
-    if run.whole[PHASE] == RELEASED:
-        level = _level_after_release(plant, tables, step, level, before, coarse)
-        run.whole[PHASE] = SEPARATING
-    h = step_length(tables, level)
-    s = min(h, run.real[END] - run.real[TIME])
-    step.whole[KIND] = FLIGHT
-    step.real[LENGTH] = h
+    state, rule = run.state, run.propagator.rule
+    level = state.level
+    before = contact_at(run.plant, START)[1]
+    coarse = coarseness(run)
+    if state.phase == RELEASED:
+        level = _level_after_release(run, level, before, coarse)
+        state.phase = SEPARATING
+    h = step_length(run.propagator, level)
+    s = min(h, state.end - state.time)
+    run.step.kind = FLIGHT
+    state.length = h
     start = 0.0
-    if run.whole[PHASE] == SEPARATING:
-        start = certain_opening(plant, step, s, coarse)
+    if state.phase == SEPARATING:
+        start = _certain_opening(run, s, coarse)
         if start > 0.0:
-            run.whole[PHASE] = OPEN
+            state.phase = OPEN
     if s < h:
-        flow_to(plant, step, s)
-        gap, rate = gap_and_rate(plant, step.other_q, step.other_v)
+        gap, rate, _, _, _, _, _ = contact_after(run, s)
     else:
-        build_level(plant, tables, level)
-        free_response(plant, tables, step, level, NODES - 1)
-        gap, rate = gap_and_rate(plant, step.node_q[-1], step.node_v[-1])
-    run.whole[FLIGHT_STEPS] += 1
+        build_level(run.plant, run.propagator, level)
+        free_response(run, level, LAST)
+        gap, rate, _, _, _, _, _ = contact_at(run.plant, LAST)
+    state.flight_steps += 1
     event = NOTHING
-    if run.whole[PHASE] == OPEN:
-        touch = first_touch(plant, step, start, s, gap, rate, coarse, run.stack)
+    if state.phase == OPEN:
+        touch = _first_touch(run, law, (start, s, gap, rate), coarse)
         if touch == LOST:
-            run.whole[ENDING] = UNFOLLOWED
+            state.ending = UNFOLLOWED
             s = 0.0
         elif touch != NO_TOUCH:
             s = touch
@@ -81,25 +91,182 @@ def fly(plant: Plant, tables: Tables, step: Step, run: Run) -> int:
     elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0 and rate < before:
         event = TOUCH
     elif gap > coarse * CLEAR:
-        run.whole[PHASE] = OPEN
-    coarsest = 0 if run.whole[PHASE] == OPEN else tables.contact_level
-    run.whole[LEVEL] = max(level - 1, coarsest) if level > coarsest else level
-    step.real[TAKEN] = s
+        state.phase = OPEN
+    coarsest = 0 if state.phase == OPEN else rule.contact_level
+    state.level = max(level - 1, coarsest) if level > coarsest else level
+    state.taken = s
     return event
 
 
 @inner_kernel
-def _level_after_release(
-    plant: Plant, tables: Tables, step: Step, level: int, rate: float, coarse: float
-) -> int:
-    """The level as it is, or a much finer one for a gap that hardly opens: there, round-off decides.
+def _level_after_release(run: Run, level: int, rate: float, coarse: float) -> int:
+    """Give the level as it is, or a much finer one for a gap that hardly opens: there, round-off decides.
 
     Args:
-        plant, tables, step, level: the flight and the level it would begin with.
+        run, level: the flight and the level it would begin with.
         rate: gap rate of the release [m/s].
         coarse: see `coarseness`.
     """
-    h = step_length(tables, level)
-    opens = rate >= curvature_bound(plant, step, h) * h
-    opens = opens or certain_opening(plant, step, h, coarse) > 0.0
-    return level if opens else min(level + REFINEMENT, level_count(tables) - 1)
+    h = step_length(run.propagator, level)
+    opens = rate >= curvature_bound(run, h) * h or _certain_opening(run, h, coarse) > 0.0
+    return level if opens else min(level + REFINEMENT, run.propagator.levels.size - 1)
+
+
+@inner_kernel
+def curvature_bound(run: Run, h: float) -> float:
+    """Give B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
+
+    A free oscillator's acceleration a obeys the oscillator's own equation, so that
+    |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes. The
+    answer from rest to a force f exp(i omega s) has |a(s)| <= |f| (1 + omega s), as its impulse response
+    never moves faster than it began. The rest is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R
+    and the centripetal terms.
+    """
+    plant = run.plant
+    u_acc = 0.0
+    th_acc = 0.0
+    u = 0.0
+    th = 0.0
+    u_rate = 0.0
+    th_rate = 0.0
+    for j in range(plant.modes.size):
+        mode = plant.modes[j]
+        k, c = mode.stiffness, mode.damping
+        acceleration = -c * mode.free_v - k * mode.free_q
+        jerk = -c * acceleration - k * mode.free_v
+        reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
+        bound = abs(acceleration) + abs(jerk) * reach + abs(mode.constant)
+        u_acc += abs(mode.row_u) * bound
+        th_acc += abs(mode.row_th) * bound
+        u += mode.row_u * mode.q[START]
+        th += mode.row_th * mode.q[START]
+        u_rate += mode.row_u * mode.v[START]
+        th_rate += mode.row_th * mode.v[START]
+    for p in range(plant.near.size):
+        j, k = plant.near[p].mode, plant.near[p].tone
+        phasor = plant.phasors[j, k]
+        bound = sqrt(phasor.force_re**2 + phasor.force_im**2)
+        bound *= 1.0 + plant.tones[k].omega * h
+        u_acc += abs(plant.modes[j].row_u) * bound
+        th_acc += abs(plant.modes[j].row_th) * bound
+    for k in range(plant.tones.size):
+        tone = plant.tones[k]
+        u_acc += tone.omega**2 * tone.steady_u
+        th_acc += tone.omega**2 * tone.steady_th
+    u_rate = abs(u_rate) + u_acc * h
+    th_rate = abs(th_rate) + th_acc * h
+    u = abs(u) + u_rate * h
+    th = abs(th) + th_rate * h
+    tip, radius = plant.geometry.tip_length, plant.geometry.radius
+    excess = plant.geometry.clearance + u + 0.5 * tip * th * th
+    lever = tip * th * (tip + radius + excess) / radius
+    speed = u_rate + tip * th_rate
+    return u_acc + lever * th_acc + tip * th_rate * th_rate + speed * speed / radius
+
+
+@inner_kernel
+def coarseness(run: Run) -> float:
+    """Give what the digits of the gap [m] grow by where the parts that it is summed from outgrow REACH.
+
+    Round-off is that of the parts: clearance, free motion and steady state of every mode, and the slope's
+    by its lever.
+    """
+    plant = run.plant
+    u = plant.geometry.clearance
+    th = 0.0
+    slope = 0.0
+    for j in range(plant.modes.size):
+        mode = plant.modes[j]
+        part = abs(mode.free_q)
+        for k in range(plant.tones.size):
+            part += abs(plant.phasors[j, k].steady_re) + abs(plant.phasors[j, k].steady_im)
+        u += abs(mode.row_u) * part
+        th += abs(mode.row_th) * part
+        slope += mode.row_th * mode.q[START]
+    tip = plant.geometry.tip_length
+    lever = tip * abs(slope) * (1.0 + tip / plant.geometry.radius)
+    return max((abs(u) + lever * th) / REACH, 1.0)
+
+
+@inner_kernel
+def stays_open(
+    a: float, gap_a: float, rate_a: float, b: float, gap_b: float, rate_b: float, bound: float
+) -> bool:
+    """Tell whether the gap is proven positive on [a, b]."""
+    if gap_a <= 0.0 or gap_b <= 0.0:
+        return False
+    h = b - a
+    # The parabolas from both ends have the same curvature, so they cross once.
+    slope = bound * h - rate_a + rate_b
+    if slope <= 0.0:
+        # Only round-off or a zero bound gets here: the left parabola lies above all along.
+        return gap_a + rate_a * h - 0.5 * bound * h * h > 0.0
+    s = (gap_a - gap_b + rate_b * h + 0.5 * bound * h * h) / slope
+    s = min(max(s, 0.0), h)
+    lowest = max(
+        gap_a + rate_a * s - 0.5 * bound * s * s,
+        gap_b - rate_b * (h - s) - 0.5 * bound * (h - s) * (h - s),
+    )
+    return lowest > 0.0
+
+
+@inner_kernel
+def _certain_opening(run: Run, h: float, coarse: float) -> float:
+    """Give the time up to which the gap only widens and at which it is open, in (0, h); zero where unknown.
+
+    The gap lies above gap + rate s - B s^2/2, whose highest point this is: a release whose own gap
+    is lost in round-off is well clear there, before it could close again.
+
+    Args:
+        run: the flight, as `begin` left it.
+        h: end of the stretch [s].
+        coarse: see `coarseness`.
+    """
+    gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
+    bound = curvature_bound(run, h)
+    if rate > 0.0 and rate < bound * h and gap + 0.5 * rate * rate / bound > coarse * ROUND_OFF:
+        return rate / bound
+    return 0.0
+
+
+@inner_kernel
+def _first_touch(
+    run: Run, law: Law, stretch: tuple[float, float, float, float], coarse: float
+) -> float:
+    """Find the time of the first touch-down of a flight that is open where it begins; else NO_TOUCH or LOST.
+
+    Args:
+        run, law: the flight, as `begin` left it.
+        stretch: its beginning and end [s], gap [m] and gap rate [m/s] at the end.
+        coarse: see `coarseness`.
+    """
+    step = run.step
+    a, b, gap_b, rate_b = stretch
+    gap_a, rate_a, _, _, _, _, _ = (
+        contact_after(run, a) if a > 0.0 else contact_at(run.plant, START)
+    )
+    bound = curvature_bound(run, b)
+    waiting = 0
+    halvings = 0
+    while halvings < MOST_HALVINGS:
+        width = b - a
+        indistinct = bound * width * width < coarse * RESOLUTION or waiting >= step.wait_time.size
+        if stays_open(a, gap_a, rate_a, b, gap_b, rate_b, bound) or (indistinct and gap_b > 0.0):
+            if waiting == 0:
+                return NO_TOUCH
+            waiting -= 1
+            a, gap_a, rate_a = b, gap_b, rate_b
+            b, gap_b = step.wait_time[waiting], step.wait_gap[waiting]
+            rate_b = step.wait_rate[waiting]
+        elif gap_b <= 0.0 and rate_a + bound * width < 0.0:
+            return locate(run, law, TOUCH, a, b, coarse * RESOLUTION)
+        elif indistinct:
+            return b
+        else:
+            step.wait_time[waiting], step.wait_gap[waiting] = b, gap_b
+            step.wait_rate[waiting] = rate_b
+            waiting += 1
+            halvings += 1
+            b = 0.5 * (a + b)
+            gap_b, rate_b, _, _, _, _, _ = contact_after(run, b)
+    return LOST

@@ -15,7 +15,7 @@ from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, remade
 from contactlab.engine.callback import Callback
 from contactlab.engine.obstacle import obstacle
 from contactlab.fingerprint import fingerprint, is_own
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 
 MOST: Final = 256
 """Kernels that are kept in memory beside those of this package."""
@@ -34,11 +34,14 @@ _told: set[object] = set()
 
 
 def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
-    """A kernel with this signature, and the callback behind it where the function is interpreted.
+    """Give a kernel with this signature, and the callback behind it where the function is interpreted.
 
     Args:
         function: a compiled kernel, which is given back, or any callable.
         signature: what the engine calls it with.
+
+    Raises:
+        LawError: it writes to the law's parameters.
     """
     if INTERPRETED:
         return function, None
@@ -49,26 +52,25 @@ def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
             _made_from[function] = ""
         return function, None
     callback = _callbacks.get((id(plain), signature))
-    if callback is not None:
-        return callback.kernel, callback
-    key = fingerprint(function).digest, signature
-    if key not in _kernels:
-        _remember(_kernels, key, _make(function, *key))
-    made = _kernels[key]
-    if isinstance(made, str):
+    if callback is None:
+        key = fingerprint(function).digest, signature
+        if key not in _kernels:
+            _remember(_kernels, key, _make(function, *key))
+        made = _kernels[key]
+        if not isinstance(made, str):
+            return made, None
         callback = _called_back(plain, signature, made)
-        return callback.kernel, callback
-    return made, None
+    return callback.kernel, callback
 
 
 def forget() -> None:
     """Forget what was compiled and said, as a new process would."""
-    for memory in (_made_from, _kernels, _callbacks, _compilations, _told):
-        memory.clear()
+    for store in (_made_from, _kernels, _callbacks, _compilations, _told):
+        store.clear()
 
 
 def _make(function: Any, digest: str, signature: Any) -> Any:
-    """The compiled function, or the obstacle in words.
+    """Give the compiled function, or the obstacle in words.
 
     Raises:
         LawError: it writes to the law's parameters.
@@ -92,7 +94,7 @@ def _make(function: Any, digest: str, signature: Any) -> Any:
 
 
 def _without_code(function: Any) -> Any:
-    """A kernel that is nobody else's: whatever code a user's own has may be of other values."""
+    """Give a kernel that is nobody else's: whatever code a user's own has may be of other values."""
     return remade(function) if hasattr(function, "py_func") else fleeting_kernel(function)
 
 
@@ -109,7 +111,7 @@ def _renew_callees(kernel: Any) -> None:
 
 
 def _writes(function: Any, signature: Any) -> bool:
-    """Whether a function that cannot be compiled could be if its parameters were no constants."""
+    """Tell whether a function that cannot be compiled could be if its parameters were no constants."""
     *states, parameters = signature.args
     try:
         changing = parameters.copy(readonly=False)
@@ -127,7 +129,7 @@ def _compile(kernel: Any, signature: Any) -> None:
 
 
 def _called_back(function: Any, signature: Any, reason: str) -> Callback:
-    """The callback of a function that cannot be compiled; says so once for its code."""
+    """Give the callback of a function that cannot be compiled; say so once for its code."""
     # Of what can change, the interpreter sees the object itself.
     key = fingerprint(function, identities=True).digest, signature
     callback = _callbacks.get(key)
@@ -141,18 +143,16 @@ def _called_back(function: Any, signature: Any, reason: str) -> Callback:
         _told.add(code)
         _say(
             f"{callback.name} cannot be compiled ({reason}), so the Python interpreter runs it: a call "
-            f"takes {callback.slow_down()}."
+            f"takes {callback.slowness()}."
         )
     return callback
 
 
 def _count(function: Any) -> None:
     """Say it once if the same code of a user's is compiled again and again."""
-    if is_own(getattr(function, "py_func", function)):
-        return
     code = _code(function)
     _compilations[code] += 1
-    if _compilations[code] == OFTEN:
+    if _compilations[code] == OFTEN and not is_own(getattr(function, "py_func", function)):
         _say(
             f"{_name(function)} has been compiled {OFTEN} times, because it is made anew around other "
             "values every time; let it read what varies from the law's parameters."
@@ -160,7 +160,7 @@ def _count(function: Any) -> None:
 
 
 def _code(function: Any) -> object:
-    """What is the same in functions that are made by the same lines."""
+    """Give what is the same in functions that are made by the same lines."""
     function = getattr(function, "py_func", function)
     return getattr(function, "__code__", type(function))
 
@@ -173,7 +173,7 @@ def _say(sentence: str) -> None:
     print(f"contactlab: {sentence}", file=sys.stderr, flush=True)
 
 
-def _remember(memory: dict[object, Any], key: object, value: Any) -> None:
-    memory[key] = value
-    while len(memory) > MOST:
-        del memory[next(iter(memory))]
+def _remember(store: dict[object, Any], key: object, value: Any) -> None:
+    store[key] = value
+    while len(store) > MOST:
+        del store[next(iter(store))]

@@ -1,111 +1,130 @@
-"""The hybrid loop: a phase proposes a step, the step is committed, and its event opens the next phase."""
+"""The hybrid loop: a phase proposes a step, the step is committed, and its event opens the next phase.
 
-import numpy as np
-from numpy.typing import NDArray
+There is a loop for each family of laws, so that a run compiles only what it needs.
+"""
 
-from contactlab.compiled import kernel, part_kernel
-from contactlab.engine.balance import weigh
-from contactlab.engine.compliant_contact import press
-from contactlab.engine.compliant_events import switch_friction
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.engine.compliant import step_compliant, switch_friction
 from contactlab.engine.contacts import close_contact, open_contact
-from contactlab.engine.events import NOTHING, RELEASE, TOUCH
-from contactlab.engine.flight import fly
-from contactlab.engine.plant import Plant
-from contactlab.engine.rigid_contact import hold_contact
-from contactlab.engine.run import (
-    END,
-    ENDING,
+from contactlab.engine.flight import step_flight
+from contactlab.engine.kinematics import Law, Run, begin, is_finite
+from contactlab.engine.recorder import commit
+from contactlab.engine.rigid import step_rigid
+from contactlab.engine.state import (
+    FLIGHT,
     NOT_FINITE,
-    PHASE,
+    NOTHING,
     PRESSED,
+    RELEASE,
     RUNNING,
-    STORED,
-    TIME,
+    START,
+    TOUCH,
     TOUCHING,
     UNSOLVED,
-    Run,
-    commit,
+    Records,
 )
-from contactlab.engine.step import FLIGHT, KIND, TAKEN, Step, begin, is_finite
-from contactlab.engine.tables import Tables
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
-
-Array = NDArray[np.float64]
 
 TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
 
 @kernel
-def advance(
-    plant: Plant,
-    tables: Tables,
-    step: Step,
+def advance_compliant(
     run: Run,
+    records: Records,
     force: PenaltyKernel,
-    rub: FrictionKernel,
+    friction: FrictionKernel,
     solve: MultiplierKernel,
-    compliant: bool,
     parameters: Array,
     budget: int,
 ) -> None:
-    """Run until the end, an ending, full contact storage or a number of steps; call again to go on.
+    """Run a penalty law until the end, an ending, full contact storage or a number of steps.
+
+    Call it again to go on.
 
     Args:
-        plant, tables, step, run: the motor and the memory of its run; they hold all of the state,
-            so that it does not matter into how many calls a run is cut.
-        force: kernel of a penalty law, used where `compliant`.
-        rub: its friction where that is not set-valued.
-        solve: kernel of a multiplier law, used otherwise.
-        compliant: the law's family.
-        parameters: the law's parameters.
+        run, records: the motor, the state and the records of its run; they hold all that there is, so that
+            it does not matter into how many calls a run is cut.
+        force, friction, solve, parameters: the law; its kernels of the other family are idle.
         budget: number of steps.
     """
+    law = Law(force, friction, solve, parameters)
     for _ in range(budget):
-        if run.real[TIME] >= run.real[END] or run.whole[ENDING] != RUNNING:
+        if not _opens_step(run, records, TOUCH_REFINEMENT):
             return
-        if run.whole[STORED] >= run.contacts.shape[0] - 1:
-            return
-        refinement = TOUCH_REFINEMENT if compliant else 0
-        if run.whole[PHASE] == PRESSED:
-            open_contact(plant, step, run, tables.contact_level + refinement)
-        begin(plant, step, run.real[TIME])
-        if run.whole[PHASE] != TOUCHING:
-            event = fly(plant, tables, step, run)
+        if run.state.phase == TOUCHING:
+            event = _checked(run, step_compliant(run, law))
         else:
-            event = _touch(plant, tables, step, run, force, rub, solve, compliant, parameters)
-        commit(plant, tables, step, run, force, rub, parameters)
-        weigh(plant, step, run)
-        if event == TOUCH:
-            open_contact(plant, step, run, tables.contact_level + refinement)
-        elif event == RELEASE:
-            close_contact(plant, tables, step, run)
-        elif event != NOTHING:
-            switch_friction(step, run, event)
+            event = step_flight(run, law)
+        commit(run, law, records)
+        _act(run, records, event, TOUCH_REFINEMENT)
+        if event != NOTHING and event != TOUCH and event != RELEASE:
+            switch_friction(run.state, event)
 
 
-@part_kernel
-def _touch(
-    plant: Plant,
-    tables: Tables,
-    step: Step,
+@kernel
+def advance_rigid(
     run: Run,
+    records: Records,
     force: PenaltyKernel,
-    rub: FrictionKernel,
+    friction: FrictionKernel,
     solve: MultiplierKernel,
-    compliant: bool,
     parameters: Array,
-) -> int:
-    """Take a step that `begin` made ready through contact; returns the event that ends it."""
-    if compliant:
-        event = press(plant, tables, step, run, force, rub, parameters)
-    else:
-        event = hold_contact(plant, tables, step, run, solve, parameters)
-    if run.whole[ENDING] == RUNNING and not is_finite(step):
-        run.whole[ENDING] = NOT_FINITE
-    if run.whole[ENDING] in (NOT_FINITE, UNSOLVED):
+    budget: int,
+) -> None:
+    """Run a multiplier law, see `advance_compliant`."""
+    law = Law(force, friction, solve, parameters)
+    for _ in range(budget):
+        if not _opens_step(run, records, 0):
+            return
+        if run.state.phase == TOUCHING:
+            event = _checked(run, step_rigid(run, law))
+        else:
+            event = step_flight(run, law)
+        commit(run, law, records)
+        _act(run, records, event, 0)
+
+
+@inner_kernel
+def _opens_step(run: Run, records: Records, refinement: int) -> bool:
+    """Make a step ready, and tell whether there is one to take."""
+    state = run.state
+    if state.time >= state.end or state.ending != RUNNING:
+        return False
+    if state.stored >= records.contacts.size - 1:
+        return False
+    if state.end - state.time <= run.propagator.rule.longest:
+        # The end may cut this step: another run goes on from where it began.
+        records.saved[0] = state
+        for j in range(run.plant.modes.size):
+            records.saved_motion[j].q = run.plant.modes[j].q[START]
+            records.saved_motion[j].v = run.plant.modes[j].v[START]
+    if state.phase == PRESSED:
+        open_contact(run, refinement)
+    begin(run)
+    return True
+
+
+@inner_kernel
+def _checked(run: Run, event: int) -> int:
+    """Give the event of a step in contact; end the run where the law has not answered with numbers."""
+    state = run.state
+    if state.ending == RUNNING and not is_finite(run):
+        state.ending = NOT_FINITE
+    if state.ending == NOT_FINITE or state.ending == UNSOLVED:
         # The state stays as it is, so that it can be told what the law was asked.
-        step.whole[KIND] = FLIGHT
-        step.real[TAKEN] = 0.0
+        run.step.kind = FLIGHT
+        state.taken = 0.0
         return NOTHING
     return event
+
+
+@inner_kernel
+def _act(run: Run, records: Records, event: int, refinement: int) -> None:
+    """Open or close the contact after the event of a committed step."""
+    if event == TOUCH:
+        open_contact(run, refinement)
+    elif event == RELEASE:
+        close_contact(run, records)

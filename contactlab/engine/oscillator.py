@@ -14,14 +14,12 @@ series over a short time and doubled from there, which holds for under-, critica
 oscillators and for a free mass (k = 0) alike: there is no case to choose and nothing cancels.
 """
 
-from math import sqrt
+from math import cos, exp, expm1, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contactlab.compiled import kernel, part_kernel
-
-Array = NDArray[np.float64]
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel, kernel
 
 REACH = 0.25
 """Largest (c + sqrt k) d that the power series is asked for; the rest is doubled."""
@@ -57,9 +55,9 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
         d *= 2.0
 
 
-@part_kernel
+@inner_kernel
 def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
-    """The two highest integrals by power series, the others down the recurrence.
+    """Sum the two highest integrals by power series, the others down the recurrence.
 
     I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable downwards while (c + sqrt k) d is small.
     """
@@ -92,9 +90,9 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
         out[m - 1] = out[m - 1] - c * out[m] - k * out[m + 1]
 
 
-@part_kernel
+@inner_kernel
 def _double(k: float, c: float, d: float, top: int, out: Array) -> None:
-    """From I(d) to I(2 d): flow the answer of the first half, add that of the second."""
+    """Go from I(d) to I(2 d): flow the answer of the first half, add that of the second."""
     w = out[1]
     rate = out[0]
     keep = rate + c * w
@@ -108,3 +106,54 @@ def _double(k: float, c: float, d: float, top: int, out: Array) -> None:
         out[m + 1] = keep * out[m + 1] + w * out[m] + shifted
     out[1] = keep * w + w * rate
     out[0] = -k * w * w + rate * rate
+
+
+@kernel
+def answer_from_rest(
+    k: float, c: float, omega: float, s: float
+) -> tuple[float, float, float, float]:
+    """Give displacement and rate of an underdamped oscillator under exp(i omega s), from rest.
+
+    Near resonance the steady state is what the tone builds up over a long time, up to a billion times what
+    moves now: split off, it would leave its own round-off in every gap. The answer from rest is as small as
+    what a step adds:
+
+        R(s) = int_0^s w(u) exp(i omega (s - u)) du = exp(i omega s) (E(z_-) - E(z_+)) / (2 i nu),
+        E(z) = (1 - exp(-z s)) / z,  z_-+ = sigma + i (omega -+ nu),
+
+    with the impulse response w(u) = exp(-sigma u) sin(nu u) / nu. The first term is the beat that grows,
+    and it does so without cancellation however slow the beat is.
+
+    Args:
+        k, c: stiffness and damping over mass [1/s^2], [1/s], c^2 < 4 k.
+        omega: of the tone [rad/s].
+        s: time [s].
+
+    Returns:
+        Re R, Im R [s^2], Re and Im of its rate [s].
+    """
+    sigma = 0.5 * c
+    nu = sqrt(k - sigma * sigma)
+    beat_re, beat_im = _faded(sigma, omega - nu, s)
+    fast_re, fast_im = _faded(sigma, omega + nu, s)
+    q_re, q_im = (beat_im - fast_im) / (2.0 * nu), (fast_re - beat_re) / (2.0 * nu)
+    v_re = 0.5 * (beat_re + fast_re) - sigma * q_re
+    v_im = 0.5 * (beat_im + fast_im) - sigma * q_im
+    cosine, sine = cos(omega * s), sin(omega * s)
+    return (
+        q_re * cosine - q_im * sine,
+        q_re * sine + q_im * cosine,
+        v_re * cosine - v_im * sine,
+        v_re * sine + v_im * cosine,
+    )
+
+
+@inner_kernel
+def _faded(a: float, b: float, s: float) -> tuple[float, float]:
+    """Give Re and Im of (1 - exp(-z s)) / z for z = a + i b, not zero."""
+    left = exp(-a * s)
+    half = sin(0.5 * b * s)
+    real = 2.0 * left * half * half - expm1(-a * s)
+    imaginary = left * sin(b * s)
+    size = a * a + b * b
+    return (real * a + imaginary * b) / size, (imaginary * a - real * b) / size

@@ -5,54 +5,45 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contactlab.engine.arguments import check_kinds, check_numbers, check_rates
-from contactlab.engine.compilation import compile_loop, kernels_of
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.arrays import Array
+from contactlab.engine.arguments import (
+    check_kinds,
+    check_numbers,
+    check_rates,
+    check_start,
+    default_contact_step,
+)
+from contactlab.engine.compilation import kernels_of, loop_for
 from contactlab.engine.diagnosis import Witness
 from contactlab.engine.explanation import balanced, explain
-from contactlab.engine.loop import advance
-from contactlab.engine.pace import set_pace
-from contactlab.engine.plant import Plant, plant_of
-from contactlab.engine.readout import record_times, take_series
-from contactlab.engine.run import (
+from contactlab.engine.kinematics import Run, contact_from
+from contactlab.engine.loop import TOUCH_REFINEMENT
+from contactlab.engine.plant import plant_of
+from contactlab.engine.propagator import Workspace
+from contactlab.engine.recorder import pace_of, record_times, take_series
+from contactlab.engine.state import (
     COUNTS,
-    END,
-    ENDING,
-    FRICTION_LIMIT,
-    HELD_ENERGY,
-    INTERVAL,
-    LEAST_OPEN,
-    LEVEL,
-    LOSS,
-    MOST_OPEN,
     OPEN,
-    PHASE,
     PRESSED,
-    PROJECTS,
-    RECORDED,
     RELEASED,
     RUNNING,
-    SEPARATION,
-    STORED,
-    TIME,
-    TOLERANCE,
+    START,
+    STATE,
+    STEP,
     TOUCHING,
-    Run,
-    run_for,
+    Records,
+    State,
+    one,
+    records_for,
+    state_as_value,
+    state_from_value,
 )
-from contactlab.engine.step import PARITY, RUBBING, Step, step_for
-from contactlab.engine.workspace import Workspace
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.failure import LawError
-from contactlab.laws.intake import check_words, fault_of_answers, guarded, parameters_of
-from contactlab.motor.geometry import contact_frame
+from contactlab.laws.declaration import LawError
+from contactlab.laws.intake import check_words, fault_of_answers, guarded, kernel_parameters
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
-from contactlab.variables import CONTACTS
-
-Array = NDArray[np.float64]
 
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
@@ -60,6 +51,9 @@ itself is far better: its end converges with nearly twice the order of this esti
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
+
+ON_GRID = 1e-6
+"""Part of a record interval that is round-off."""
 
 
 def simulate(
@@ -72,6 +66,7 @@ def simulate(
     tolerance: float | None = None,
     progress: Callable[[float], None] | None = None,
     workspace: Workspace | None = None,
+    start: State | None = None,
 ) -> Trajectory:
     """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
 
@@ -79,23 +74,32 @@ def simulate(
     In contact a penalty law is collocated at order 9 with steps that follow its error, a
     multiplier law is stepped at order 1. The trajectory does not depend on the record interval.
 
+    A run that goes on from another's `Trajectory.state` is the run that was never cut, bit for bit: the same
+    steps (the one that the cut shortened is taken again, whole), the clock and the drive's phase go on, a
+    contact that was cut goes on as one contact, and so do ledger, residual, rotor angle and statistics, all of
+    them since t = 0. Its first record is the state that it starts from; where the cut falls on a record of
+    the interval, its records are those of the uncut run. Only where nothing vibrates at all does the
+    length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
+    stands then goes on under the new ones.
+
     Args:
         motor: what moves.
         law: what acts between tip and rotor.
-        duration: [s], positive.
+        duration: [s], positive; of a run that goes on, how much longer it runs.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
-            law's default, or less, see `contactlab.engine.contact_step.default_contact_step`.
+            law's default, or less, see `contactlab.engine.arguments.default_contact_step`.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
-        workspace: what runs that follow each other can share; it changes no bit of any.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
+        workspace: what runs that follow each other can share; it changes no bit of any.
+        start: the state of a run to go on from.
 
     Returns:
         The trajectory; one that is not complete says why and holds what it had.
 
     Raises:
-        ValueError: an argument out of range, an undamped mode that a tone meets, or tip and rotor
-            that overlap at the start where the law is rigid.
+        ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
+            overlap at the start where the law is rigid, or a state that cannot go on.
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
@@ -104,63 +108,47 @@ def simulate(
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, record_interval, contact_step, tolerance)
     parameters, kernels, law_errors = take_in(law)
-    force, rub, solve = kernels
     plant = plant_of(motor)
     check_rates(plant, duration)
-    compliant = isinstance(law, PenaltyLaw)
-    tables = (workspace or Workspace()).tables(plant, contact_step, duration, not compliant)
-    step = step_for(plant)
-    run = run_for(_count_records(duration, record_interval))
-    run.real[END] = duration
-    run.real[INTERVAL] = record_interval
-    run.real[TOLERANCE] = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    run.real[LEAST_OPEN], run.real[MOST_OPEN] = np.inf, -np.inf
-    run.whole[LEVEL] = tables.fresh_level
-    set_pace(plant, run, contact_step, compliant)
-    _note_kind(law, step, run)
-    _start(motor, plant, step, run, compliant)
-    compile_loop(plant, tables, step, run)
+    propagator = (workspace or Workspace()).propagator(
+        plant, contact_step, duration, isinstance(law, MultiplierLaw)
+    )
+    run = Run(plant, propagator, one(STATE), one(STEP))
+    if start is None:
+        _begin(motor, law, run)
+    else:
+        check_start(start, plant, law)
+        run = _resume(run, start)
+    _set_up(law, run, duration, record_interval, contact_step)
+    state = run.state
+    state.tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    records = records_for(_count_records(duration, record_interval), plant.modes.size)
+    loop = loop_for(law, run, records)
 
     if progress is not None:
         progress(0.0)
-    finished: list[Array] = []
+    finished: list[Any] = []
     ending, message = Ending.COMPLETE, ""
     try:
-        while run.real[TIME] < duration and run.whole[ENDING] == RUNNING:
+        while state.time < state.end and state.ending == RUNNING:
             with law_errors():
-                advance(
-                    plant,
-                    tables,
-                    step,
-                    run,
-                    force,
-                    rub,
-                    solve,
-                    compliant,
-                    parameters,
-                    STEPS_PER_CALL,
-                )
-            finished.append(_collect(run))
+                loop(run, records, *kernels, parameters, STEPS_PER_CALL)
+            finished.append(_collect(state, records))
             if progress is not None:
-                progress(float(run.real[TIME]))
+                progress(float(state.time))
     except KeyboardInterrupt:
-        ending, message = Ending.INTERRUPTED, f"Interrupted at {run.real[TIME]:.6g} s."
-    if run.whole[ENDING] != RUNNING:
-        reach = tables.longest * 0.5**tables.contact_level
-        witness = Witness(plant, step, run, reach, compliant, kernels, parameters)
+        ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
+    if state.ending != RUNNING:
         with law_errors():
-            ending, message = explain(plant, step, run, witness, contact_step)
-    finished.append(_collect(run))
-    if run.whole[PHASE] == TOUCHING:
-        # The end of the run cut this contact: it has no separation.
-        run.contact[SEPARATION] = np.nan
-        run.contact[LOSS] -= run.real[HELD_ENERGY]
-        finished.append(run.contact[np.newaxis])
-    time = record_times(run, int(run.whole[RECORDED]))
-    series, modes = take_series(run, time)
+            ending, message = explain(run, Witness(run, kernels, parameters), contact_step)
+    finished.append(_collect(state, records))
+    if state.phase == TOUCHING:
+        finished.append(_cut(state))
+    time = record_times(run, records)
+    series, modes = take_series(run, records, time)
     if ending is Ending.COMPLETE:
-        ending, message = balanced(run, series, compliant, contact_step)
-    rows = np.vstack(finished)
+        ending, message = balanced(state, series, contact_step)
+    rows = np.concatenate(finished)
     return Trajectory(
         motor=motor,
         law=law,
@@ -170,35 +158,35 @@ def simulate(
         time=time,
         series=series,
         contact_mode=modes,
-        contacts={v.name: rows[:, column].copy() for column, v in enumerate(CONTACTS)},
-        statistics={
-            name: int(count) for name, count in zip(COUNTS, run.whole[-len(COUNTS) :], strict=True)
-        },
+        contacts={name: rows[name].copy() for name in rows.dtype.names},
+        statistics={name: int(state[name]) for name in COUNTS},
         ending=ending,
         message=message,
+        state=_state_to_go_on(run, records, series, ending),
     )
 
 
 def prepare(motor: Motor, law: ContactLaw) -> None:
     """Compile the engine and a law, or load their code, before the first run asks for it."""
     plant = plant_of(motor)
-    tables = Workspace().tables(
+    propagator = Workspace().propagator(
         plant, law.default_contact_step, 1.0, isinstance(law, MultiplierLaw)
     )
-    compile_loop(plant, tables, step_for(plant), run_for(2))
+    run = Run(plant, propagator, one(STATE), one(STEP))
+    loop_for(law, run, records_for(2, plant.modes.size))
     kernels_of(law)
 
 
 def take_in(
     law: ContactLaw,
 ) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
-    """A law's parameters between guards and its kernels, see `kernels_of`.
+    """Give a law's parameters between guards and its kernels, see `kernels_of`.
 
     Raises:
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     check_words(law)
-    parameters = parameters_of(law)
+    parameters = kernel_parameters(law)
     kernels, law_errors = kernels_of(law)
     with law_errors():
         fault = fault_of_answers(law, parameters, *kernels)
@@ -208,42 +196,97 @@ def take_in(
 
 
 def _count_records(duration: float, interval: float) -> int:
-    """Records at 0, interval, 2 interval, ... and at the end; 1e-6 of an interval is round-off."""
-    return max(int(np.ceil(duration / interval - 1e-6)), 1) + 1
+    """Count the records at 0, interval, 2 interval, ... and at the end."""
+    return max(int(np.ceil(duration / interval - ON_GRID)), 1) + 1
 
 
-def _note_kind(law: ContactLaw, step: Step, run: Run) -> None:
-    """What the kernels know of a law beside its own kernels."""
-    run.real[FRICTION_LIMIT] = law.friction_limit
-    if isinstance(law, PenaltyLaw):
-        step.whole[RUBBING] = law.friction_kind
-        step.whole[PARITY] = law.memory_parity
-    if isinstance(law, MultiplierLaw):
-        run.whole[PROJECTS] = law.projects
-
-
-def _start(motor: Motor, plant: Plant, step: Step, run: Run, compliant: bool) -> None:
-    """Initial state and phase."""
-    step.v[-1] = -motor.rotor.initial_velocity * plant.radius / plant.row_r[-1]
+def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
+    """Set the initial state and phase."""
+    plant, state = run.plant, run.state
+    q, v = plant.modes.q[:, START], plant.modes.v[:, START]
+    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / plant.modes.row_r[-1]
     if motor.start is not None:
-        step.q[:-1] = motor.start.displacement
-        step.v[:-1] = motor.start.velocity
-    u, th = float(plant.row_u @ step.q), float(plant.row_th @ step.q)
-    gap, n_u, n_th, _, _ = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
-    rate = n_u * float(plant.row_u @ step.v) + n_th * float(plant.row_th @ step.v)
-    if gap < 0.0 and not compliant:
+        q[:-1] = motor.start.displacement
+        v[:-1] = motor.start.velocity
+    gap, rate, _ = contact_from(plant, q, v)
+    if gap < 0.0 and not isinstance(law, PenaltyLaw):
         raise ValueError(
             f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
             "rotor would overlap."
         )
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
-        run.whole[PHASE] = PRESSED
+        state.phase = PRESSED
     else:
-        run.whole[PHASE] = OPEN if gap > 0.0 else RELEASED
+        state.phase = OPEN if gap > 0.0 else RELEASED
+    # A first step continues a polynomial of zeros, of some length.
+    state.length = 1.0
+    state.level = run.propagator.rule.fresh_level
+    state.longest = run.propagator.rule.longest
+    state.contact_level = run.propagator.rule.contact_level
+    state.least_open, state.most_open, state.initial_energy = np.inf, -np.inf, np.nan
 
 
-def _collect(run: Run) -> Array:
+def _resume(run: Run, start: State) -> Run:
+    """Set the state of a run that goes on; on another ladder its next step is the first of its kind."""
+    state, motion = state_from_value(start)
+    run.plant.modes.q[:, START], run.plant.modes.v[:, START] = motion.q, motion.v
+    rule = run.propagator.rule
+    if (state.longest, state.contact_level) != (rule.longest, rule.contact_level):
+        touching = state.phase == TOUCHING
+        refinement = TOUCH_REFINEMENT if state.compliant else 0
+        state.level = rule.contact_level + refinement if touching else rule.fresh_level
+        state.level_before = state.level + 1
+        state.longest, state.contact_level = rule.longest, rule.contact_level
+    return run._replace(state=state)
+
+
+def _set_up(
+    law: ContactLaw, run: Run, duration: float, interval: float, contact_step: float
+) -> None:
+    """Set the clock, the grid of records, the pace, and what the kernels know of a law beside its own."""
+    state, compliant = run.state, isinstance(law, PenaltyLaw)
+    begins = float(state.end)
+    number = round((begins - state.origin) / interval)
+    if abs(begins - (state.origin + number * interval)) <= ON_GRID * interval:
+        state.first = number
+    else:
+        state.origin, state.first = begins, 0
+    state.end, state.interval = begins + duration, interval
+    state.recorded = state.stored = 0
+    state.window, state.most_steps = pace_of(run.plant, state.end, contact_step, compliant)
+    state.compliant = compliant
+    state.friction_limit = law.friction_limit
+    if isinstance(law, PenaltyLaw):
+        state.friction_kind = law.friction_kind
+        state.parity = law.internal_parity
+    if isinstance(law, MultiplierLaw):
+        state.projects = law.projects
+
+
+def _cut(state: Any) -> Any:
+    """Give the contact that the end of the run cut: it has no separation."""
+    contact = state.contact.copy().reshape(1)
+    contact["separation_velocity"] = np.nan
+    contact["energy_loss"] -= state.held_energy
+    return contact
+
+
+def _collect(state: Any, records: Records) -> Any:
     """Take the finished contacts out of the run's storage."""
-    rows = run.contacts[: run.whole[STORED]].copy()
-    run.whole[STORED] = 0
+    rows = records.contacts[: state.stored].copy()
+    state.stored = 0
     return rows
+
+
+def _state_to_go_on(run: Run, records: Records, series: dict[str, Array], ending: Ending) -> State:
+    """Give the state as a value: before the step that the end cut, else where the run stopped."""
+    state = run.state
+    initial_energy, end = state.initial_energy, state.end if ending.reached_end else state.time
+    motion = {"q": run.plant.modes.q[:, START], "v": run.plant.modes.v[:, START]}
+    if ending.reached_end:
+        state, motion = records.saved[0], records.saved_motion
+    for name in ("normal_force", "friction_force"):
+        if series[name].size:
+            state[name] = series[name][-1]
+    state.initial_energy, state.end = initial_energy, end
+    return state_as_value(state, motion)

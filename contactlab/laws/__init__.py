@@ -1,42 +1,23 @@
-"""The contact laws by name. A new law is one module and one entry in `contactlab.laws.registry`."""
+"""The contact laws, and the parts that one is composed of. A new one is one class and one name in a table."""
 
-from typing import TYPE_CHECKING, Any
-
-from contactlab.laws.failure import LawError
-from contactlab.laws.registry import LAWS, law_class, law_names, origin_of
-
-if TYPE_CHECKING:
-    from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-    from contactlab.laws.composed import Composed
-    from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
-    from contactlab.laws.lagrange_slip import LagrangeSlip
-    from contactlab.laws.lagrange_stick import LagrangeStick
-
-__all__ = [
-    "LAWS",
-    "Composed",
-    "ContactLaw",
-    "HertzPenalty",
-    "LagrangeSlip",
-    "LagrangeStick",
-    "LawError",
-    "MultiplierLaw",
-    "PenaltyLaw",
-    "hertz_stiffness",
-    "law_class",
-    "law_names",
-    "origin_of",
-]
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used: the names of the laws alone need no compiler."""
-    if name in ("ContactLaw", "MultiplierLaw", "PenaltyLaw"):
-        from contactlab.laws import base
-
-        return getattr(base, name)
-    if name == "hertz_stiffness":
-        from contactlab.laws.hertz_penalty import hertz_stiffness
-
-        return hertz_stiffness
-    return LAWS.attribute(name)
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.composed import Composed
+from contactlab.laws.damping import (
+    Flores,
+    HuntCrossley,
+    LankaraniNikravesh,
+    LinearDamping,
+    Undamped,
+)
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION, LawError
+from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
+from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
+from contactlab.laws.lagrange_slip import LagrangeSlip
+from contactlab.laws.lagrange_stick import LagrangeStick
+from contactlab.laws.newton import MoreauJean, Newton
+from contactlab.laws.normal import HertzElliptic, HertzPoint, Line, Linear, Lining
+from contactlab.laws.part import Damping, Friction, NormalForce
+from contactlab.laws.poisson import Poisson
+from contactlab.laws.registry import LAWS, PARTS, law, law_class, law_names, origin_of
+from contactlab.laws.stronge import Stronge
+from contactlab.parameter import Parameter

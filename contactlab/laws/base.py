@@ -8,7 +8,7 @@ are two families, and the engine knows only these two:
 * `MultiplierLaw`: the gap is held at zero, and the law solves for the impulse of one step.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from types import MappingProxyType
@@ -16,26 +16,20 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
-from contactlab.laws.parameter import check_parameters
-from contactlab.laws.soundness import refuse_unsound
+from contactlab.arrays import Array
+from contactlab.laws.declaration import Declared
 from contactlab.parameter import Parameter, parameters_of
-
-Array = NDArray[np.float64]
 
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
 
-SET_VALUED, SPRING_AND_SLIDER, CREEPING = 0, 1, 2
-"""Kinds of friction: stick without any slip; a spring that a slider ends; a force that the slip and the
-memory determine."""
+SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT = 0, 1, 2
+"""Kinds of friction: stick without any slip; a spring that a slider ends (a Jenkins element); a force that
+the slip and the internal variable determine."""
 
 ODD, EVEN = -1, 1
-"""Parities of what friction remembers: whether it changes its sign where left and right are exchanged."""
-
-LAW_WORDS = ("name", "equation", "source", "default_contact_step")
-"""What every law says of itself."""
+"""Parities of an internal variable: whether it changes its sign where left and right are exchanged."""
 
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=True)
@@ -46,34 +40,21 @@ MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(
     _real, _real, _real, _real, _real, _real, _real, _parameters
 )
 
-PenaltyKernel = Callable[[float, float, float, float, Array], tuple[float, float, float, float]]
-FrictionKernel = Callable[
-    [float, float, float, float, float, Array], tuple[float, float, float, float]
-]
-MultiplierKernel = Callable[
-    [float, float, float, float, float, float, float, Array], tuple[float, float, int]
-]
+Forces = tuple[float, float, float, float]
+Impulses = tuple[float, float, int]
+PenaltyKernel = Callable[[float, float, float, float, Array], Forces]
+FrictionKernel = Callable[[float, float, float, float, float, Array], Forces]
+MultiplierKernel = Callable[[float, float, float, float, float, float, float, Array], Impulses]
 
 
-class ContactLaw(ABC):
-    """A contact law: an immutable dataclass whose fields are its parameters in SI units.
+class ContactLaw(Declared):
+    """A contact law. Subclass one of the two families, never a concrete law.
 
-    A field is `Annotated[float, Parameter(...)]`: with its symbol, unit, meaning and range. What else
-    a law declares is checked by `contactlab.testing`, the exceptions included.
-
-    Subclass one of the two families, never a concrete law.
-
-    Raises:
-        TypeError: a parameter that is no number, or a class that is no dataclass or lacks a word.
-        ValueError: a parameter outside of its range.
+    What a law declares is checked by `contactlab.testing`, the exceptions included.
     """
 
-    name: ClassVar[str]
-    """The law's word everywhere: module, option and attribute."""
-    equation: ClassVar[str]
-    """The law in one line."""
-    source: ClassVar[str]
-    """Where the law is published."""
+    WORDS = ("name", "equation", "source", "default_contact_step")
+
     default_contact_step: ClassVar[float]
     """Step in contact [s] where the configuration gives none."""
     convergence_order: ClassVar[float] = 1.0
@@ -86,14 +67,6 @@ class ContactLaw(ABC):
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Claims of `contactlab.testing.LawContract` that this law breaks, each with the reason why."""
 
-    def __init__(self, *given: object, **named: object) -> None:
-        # A dataclass has its own: this one is reached where the decorator is missing.
-        refuse_unsound(type(self), LAW_WORDS)
-
-    def __post_init__(self) -> None:
-        refuse_unsound(type(self), LAW_WORDS)
-        check_parameters(self)
-
     @property
     def friction_limit(self) -> float:
         """Largest |F|/N that the law allows [1]; its friction coefficient unless it says otherwise."""
@@ -105,19 +78,17 @@ class ContactLaw(ABC):
         return self.name
 
     def parameters(self) -> Array:
-        """What the kernel receives, shape (parameter,), SI: the fields in their order."""
-        return np.array(list(self.describe().values()), dtype=np.float64)
-
-    def describe(self) -> dict[str, float]:
-        """The law's effective parameters by name, SI."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        """Give what the kernel receives, shape (parameter,), SI: the fields in their order, NaN for None."""
+        values = [getattr(self, f.name) for f in fields(self)]  # type: ignore[arg-type]
+        return np.array(values, dtype=np.float64)
 
     def declared(self) -> dict[str, Parameter]:
-        """What the law says of its parameters, by the same names."""
-        return parameters_of(type(self))
+        """Give what the law says of its effective parameters, by the names of `describe`."""
+        said = parameters_of(type(self))
+        return {name: said[name] for name in self.describe() if name in said}
 
     def changed(self, name: str, value: float) -> Self:
-        """The law with another value of one parameter.
+        """Give the law with another value of one parameter.
 
         Raises:
             ValueError: the value is out of its range.
@@ -125,47 +96,55 @@ class ContactLaw(ABC):
         law: Any = self
         return replace(law, **{name: value})  # type: ignore[no-any-return]
 
+    def on_rotor(self, radius: float) -> Self:
+        """Give the law with what follows from the radius of the rotor [m]; itself unless it says otherwise.
+
+        Whatever sets up a run asks for it, a configuration and `simulate` alike.
+        """
+        return self
+
 
 class PenaltyLaw(ContactLaw):
     """A compliant law: force from penetration.
 
-    Set-valued friction needs nothing but `force`, which gives its bound. A law whose friction has a
-    memory or creeps says so in `friction_kind` and has a second kernel, `rub`.
+    Set-valued friction needs nothing but `force`, which gives its bound. A law whose friction has an
+    internal variable or depends on the rate says so in `friction_kind` and has a second kernel,
+    `friction_force`.
     """
 
     friction_kind: ClassVar[int] = SET_VALUED
-    """SET_VALUED; SPRING_AND_SLIDER, where |F| is held inside the bound; or CREEPING, without a bound."""
-    memory: ClassVar[tuple[str, ...]] = ()
+    """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
+    internal_variables: ClassVar[tuple[str, ...]] = ()
     """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
-    memory_parity: ClassVar[int] = ODD
-    """ODD where the memory changes its sign in a mirror, as a stretch does; EVEN where it does not, as the
-    age of a contact."""
+    internal_parity: ClassVar[int] = ODD
+    """ODD where it changes its sign in a mirror, as a stretch does; EVEN where it does not, as the age of a
+    contact."""
 
     @property
     @abstractmethod
     def force(self) -> PenaltyKernel:
-        """The compiled force kernel.
+        """The kernel, a static method as a rule.
 
-            force(gap, gap_rate, slip, approach, parameters)
+            force(gap, gap_rate, slip, impact_speed, parameters)
                 -> normal force N [N], friction bound [N], stored energy [J], normal loss [W]
 
         Called for gap < 0 only [m], gap_rate [m/s], slip [m/s]; the slip is exactly zero where the
-        contact sticks, so that a bound may have a static and a kinetic value. approach is the speed at
-        which the contact began [m/s], zero where it was pressed together. Set-valued friction: the
+        contact sticks, so that a bound may have a static and a kinetic value. impact_speed is the approach
+        at which the contact began [m/s], zero where it was pressed together. Set-valued friction: the
         engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V
         makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss).
         """
 
     @property
-    def rub(self) -> FrictionKernel | None:
-        """The compiled kernel of friction that is not set-valued, else None.
+    def friction_force(self) -> FrictionKernel | None:
+        """The kernel of friction that is not set-valued, else None.
 
-            rub(gap, gap_rate, slip, normal, memory, parameters)
-                -> friction F [N], rate of the memory, stored energy [J], tangential stiffness [N/m]
+            friction_force(gap, gap_rate, slip, normal, z, parameters)
+                -> friction F [N], rate of z, stored energy [J], tangential stiffness [N/m]
 
-        normal is the normal force [N]. A SPRING_AND_SLIDER remembers the stretch z of its spring [m],
-        F = -stiffness z; the engine calls this while it holds, and in slip keeps F on the bound and z
-        with it. A CREEPING force may remember anything; its stiffness is not read.
+        normal is the normal force [N], z the internal variable. ELASTOPLASTIC friction has the stretch of
+        its spring there [m], F = -stiffness z; the engine calls this while it holds, and in slip keeps F on
+        the bound and z with it. In RATE_DEPENDENT friction z may be anything; the stiffness is not read.
         """
         return None
 
@@ -181,7 +160,7 @@ class MultiplierLaw(ContactLaw):
     @property
     @abstractmethod
     def solve(self) -> MultiplierKernel:
-        """The compiled impulse kernel.
+        """The kernel, a static method as a rule.
 
             solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
                 -> normal impulse [N s], friction impulse [N s], mode

@@ -1,32 +1,101 @@
-"""What a law or a part is made from, read from its dataclass: numbers with units, and parts of a law.
+"""What a law, or a part of one, says of itself: its words, and its fields with symbol, unit and range.
 
-Configuration, options and listings all follow from this; nothing is written twice.
+Refusals, configuration, options and listings all follow from this; nothing is written twice.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, dataclass, fields
+from abc import ABC
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any, final, get_type_hints
+from inspect import get_annotations, isabstract
+from typing import Any, ClassVar, final, get_args, get_type_hints
 
-from contactlab.laws.damping import DAMPINGS
-from contactlab.laws.friction import FRICTIONS
-from contactlab.laws.normal import NORMAL_FORCES
-from contactlab.laws.table import Table
-
-if TYPE_CHECKING:
-    from contactlab.laws.base import ContactLaw
-    from contactlab.laws.part import Part
-    from contactlab.parameter import Parameter
-
-PARTS: Mapping[str, Table[Any]] = {
-    "normal": NORMAL_FORCES,
-    "damping": DAMPINGS,
-    "friction": FRICTIONS,
-}
-"""The parts of a composed law by family."""
+from contactlab.checks import check_fields, shown
+from contactlab.parameter import Parameter, parameters_of
 
 SHARED = "friction_coefficient"
 """The parameter that is the contact's, whatever the law: laws are compared on one motor."""
+
+FRICTION_COEFFICIENT = Parameter("mu", "1", "friction coefficient", at_least=0.0)
+RESTITUTION = Parameter("e", "1", "coefficient of restitution", at_least=0.0, at_most=1.0)
+
+
+class LawError(RuntimeError):
+    """A law contradicts itself, or its own code raised an exception, which is the cause of this one."""
+
+
+class Declared(ABC):
+    """What laws and parts share: an immutable dataclass whose fields are its parameters in SI units.
+
+    A field is `Annotated[float, Parameter(...)]`, `float | None` where it may be left open.
+
+    Raises:
+        TypeError: a parameter that is no number, or a class that is no dataclass or lacks a word.
+        ValueError: a parameter outside of its range.
+    """
+
+    WORDS: ClassVar[tuple[str, ...]] = ("name", "equation", "source")
+    """What it has to say of itself."""
+    family: ClassVar[str] = ""
+    """Which part of a law it is: the word of its configuration group; empty for a law."""
+    name: ClassVar[str]
+    """Its word everywhere: option, listing and attribute."""
+    equation: ClassVar[str]
+    """What it says, in one line."""
+    source: ClassVar[str]
+    """Where it is published."""
+
+    def __init__(self, *given: object, **named: object) -> None:
+        # A dataclass has its own: this one is reached where the decorator is missing.
+        refuse_unsound(type(self))
+
+    def __post_init__(self) -> None:
+        kind: type = type(self)
+        refuse_unsound(kind)
+        check_fields(self, self.name)
+        given = {name: (getattr(self, name), said) for name, said in parameters_of(kind).items()}
+        faults = [
+            f"{self.name}: {name} is {value} {said.units}; it must be {said.range}."
+            for name, (value, said) in given.items()
+            if value is not None and not said.holds(value)
+        ]
+        if faults:
+            raise ValueError(" ".join(faults))
+
+    def describe(self) -> dict[str, float]:
+        """Give the effective parameters by name, SI: the fields in their order, but those left open."""
+        given = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        return {name: value for name, value in given.items() if value is not None}
+
+
+@cache
+def fault_of(kind: type) -> str:
+    """Say what keeps a class from being a law or a part, as the end of a sentence; empty for a sound one."""
+    words: tuple[str, ...] = getattr(kind, "WORDS")  # noqa: B009
+    if isabstract(kind):
+        return f"lacks {', '.join(sorted(getattr(kind, '__abstractmethods__', ())))}"
+    # A subclass of a dataclass that says nothing of fields is one too.
+    decorated = "__dataclass_fields__" in vars(kind) or not get_annotations(kind)
+    if not is_dataclass(kind) or not decorated:
+        return "is no dataclass; decorate it with @dataclass(frozen=True)"
+    if not getattr(kind, "__dataclass_params__").frozen:  # noqa: B009
+        return "can be changed; decorate it with @dataclass(frozen=True)"
+    if missing := [word for word in words if not hasattr(kind, word)]:
+        return f"does not say its {', '.join(missing)}"
+    if among := [field.name for field in fields(kind) if field.name in words]:
+        return f"has its {', '.join(among)} among its parameters; annotate it with ClassVar"
+    if not isinstance(name := getattr(kind, "name"), str):  # noqa: B009
+        return f"has a name that is no text, {shown(name)}"
+    return ""
+
+
+def refuse_unsound(kind: type) -> None:
+    """Refuse a class that cannot be a law or a part.
+
+    Raises:
+        TypeError: with a sentence.
+    """
+    if fault := fault_of(kind):
+        raise TypeError(f"{kind.__name__} {fault}.")
 
 
 @final
@@ -38,84 +107,58 @@ class Member:
         name: of the field.
         parameter: what is said of a number; None for a part.
         family: of a part; empty for a number.
-        default: a number, a part, or None where it must be given.
+        required: whether it has no default.
+        default: a number, a part, or None where it is required or may be left open and is.
+        optional: whether it may be left open, as None.
         whole: whether it is annotated as a whole number, which a key of a configuration is not.
     """
 
     name: str
-    parameter: "Parameter | None"
+    parameter: Parameter | None
     family: str
+    required: bool
     default: Any
+    optional: bool
     whole: bool
 
 
 @cache
-def members_of(owner: "type[ContactLaw | Part]") -> list[Member]:
-    """The fields of a law or a part, in their order.
+def members_of(owner: type[Declared]) -> list[Member]:
+    """Give the fields of a law or a part, in their order.
 
     Raises:
         ValueError: a sentence on a field that is neither a declared number nor a part.
     """
-    from contactlab.laws.part import Damping, Friction, NormalForce
-    from contactlab.parameter import parameters_of
-
-    families = {NormalForce: "normal", Damping: "damping", Friction: "friction"}
     try:
-        hints = get_type_hints(owner)
-        declared = parameters_of(owner)
-        defaults = {field.name: _default(field) for field in fields(owner)}  # type: ignore[arg-type]
+        hints, declared = get_type_hints(owner), parameters_of(owner)
+        members = []
+        for field in fields(owner):  # type: ignore[arg-type]
+            hint, parameter = hints[field.name], declared.get(field.name)
+            part = isinstance(hint, type) and issubclass(hint, Declared)
+            kinds = get_args(hint) or (hint,)
+            default = None if field.default is MISSING else field.default
+            if field.default_factory is not MISSING:
+                default = field.default_factory()
+            members.append(
+                Member(
+                    field.name,
+                    parameter,
+                    hint.family if part else "",
+                    field.default is MISSING and field.default_factory is MISSING,
+                    default,
+                    type(None) in kinds,
+                    int in kinds,
+                )
+            )
     # An annotation or a default is any expression of somebody else's.
     except Exception as error:
         raise ValueError(
             f"{owner.name} has fields that cannot be read ({type(error).__name__}: {error})."
         ) from error
-    members = []
-    for field in fields(owner):  # type: ignore[arg-type]
-        family = families.get(hints[field.name], "")
-        parameter = declared.get(field.name)
-        if not family and parameter is None:
+    for member in members:
+        if not member.family and member.parameter is None:
             raise ValueError(
-                f"{owner.name} has the field {field.name} without a declaration; it must be "
+                f"{owner.name} has the field {member.name} without a declaration; it must be "
                 "Annotated[float, Parameter(...)], or a NormalForce, Damping or Friction."
             )
-        whole = hints[field.name] is int
-        members.append(Member(field.name, parameter, family, defaults[field.name], whole))
     return members
-
-
-def made(
-    owner: "Callable[..., Any]", values: Mapping[str, Any], friction_coefficient: float
-) -> Any:
-    """A law or a part from its section of a configuration.
-
-    Raises:
-        ValueError: a sentence of the law's own.
-    """
-    given: dict[str, Any] = {}
-    for member in members_of(owner):
-        if member.family:
-            below = values[member.name]
-            part = PARTS[member.family][below["name"]]
-            given[member.name] = made(part, below, friction_coefficient)
-        else:
-            shared = member.name == SHARED
-            value = friction_coefficient if shared else values[member.name]
-            # One that is not whole the law refuses.
-            given[member.name] = int(value) if member.whole and value == value // 1 else value
-    return owner(**given)
-
-
-def takes_shared(owner: "type[ContactLaw | Part]", values: Mapping[str, Any]) -> bool:
-    """Whether the parameter that is the contact's is one of a law's, or of its parts as they are chosen."""
-    return any(
-        takes_shared(PARTS[member.family][values[member.name]["name"]], values[member.name])
-        if member.family
-        else member.name == SHARED
-        for member in members_of(owner)
-    )
-
-
-def _default(field: "Field[Any]") -> Any:
-    if field.default is not MISSING:
-        return field.default
-    return None if field.default_factory is MISSING else field.default_factory()

@@ -1,22 +1,14 @@
 """A compliant contact after Hertz with set-valued Coulomb friction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
-from typing import Annotated, ClassVar, final
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Annotated, final
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import PenaltyKernel, PenaltyLaw
-from contactlab.laws.composed import Composed
-from contactlab.laws.damping import Undamped
-from contactlab.laws.friction.coulomb import Coulomb
-from contactlab.laws.normal.hertz_point import HertzPoint, hertz_elastic
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.laws.base import PenaltyLaw
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
+from contactlab.laws.normal.hertz import hertz_elastic
 from contactlab.parameter import Parameter
-
-Array = NDArray[np.float64]
 
 
 @final
@@ -24,45 +16,62 @@ Array = NDArray[np.float64]
 class HertzPenalty(PenaltyLaw):
     """Hertz point contact with Coulomb friction and exact stick: a composition that has a name.
 
-        N = K max(-g, 0)^(3/2),  V = 2/5 K max(-g, 0)^(5/2),  |F| <= mu N
-
-    Elastic: the normal direction loses nothing. Not valid when the contact radius nears the tip's,
-    nor above the yield limit.
-
-    Source: Hertz (1881); K. L. Johnson, Contact Mechanics (1985), eq. 4.23.
-
-    Args:
-        stiffness: K [N m^-3/2]; `hertz_stiffness` gives it from radii and moduli.
-        friction_coefficient: mu [1].
+    Elastic: the normal direction loses nothing, V = 2/5 K max(-g, 0)^(5/2). Not valid when the contact
+    radius nears the tip's, nor above the yield limit. Exactly one of stiffness and tip radius is given;
+    the other way round the stiffness is that of steel on a rotor (`on_rotor`).
     """
 
-    name: ClassVar[str] = "hertz_penalty"
-    equation: ClassVar[str] = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
-    source: ClassVar[str] = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "hertz_penalty"
+    equation = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
+    source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
+    default_contact_step = 4e-6
 
-    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)] = 1e10
+    stiffness: Annotated[
+        float | None,
+        Parameter(
+            "K",
+            "N m-1.5",
+            "contact stiffness",
+            above=0.0,
+            hint="A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius.",
+        ),
+    ] = 1e10
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    tip_radius: Annotated[
+        float | None,
+        Parameter(
+            "r",
+            "m",
+            "radius of the tip",
+            above=0.0,
+            hint="Leave it out where law.stiffness is given.",
+        ),
+    ] = None
 
-    @property
-    def composition(self) -> Composed:
-        """The same law out of its parts."""
-        return Composed(HertzPoint(self.stiffness), Undamped(), Coulomb(self.friction_coefficient))
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        given = f"{self.name}: stiffness is {self.stiffness} and tip_radius is {self.tip_radius}; "
+        if (self.stiffness is None) == (self.tip_radius is None):
+            raise ValueError(
+                f"{given}exactly one of them must be a number and the other null (None). Give the stiffness "
+                "in N/m^1.5, or the tip's radius in m to have it computed."
+            )
 
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return hertz_force
+    def on_rotor(self, radius: float) -> "HertzPenalty":
+        """Give the law with the stiffness of its tip on a rotor of a radius [m], both of steel."""
+        if self.tip_radius is None:
+            return self
+        stiffness = hertz_stiffness(self.tip_radius, radius)
+        return replace(self, stiffness=stiffness, tip_radius=None)
 
-
-# What the composition's kernel does, under a name: its code is kept, so that the default law starts at once.
-@kernel
-def hertz_force(
-    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    """Normal force [N], friction bound [N], stored energy [J], normal loss [W]."""
-    normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
-    return normal, parameters[1] * normal, stored, 0.0
+    # What the kernel of such a composition does, under a name: its code is kept, so that the default law
+    # starts at once.
+    @staticmethod
+    @kernel
+    def force(gap, gap_rate, slip, impact_speed, parameters):
+        """See `PenaltyLaw.force`."""
+        normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
+        return normal, parameters[1] * normal, stored, 0.0
 
 
 def hertz_stiffness(
@@ -71,7 +80,7 @@ def hertz_stiffness(
     youngs_modulus: float = 210e9,
     poisson_ratio: float = 0.3,
 ) -> float:
-    """K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
+    """Give K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
 
         1/E* = 2 (1 - nu^2) / E,   R_e = [ (1/r) (1/r + 1/R) ]^(-1/2)
 

@@ -1,4 +1,4 @@
-"""An impact as a process over its normal impulse: what friction does while the bodies are pressed together.
+"""Rigid impacts with a restitution, and an impact as a process over its normal impulse.
 
 The impulses of an impact grow in no time. Over the normal impulse p as the independent variable gap rate
 and slip change linearly as long as the friction impulse grows in one ratio to it (Routh's diagram):
@@ -15,24 +15,49 @@ Source: Routh (1891), Dynamics of a System of Rigid Bodies, elementary part; Wan
 J. Appl. Mech. 59, 635.
 """
 
+from dataclasses import dataclass
 from math import inf
-
-import numpy as np
-from numpy.typing import NDArray
+from types import MappingProxyType
+from typing import Annotated
 
 from contactlab.compiled import inner_kernel
-from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.base import SLIP, STICK, MultiplierLaw
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
 
-Array = NDArray[np.float64]
+
+@dataclass(frozen=True)
+class ImpactLaw(MultiplierLaw):
+    """A rigid law with a restitution, whichever of velocity, impulse or energy it is of."""
+
+    default_contact_step = 5e-8
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    restitution: Annotated[float, RESTITUTION] = 0.5
+
+
+@dataclass(frozen=True)
+class ImpactProcess(ImpactLaw):
+    """Its friction impulse follows the slip through the impact: |dp_t| <= mu dp, F against any slip.
+
+    Contact that lasts has no restitution and is that of `lagrange_stick`.
+    """
+
+    violations = MappingProxyType(
+        {
+            "friction_opposes_slip": "friction opposes the slip at every instant of an impact, but where "
+            "the slip reverses in it the sum of friction may have the direction of the slip that is left."
+        }
+    )
+
 
 Stages = tuple[float, float, float, int]
 """Normal impulse at which the slip ends [N s], dp_t/dp before and after that, mode after that."""
 
 
 @inner_kernel
-def impact_approach(normal_rate: float, gap_rate: float) -> float:
-    """The approach [m/s] that is an impact, not positive.
+def impact_approach(normal_rate, gap_rate):
+    """The gap rate [m/s] that is an impact, not positive.
 
     Args:
         normal_rate: gap rate that the step would end with [m/s].
@@ -45,7 +70,7 @@ def impact_approach(normal_rate: float, gap_rate: float) -> float:
 
 
 @inner_kernel
-def stages_of(slip: float, d_nt: float, d_tt: float, mu: float) -> Stages:
+def stages_of(slip, d_nt, d_tt, mu):
     """The two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`."""
     mode = STICK if abs(d_nt) <= mu * d_tt else SLIP
     after = -d_nt / d_tt if mode == STICK else -mu if d_nt > 0.0 else mu
@@ -57,7 +82,7 @@ def stages_of(slip: float, d_nt: float, d_tt: float, mu: float) -> Stages:
 
 
 @inner_kernel
-def compression(approach: float, d_nn: float, d_nt: float, stages: Stages) -> float:
+def compression(approach, d_nn, d_nt, stages):
     """Normal impulse at which the gap rate is zero [N s].
 
     Args:
@@ -75,17 +100,7 @@ def compression(approach: float, d_nn: float, d_nt: float, stages: Stages) -> fl
 
 
 @inner_kernel
-def complete(
-    p_n: float,
-    stages: Stages,
-    remainder: float,
-    normal_rate: float,
-    tangential_rate: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    parameters: Array,
-) -> tuple[float, float, int]:
+def complete(p_n, stages, remainder, normal_rate, tangential_rate, d_nn, d_nt, d_tt, parameters):
     """Impulses [N s] and mode of a step with an impact.
 
     Args:

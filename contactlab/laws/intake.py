@@ -11,26 +11,31 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.laws.base import (
-    CREEPING,
+    ELASTOPLASTIC,
     EVEN,
     ODD,
     PENALTY_SIGNATURE,
+    RATE_DEPENDENT,
     SET_VALUED,
     SLIP,
-    SPRING_AND_SLIDER,
     STICK,
     ContactLaw,
     PenaltyLaw,
 )
-from contactlab.laws.failure import LawError
+from contactlab.laws.declaration import LawError
 
-Array = NDArray[np.float64]
 Kernel = Callable[..., Any]
 State = tuple[float, ...]
+
+KINDS = {
+    SET_VALUED: "SET_VALUED",
+    ELASTOPLASTIC: "ELASTOPLASTIC",
+    RATE_DEPENDENT: "RATE_DEPENDENT",
+}
 
 GUARDS = 16
 """Numbers on either side of a law's parameters, where no kernel has any business."""
@@ -53,7 +58,7 @@ ROUND_OFF = 1e-9
 
 
 def guarded(parameters: Array, guard: float = nan) -> Array:
-    """The parameters between guards, so that a kernel that reads beyond them finds no number."""
+    """Put the parameters between guards, so that a kernel that reads beyond them finds no number."""
     padded = np.full(parameters.size + 2 * GUARDS, guard)
     padded[GUARDS:-GUARDS] = parameters
     # As the kernels are compiled for it: one for another kind of array would be compiled anew.
@@ -62,7 +67,7 @@ def guarded(parameters: Array, guard: float = nan) -> Array:
 
 
 def said(law: ContactLaw, name: str) -> Any:
-    """What a law says of itself in a property, or in its method `parameters`.
+    """Give what a law says of itself in a property, or in its method `parameters`.
 
     Raises:
         LawError: it raised an exception, which is the cause.
@@ -77,7 +82,7 @@ def said(law: ContactLaw, name: str) -> Any:
 
 
 def function_of(law: ContactLaw, name: str) -> Any:
-    """The function behind one of a law's kernels.
+    """Give the function behind one of a law's kernels.
 
     Raises:
         LawError: there is none.
@@ -88,8 +93,8 @@ def function_of(law: ContactLaw, name: str) -> Any:
     return function
 
 
-def parameters_of(law: ContactLaw) -> Array:
-    """What the kernel of a law receives.
+def kernel_parameters(law: ContactLaw) -> Array:
+    """Give what the kernels of a law receive.
 
     Raises:
         LawError: it is no row of numbers, or raised an exception.
@@ -111,32 +116,62 @@ def check_words(law: ContactLaw) -> None:
         LawError: with a sentence on each contradiction.
     """
     limit = said(law, "friction_limit")
+    faults = []
     if not isinstance(limit, Real) or not float(limit) >= 0.0:
-        raise LawError(
-            f"{law.name}: friction_limit is {shown(limit)}; it must be a number and not negative."
+        faults = [f"friction_limit is {shown(limit)}; it must be a number and not negative."]
+    elif not isinstance(law.violations, Mapping):
+        faults = [f"violations is {shown(law.violations)}; it must give reasons by name."]
+    elif isinstance(law, PenaltyLaw):
+        faults = list(misfits(law))
+    if faults:
+        raise LawError(" ".join(f"{law.name}: {words}" for words in faults))
+
+
+def misfits(law: PenaltyLaw) -> Iterator[str]:
+    """Give what a law says of its friction and contradicts, in sentences."""
+    kind, kernel = said(law, "friction_kind"), said(law, "friction_force")
+    remembered = said(law, "internal_variables")
+    if kind not in KINDS:
+        known = ", ".join(KINDS.values())
+        yield f"friction_kind is {shown(kind)}; it must be {known} of contactlab.laws.base."
+        return
+    if kind == SET_VALUED and kernel is not None:
+        yield (
+            "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
+            "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out."
         )
-    if not isinstance(law.violations, Mapping):
-        raise LawError(
-            f"{law.name}: violations is {shown(law.violations)}; it must give reasons by name."
+    if kind != SET_VALUED and kernel is None:
+        yield (
+            f"its friction_kind is {KINDS[kind]}, but it has no kernel of friction. Give it one, or say "
+            "SET_VALUED."
         )
-    if isinstance(law, PenaltyLaw) and (found := list(misfits(law))):
-        raise LawError(" ".join(f"{law.name}: {words}" for words in found))
+    if not isinstance(remembered, tuple) or not all(isinstance(one, str) for one in remembered):
+        yield f"internal_variables is {shown(remembered)}; it must be a tuple of texts."
+    elif len(remembered) > 1:
+        yield f"it remembers {', '.join(remembered)}; it can remember one quantity at most."
+    elif (kind == SET_VALUED and remembered) or (kind == ELASTOPLASTIC and not remembered):
+        yield (
+            f"its friction_kind is {KINDS[kind]} and its internal_variables {shown(remembered)}; "
+            "set-valued friction remembers nothing, and a spring its stretch."
+        )
+    if law.internal_parity not in (ODD, EVEN):
+        yield f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN."
 
 
 def fault_of_answers(
-    law: ContactLaw, parameters: Array, force: Kernel, rub: Kernel, solve: Kernel
+    law: ContactLaw, parameters: Array, force: Kernel, friction_force: Kernel, solve: Kernel
 ) -> str:
-    """What a law's kernels answer to a contact and cannot be, in a sentence; empty for a sound law.
+    """Say what a law's kernels answer to a contact and cannot be, in a sentence; empty for a sound law.
 
     Args:
         law: taken in.
         parameters: what its kernels receive.
-        force, rub, solve: its compiled kernels; idle ones are not asked.
+        force, friction_force, solve: its compiled kernels; idle ones are not asked.
     """
     kind = law.friction_kind if isinstance(law, PenaltyLaw) else None
     stops = "kernel_is_consistent" not in law.violations
     try:
-        _ask(kind, stops, force, rub, solve, parameters.tobytes())
+        _ask(kind, stops, force, friction_force, solve, parameters.tobytes())
     except _AnswerError as fault:
         return f"{law.name}: {fault}"
     return ""
@@ -149,7 +184,12 @@ class _AnswerError(Exception):
 # A sweep asks for the same law again and again; a fault is not remembered.
 @lru_cache(maxsize=1024)
 def _ask(
-    kind: int | None, stops: bool, force: Kernel, rub: Kernel, solve: Kernel, parameters: bytes
+    kind: int | None,
+    stops: bool,
+    force: Kernel,
+    friction_force: Kernel,
+    solve: Kernel,
+    parameters: bytes,
 ) -> None:
     """Ask the kernels of a law with a kind of friction, or of a rigid one that stops every approach or not.
 
@@ -157,126 +197,64 @@ def _ask(
         _AnswerError: with a sentence on the first answer that cannot be; others may follow from it.
     """
     rows = [guarded(np.frombuffer(parameters), lure) for lure in LURES]
-    faults = (
-        _impulse_faults(stops, solve, rows)
-        if kind is None
-        else _force_faults(kind, force, rub, rows)
-    )
-    for fault in faults:
-        raise _AnswerError(fault)
-
-
-def misfits(law: PenaltyLaw) -> Iterator[str]:
-    """What a law says of its friction and contradicts."""
-    kind, memory, rub = (said(law, name) for name in ("friction_kind", "memory", "rub"))
-    kinds = {
-        SET_VALUED: "SET_VALUED",
-        SPRING_AND_SLIDER: "SPRING_AND_SLIDER",
-        CREEPING: "CREEPING",
-    }
-    if kind not in kinds:
-        yield (
-            f"friction_kind is {shown(kind)}; it must be {', '.join(kinds.values())} of "
-            "contactlab.laws.base."
-        )
+    if kind is None:
+        for state in IMPACTS:
+            where = (
+                f"in an impact with a gap rate of {state[0]:g} m/s and a slip of {state[1]:g} m/s"
+            )
+            p_n, p_t, mode = _answer("solve", solve, state, rows, 3, where)
+            if mode not in (SLIP, STICK):
+                raise _AnswerError(
+                    f"the mode is {mode} {where}; it must be SLIP or STICK of contactlab.laws.base."
+                )
+            # Without an impulse there is no answer, of which a run tells.
+            left = state[0] + state[4] * p_n + state[5] * p_t
+            if stops and p_n > 0.0 and left < ROUND_OFF * state[0]:
+                raise _AnswerError(
+                    f"its kernel solve leaves an approach of {-left:g} m/s {where}; the impulse must stop "
+                    "it."
+                )
         return
-    if kind == SET_VALUED and rub is not None:
-        yield (
-            "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
-            "SPRING_AND_SLIDER or CREEPING, or leave the kernel out."
-        )
-    if kind != SET_VALUED and rub is None:
-        yield (
-            f"its friction_kind is {kinds[kind]}, but it has no kernel of friction. Give it one, or say "
-            "SET_VALUED."
-        )
-    if not isinstance(memory, tuple) or not all(isinstance(words, str) for words in memory):
-        yield f"memory is {shown(memory)}; it must be a tuple of texts."
-    elif len(memory) > 1:
-        yield f"it remembers {', '.join(memory)}; it can remember one quantity at most."
-    elif (kind == SET_VALUED and memory) or (kind == SPRING_AND_SLIDER and not memory):
-        yield (
-            f"its friction_kind is {kinds[kind]} and its memory {shown(memory)}; set-valued friction "
-            "remembers nothing, and a spring its stretch."
-        )
-    if law.memory_parity not in (ODD, EVEN):
-        yield f"memory_parity is {shown(law.memory_parity)}; it must be ODD or EVEN."
-
-
-def _force_faults(kind: int, force: Kernel, rub: Kernel, rows: list[Array]) -> Iterator[str]:
     for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
-        state = (-depth, rate, slip, abs(rate))
-        yield from _number_faults("force", force, state, rows, 4, _contact)
-        normal, bound = force(*state, rows[0])[:2]
+        where = f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
+        begun = (-depth, rate, slip, abs(rate))
+        normal, bound, *_ = _answer("force", force, begun, rows, 4, where)
         if bound < -ROUND_OFF * abs(normal):
-            yield (
-                f"the friction bound is {bound:g} N {_contact(state)}; it must not be negative. Where the "
-                "normal force pulls there is no friction."
+            raise _AnswerError(
+                f"the friction bound is {bound:g} N {where}; it must not be negative. Where the normal "
+                "force pulls there is no friction."
             )
         if kind != SET_VALUED:
-            # Every touch-down begins without memory; what else it may be, the law alone knows.
+            # Every touch-down begins with a variable of zero; what else it may be, the law alone knows.
             asked = (-depth, rate, slip, normal, 0.0)
-            yield from _number_faults("rub", rub, asked, rows, 4, _contact)
+            _answer("friction_force", friction_force, asked, rows, 4, where)
 
 
-def _impulse_faults(stops: bool, solve: Kernel, rows: list[Array]) -> Iterator[str]:
-    for state in IMPACTS:
-        yield from _number_faults("solve", solve, state, rows, 3, _impact)
-        p_n, p_t, mode = solve(*state, rows[0])
-        if mode not in (SLIP, STICK):
-            yield (
-                f"the mode is {mode} {_impact(state)}; it must be SLIP or STICK of contactlab.laws.base."
-            )
-        # Without an impulse there is no answer, of which a run tells.
-        left = state[0] + state[4] * p_n + state[5] * p_t
-        if stops and p_n > 0.0 and left < ROUND_OFF * state[0]:
-            yield (
-                f"its kernel solve leaves an approach of {-left:g} m/s {_impact(state)}; the impulse "
-                "must stop it."
-            )
+def _answer(
+    name: str, kernel: Kernel, state: State, rows: list[Array], count: int, where: str
+) -> Any:
+    """Give the answer to one state.
 
-
-def _number_faults(
-    name: str,
-    kernel: Kernel,
-    state: State,
-    rows: list[Array],
-    count: int,
-    where: Callable[[State], str],
-) -> Iterator[str]:
-    """What is wrong with the answer to one state, whatever it means."""
+    Raises:
+        _AnswerError: it cannot be one, whatever it means.
+    """
     answer, *others = (kernel(*state, row) for row in rows)
     if not isinstance(answer, tuple) or len(answer) != count:
         found = f"{len(answer)} numbers" if isinstance(answer, tuple) else shown(answer)
-        yield f"its kernel {name} gives {found}; it must give {count} numbers."
-    elif not all(_same(answer, other) for other in others):
-        yield (
+        raise _AnswerError(f"its kernel {name} gives {found}; it must give {count} numbers.")
+    # No number is the same as no number.
+    if any(repr(answer) != repr(other) for other in others):
+        raise _AnswerError(
             f"its kernel {name} reads parameters that there are not: its answer changes with what lies "
             f"beyond the {rows[0].size} that parameters() gives."
         )
-    elif not all(map(isfinite, answer)):
+    if not all(map(isfinite, answer)):
         numbers = ", ".join(f"{number:g}" for number in answer)
-        yield (
-            f"its kernel {name} gives {numbers} {where(state)}; all must be finite, as every contact "
-            f"begins and ends there.{_hint(rows[0])}"
+        # There are guards between the parts of a composed law.
+        parts = bool(np.isnan(rows[0]).any())
+        hint = " A part may have read beyond its own coefficients." if parts else ""
+        raise _AnswerError(
+            f"its kernel {name} gives {numbers} {where}; all must be finite, as every contact begins and "
+            f"ends there.{hint}"
         )
-
-
-def _contact(state: State) -> str:
-    gap, rate, slip = state[:3]
-    return f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-
-
-def _impact(state: State) -> str:
-    return f"in an impact with a gap rate of {state[0]:g} m/s and a slip of {state[1]:g} m/s"
-
-
-def _hint(parameters: Array) -> str:
-    """What a law with guards among its parameters may have done."""
-    guarded_within = bool(np.isnan(parameters).any())
-    return " A part may have read beyond its own coefficients." if guarded_within else ""
-
-
-def _same(one: State, other: State) -> bool:
-    """Whether two answers are one; no number is the same as no number."""
-    return all(a == b or (a != a and b != b) for a, b in zip(one, other, strict=True))
+    return answer

@@ -1,64 +1,17 @@
 """The paper's second law: a rigid contact that slips or sticks."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
-from contactlab.laws.base import SLIP, STICK, MultiplierKernel, MultiplierLaw
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
-
-Array = NDArray[np.float64]
-
-
-@final
-@dataclass(frozen=True)
-class LagrangeStick(MultiplierLaw):
-    """Lagrange multiplier with set-valued Coulomb friction.
-
-        g = 0,  N >= 0,  |F| <= mu N,  slip != 0 => F = -mu N sign(slip)
-
-    Each step tries stick, p = -D^-1 (normal rate, tangential rate), and keeps it inside the cone;
-    otherwise it slips in the direction that is left at the end of the step. An approach has exactly one
-    such answer; where friction may hold together what opens (`wedges`) it releases what slides and
-    holds what stuck. The rotor is part of the Delassus matrix, which is what eliminating it into
-    M_stick = M + (J/R^2) G_t' G_t does, and the stick force carries load torque and rotor damping
-    (eqs. 62-63 drop them; the sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the
-    stick create energy).
-    The impact is one step and may stick; its peak force is impulse / step.
-
-    Source: Andersen, Blanke and Helbo (2001), eqs. 60-66, in the consistent form above.
-
-    Args:
-        friction_coefficient: mu [1].
-    """
-
-    name: ClassVar[str] = "lagrange_stick"
-    equation: ClassVar[str] = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
-    source: ClassVar[str] = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
-    default_contact_step: ClassVar[float] = 5e-8
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-
-    @property
-    def solve(self) -> MultiplierKernel:
-        """The kernel; see `MultiplierLaw.solve`."""
-        return stick_or_slip_impulse
+from contactlab.laws.base import SLIP, STICK, MultiplierLaw
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 
 @kernel
 def stick_or_slip_impulse(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    parameters: Array,
-) -> tuple[float, float, int]:
+    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
+):
     """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
 
     One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and
@@ -84,9 +37,7 @@ def stick_or_slip_impulse(
 
 
 @inner_kernel
-def stick_impulse(
-    normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float
-) -> tuple[float, float]:
+def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
     """Impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
     determinant = d_nn * d_tt - d_nt * d_nt
     p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant
@@ -108,4 +59,29 @@ def wedges(
     Source: Painleve (1895), C. R. Acad. Sci. 121, 112; Genot and Brogliato (1999), Eur. J. Mech. A 18, 653.
     """
     p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
-    return normal_rate >= 0.0 and p_n > 0.0 and abs(p_t) <= mu * p_n
+    return bool(normal_rate >= 0.0 and p_n > 0.0 and abs(p_t) <= mu * p_n)
+
+
+@final
+@dataclass(frozen=True)
+class LagrangeStick(MultiplierLaw):
+    """Lagrange multiplier with set-valued Coulomb friction, eqs. 60-66 of the paper in a consistent form.
+
+    Each step tries stick, p = -D^-1 (normal rate, tangential rate), and keeps it inside the cone;
+    otherwise it slips in the direction that is left at the end of the step. An approach has exactly one
+    such answer; where friction may hold together what opens (`wedges`) it releases what slides and
+    holds what stuck. The rotor is part of the Delassus matrix, which is what eliminating it into
+    M_stick = M + (J/R^2) G_t' G_t does, and the stick force carries load torque and rotor damping
+    (eqs. 62-63 drop them; the sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the
+    stick create energy).
+    The impact is one step and may stick; its peak force is impulse / step.
+    """
+
+    name = "lagrange_stick"
+    equation = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
+    source = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
+    default_contact_step = 5e-8
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    solve = staticmethod(stick_or_slip_impulse)

@@ -1,43 +1,54 @@
-"""Every contact law that is installed, by name: the package's own, and those that other packages bring.
+"""Every law and part by name: the package's own, and laws that other packages bring.
 
 Another package brings a law by an entry point in its pyproject.toml, no line of this one changed:
 
     [project.entry-points."contactlab.laws"]
     power_law = "their_module:PowerLaw"
 
-Nothing is imported before a law is asked for, and then that law alone, so that a package that is
-broken harms no other law.
+It is imported when that law is asked for, and no other, so that a package that is broken harms no other law.
 """
 
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, entry_points, version
-from typing import TYPE_CHECKING, final
+from typing import Any, final
 
-from contactlab.laws.soundness import fault_of
-from contactlab.laws.table import Table
-
-if TYPE_CHECKING:
-    from contactlab.laws.base import ContactLaw
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.composed import Composed
+from contactlab.laws.damping import DAMPINGS
+from contactlab.laws.declaration import SHARED, Declared, fault_of, members_of
+from contactlab.laws.friction import FRICTIONS
+from contactlab.laws.hertz_penalty import HertzPenalty
+from contactlab.laws.lagrange_slip import LagrangeSlip
+from contactlab.laws.lagrange_stick import LagrangeStick
+from contactlab.laws.newton import MoreauJean, Newton
+from contactlab.laws.normal import NORMAL_FORCES
+from contactlab.laws.part import Part
+from contactlab.laws.poisson import Poisson
+from contactlab.laws.stronge import Stronge
+from contactlab.suggestion import suggestion
 
 GROUP = "contactlab.laws"
 """The group of entry points."""
 
-LAWS: "Table[type[ContactLaw]]" = Table(
-    {
-        "composed": "contactlab.laws.composed:Composed",
-        "hertz_penalty": "contactlab.laws.hertz_penalty:HertzPenalty",
-        "lagrange_slip": "contactlab.laws.lagrange_slip:LagrangeSlip",
-        "lagrange_stick": "contactlab.laws.lagrange_stick:LagrangeStick",
-        "moreau_jean": "contactlab.laws.moreau_jean:MoreauJean",
-        "newton": "contactlab.laws.newton:Newton",
-        "poisson": "contactlab.laws.poisson:Poisson",
-        "stronge": "contactlab.laws.stronge:Stronge",
-    }
-)
+LAWS: Mapping[str, type[ContactLaw]] = {
+    law.name: law
+    for law in (
+        *(Composed, HertzPenalty, LagrangeSlip, LagrangeStick),
+        *(MoreauJean, Newton, Poisson, Stronge),
+    )
+}
 """The package's own laws."""
+
+PARTS: Mapping[str, Mapping[str, type[Part]]] = {
+    "normal": NORMAL_FORCES,
+    "damping": DAMPINGS,
+    "friction": FRICTIONS,
+}
+"""The parts of a composed law by family."""
 
 
 @final
@@ -64,10 +75,12 @@ class Origin:
 
 @cache
 def origins() -> tuple[Origin, ...]:
-    """Every entry: the package's own, then the others by name; those that are no law say why."""
-    own = [
-        Origin(name, entry, "contactlab", _own_version()) for name, entry in LAWS.entries.items()
-    ]
+    """Give every entry: the package's own, then the others by name; those that are no law say why."""
+    try:
+        own_version = version("contactlab")
+    except PackageNotFoundError:
+        own_version = "unknown"
+    own = [Origin(name, _entry(law), "contactlab", own_version) for name, law in LAWS.items()]
     given = sorted(
         (point.name, f"{point.module}:{point.attr}", point.dist.name, str(point.dist.version))
         for point in entry_points(group=GROUP)
@@ -78,68 +91,129 @@ def origins() -> tuple[Origin, ...]:
 
 
 def law_names() -> list[str]:
-    """The names by which a law can be chosen, in their order."""
+    """Give the names by which a law can be chosen, in their order."""
     return sorted({origin.name for origin in origins() if not origin.fault})
 
 
 def origin_of(name: str) -> Origin:
-    """Where a law comes from.
+    """Tell where a law comes from.
 
     Raises:
         ValueError: there is no such law, or the name is not one law's alone.
     """
-    found = [origin for origin in origins() if origin.name == name]
-    for origin in found:
-        if not origin.fault:
-            return origin
-    if found:
+    found = sorted((o for o in origins() if o.name == name), key=lambda o: o.fault)
+    if not found:
+        raise ValueError(_unknown("law", name, law_names()))
+    if found[0].fault:
         raise ValueError(found[0].fault)
-    raise ValueError(f"There is no law {name!r}; it must be one of {', '.join(law_names())}.")
+    return found[0]
 
 
 @cache
-def law_class(name: str) -> "type[ContactLaw]":
-    """A law's class; imports that law alone.
+def law_class(name: str) -> type[ContactLaw]:
+    """Give a law's class; imports that law alone.
 
     Raises:
         ValueError: a sentence on what is wrong with the name, its entry or the class.
     """
     origin = origin_of(name)
+    if origin.package == "contactlab" and name in LAWS:
+        return LAWS[name]
     module, _, attribute = origin.entry.partition(":")
+    found: Any
     try:
-        found: object = import_module(module)
+        found = import_module(module)
         for step in attribute.split("."):
             found = getattr(found, step)
     # Whatever a module of somebody else's does while it is imported, it is that law's fault alone.
     except (Exception, SystemExit) as error:
-        words = f"cannot be imported ({type(error).__name__}: {error})"
-        raise ValueError(_sentence(origin, words)) from error
-    if fault := _fault_of(found, name):
-        raise ValueError(_sentence(origin, fault))
-    return found  # type: ignore[return-value]
+        fault = f"cannot be imported ({type(error).__name__}: {error})"
+        raise ValueError(_unusable(origin, fault)) from error
+    if not isinstance(found, type) or not issubclass(found, PenaltyLaw | MultiplierLaw):
+        fault = "is no subclass of contactlab.laws.PenaltyLaw or MultiplierLaw"
+    elif not (fault := fault_of(found)) and found.name != name:
+        fault = f"calls itself {found.name!r}, which must be the name of its entry too"
+    if fault:
+        raise ValueError(_unusable(origin, fault))
+    return found  # type: ignore[no-any-return]
+
+
+def law(name: str, /, **parameters: Any) -> ContactLaw:
+    """Make a law from its name: `law("newton", restitution=0.4)`.
+
+    The parts of a composed law are given as they are, or by name where their defaults are wanted:
+    `law("composed", normal="linear", friction=LuGre(0.2))`.
+
+    Raises:
+        TypeError: the name is no text, or a parameter is one that the law has not, or is no number.
+        ValueError: there is no such law or part, or a parameter is out of its range.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"The name of the law is {name!r}; it must be a text like 'newton'.")
+    owner = law_class(name)
+    members = {member.name: member for member in members_of(owner)}
+    for given, value in parameters.items():
+        if given not in members:
+            hint = suggestion(given, members, f"It has {', '.join(members) or 'none'}.")
+            raise TypeError(f"The law {name} has no parameter {given!r}. {hint}")
+        if (family := members[given].family) and isinstance(value, str):
+            if value not in PARTS[family]:
+                raise ValueError(_unknown(family, value, PARTS[family]))
+            parameters[given] = PARTS[family][value]()
+    if missing := [m.name for m in members.values() if m.required and m.name not in parameters]:
+        raise TypeError(
+            f"The law {name} lacks {', '.join(missing)}; without default it must be given."
+        )
+    return owner(**parameters)
+
+
+def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coefficient: float) -> Any:
+    """Make a law or a part from its section of a configuration.
+
+    Raises:
+        ValueError: a sentence of the law's own.
+    """
+    given: dict[str, Any] = {}
+    for member in members_of(owner):
+        value: Any = friction_coefficient if member.name == SHARED else values[member.name]
+        if member.family:
+            part = PARTS[member.family][value["name"]]
+            value = build_law(part, value, friction_coefficient)
+        elif member.whole and value is not None and value == value // 1:
+            # One that is not whole the law refuses.
+            value = int(value)
+        given[member.name] = value
+    return owner(**given)
+
+
+def takes_shared(owner: type[Declared], values: Mapping[str, Any]) -> bool:
+    """Tell whether a law, or one of its parts as they are chosen, has the parameter that is the contact's."""
+    return any(
+        takes_shared(PARTS[member.family][values[member.name]["name"]], values[member.name])
+        if member.family
+        else member.name == SHARED
+        for member in members_of(owner)
+    )
 
 
 def provenance(law: type) -> str:
-    """The package and version that a law comes from; of one that no package brings, its module."""
-    entry = f"{law.__module__}:{law.__qualname__}"
-    found = [str(origin) for origin in origins() if origin.entry == entry and not origin.fault]
+    """Give the package and version that a law comes from; of one that no package brings, its module."""
+    found = [
+        str(origin) for origin in origins() if origin.entry == _entry(law) and not origin.fault
+    ]
     return found[0] if found else law.__module__
 
 
-def _fault_of(found: object, name: str) -> str:
-    """What keeps an object from being the law of this name; empty for a law."""
-    from contactlab.laws.base import LAW_WORDS, MultiplierLaw, PenaltyLaw
-
-    if not isinstance(found, type) or not issubclass(found, PenaltyLaw | MultiplierLaw):
-        return "is no subclass of contactlab.laws.PenaltyLaw or MultiplierLaw"
-    if fault := fault_of(found, LAW_WORDS):
-        return fault
-    if found.name != name:
-        return f"calls itself {found.name!r}, which must be the name of its entry too"
-    return ""
+def _entry(law: type) -> str:
+    return f"{law.__module__}:{law.__qualname__}"
 
 
-def _sentence(origin: Origin, fault: str) -> str:
+def _unknown(kind: str, name: str, known: Iterable[str]) -> str:
+    hint = suggestion(name, known)
+    return f"There is no {kind} {name!r}; it must be one of {', '.join(known)}. {hint}".rstrip()
+
+
+def _unusable(origin: Origin, fault: str) -> str:
     return (
         f"The law {origin.name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that "
         f"package or remove it by pip uninstall {origin.package}; other laws run."
@@ -147,28 +221,22 @@ def _sentence(origin: Origin, fault: str) -> str:
 
 
 def _clash(name: str, package: str, count: int) -> str:
-    """Why an entry of another package cannot be a law, whatever it names; empty if it can."""
-    way_out = f"Rename it, or remove the package by pip uninstall {package}."
+    """Say why an entry of another package cannot be a law, whatever it names; empty if it can."""
     if name in LAWS:
-        return (
-            f"The law {name!r} of {package} takes the name of one of contactlab's own, which "
-            f"stays what it is; it must have a name of its own. {way_out}"
+        fault = (
+            "takes the name of one of contactlab's own, which stays what it is; it must have a name "
+            "of its own"
         )
-    if count > 1:
-        return (
-            f"The law {name!r} of {package} has the name of a law of another package, so that neither "
-            f"can be told by it; it must have a name of its own. {way_out}"
+    elif count > 1:
+        fault = (
+            "has the name of a law of another package, so that neither can be told by it; it must have "
+            "a name of its own"
         )
-    if not name.isidentifier():
-        return (
-            f"The law {name!r} of {package} has a name that is no option; it must be one word of "
-            f"letters, digits and underscores. {way_out}"
+    elif not name.isidentifier():
+        fault = (
+            "has a name that is no option; it must be one word of letters, digits and underscores"
         )
-    return ""
-
-
-def _own_version() -> str:
-    try:
-        return version("contactlab")
-    except PackageNotFoundError:
-        return "unknown"
+    else:
+        return ""
+    way_out = f"Rename it, or remove the package by pip uninstall {package}."
+    return f"The law {name!r} of {package} {fault}. {way_out}"

@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from contactlab.laws.base import SPRING_AND_SLIDER
-from contactlab.laws.declaration import PARTS
-from contactlab.laws.registry import law_class
+from contactlab.laws.base import ELASTOPLASTIC
+from contactlab.laws.registry import PARTS, law_class
 from contactlab.metrics.record import Record
 from contactlab.parameter import parameters_of
 
@@ -27,7 +26,7 @@ def has_tangential_spring(record: Record) -> bool:
         owners = [law_class(record.law), *_parts(record).values()]
     except ValueError:
         return False
-    return any(getattr(owner, "friction_kind", None) == SPRING_AND_SLIDER for owner in owners)
+    return any(getattr(owner, "friction_kind", None) == ELASTOPLASTIC for owner in owners)
 
 
 def corrects_displacements(record: Record) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, build
-from contactlab.laws.hertz_penalty import hertz_stiffness
+from contactlab.laws import hertz_stiffness
 from contactlab.metrics.declared import parameter_units
 from contactlab.metrics.record import NotApplicableError, Record, needed
 

@@ -11,7 +11,7 @@ import xarray
 
 from contactlab.checks import check_kind
 from contactlab.config import Setup
-from contactlab.engine.contact_step import default_contact_step
+from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import cf_attributes

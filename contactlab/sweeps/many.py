@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.config.suggestion import suggestion
 from contactlab.engine import simulate
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.engine.workspace import Workspace
+from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
 from contactlab.metrics import METRICS, Record, assess
+from contactlab.suggestion import suggestion
 from contactlab.sweeps.status import Status, status_of
 from contactlab.trajectory import Trajectory
 from contactlab.variables import SERIES

@@ -5,7 +5,6 @@ from math import atan, atan2, cos, exp, pi, sin, sqrt
 import numpy as np
 from scipy.special import gamma
 
-from contactlab.engine.plant import delassus, plant_of
 from contactlab.laws import LAWS, ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, LinearDamping
@@ -109,9 +108,10 @@ def modal_impacts(seed: int = 1) -> Claims:
     m_eff = 1/(G M^-1 G'), frictionless; with stick, loss = v' D^-1 v / 2 with v = (gdot, slip).
     """
     motor = coupled_body(seed)
-    plant = plant_of(motor)
-    frame = contact_frame(0.0, 0.0, plant.tip_length, plant.radius, 0.0)
-    d_nn, d_nt, d_tt = delassus(plant, *frame[1:])
+    modes, rotor, radius = motor.modes, motor.rotor, motor.geometry.rotor_radius
+    _, *frame = contact_frame(0.0, 0.0, motor.geometry.tip_length, radius, 0.0)
+    g_n, g_t = np.reshape(frame, (2, 2)) @ [modes.tip_displacement, modes.tip_slope]
+    d_nn, d_nt, d_tt = g_n @ g_n, g_n @ g_t, g_t @ g_t + radius**2 / rotor.inertia
     touch = first(run(motor, LagrangeStick(0.0), 1e-8, INSTANT), "start_time")
     for law, e in rigid_laws(0.0, 0.6):
         struck = run(motor, law, touch + INSTANT, INSTANT)

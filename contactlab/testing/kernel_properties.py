@@ -8,9 +8,9 @@ from typing import Any, final
 import numpy as np
 
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP, SPRING_AND_SLIDER, STICK
+from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction.cone import cone_bound
+from contactlab.laws.friction.coulomb import cone_bound
 from contactlab.laws.intake import guarded, misfits
 from contactlab.testing.claim import PROPERTIES, Claims, at_most, proof
 from contactlab.testing.runs import Bench
@@ -99,19 +99,21 @@ def parts_keep_apart(bench: Bench) -> Claims:
     parameters, worst = law.parameters(), Worst()
     normal, damping, friction = (guarded(np.array(given)) for given in law.coefficients)
     elastic, damped, state = law.normal.elastic, law.damping.damped, law.friction.state
-    for gap, rate, slip, speed, memory in drawn_states():
+    for gap, rate, slip, speed, z in drawn_states():
         spring, stored, stiffness, slope = elastic(-gap, normal, 0)
         alone = damped(spring, -rate, speed, damping, 0)
         force, bound, *found = law.force(gap, rate, slip, speed, parameters)
         worst.differ("pressed", (force, *found), (alone, stored, (spring - alone) * rate))
         worst.differ("bounded", (bound,), (cone_bound(alone, slip, friction, 0),))
-        if state is not None and law.rub is not None:
-            expected = state(alone, stiffness, -slope * rate, slip, memory, friction, 0)
-            worst.differ("rubbed", law.rub(gap, rate, slip, alone, memory, parameters), expected)
+        if state is not None and law.friction_force is not None:
+            expected = state(alone, stiffness, -slope * rate, slip, z, friction, 0)
+            worst.differ(
+                "dragged", law.friction_force(gap, rate, slip, alone, z, parameters), expected
+            )
     words = "of the composed law less that of its parts alone, relative"
     yield at_most(f"normal force, energy and loss {words}", worst["pressed"], ROUND_OFF)
     yield at_most(f"friction bound {words}", worst["bounded"], ROUND_OFF)
-    yield at_most(f"friction {words}", worst["rubbed"], ROUND_OFF)
+    yield at_most(f"friction {words}", worst["dragged"], ROUND_OFF)
 
 
 def _refuses(law: ContactLaw, name: str, value: float) -> bool:
@@ -149,32 +151,32 @@ def _force_is_consistent(law: PenaltyLaw) -> Claims:
 
 
 def _friction_is_consistent(law: PenaltyLaw) -> Claims:
-    """A spring's F = -k z and E = 1/2 k z^2; no creep that pushes; nothing stored without memory."""
+    """A spring's F = -k z and E = 1/2 k z^2; no creep that pushes; nothing stored at z = 0."""
     found = list(misfits(law))
     yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
-    friction = law.rub
+    friction = law.friction_force
     if friction is None:
         return
     parameters, given, worst, changed = law.parameters(), law.parameters(), Worst(), 0
-    for gap, rate, slip, _, memory in drawn_states():
+    for gap, rate, slip, _, z in drawn_states():
         normal = law.force(gap, rate, slip, 0.3, parameters)[0]
         asked = (gap, rate, slip, normal)
-        force, _, energy, stiffness = answer = friction(*asked, memory, parameters)
+        force, _, energy, stiffness = answer = friction(*asked, z, parameters)
         fresh, _, at_once, _ = friction(*asked, 0.0, parameters)
-        size = abs(force) + stiffness * abs(memory) + abs(normal) + 1e-300
+        size = abs(force) + stiffness * abs(z) + abs(normal) + 1e-300
         worst.take(stored=max(-energy / (size * 1e-6), abs(at_once) / size))
-        if law.friction_kind == SPRING_AND_SLIDER:
-            miss = energy - 0.5 * stiffness * memory**2
-            worst.take(spring=abs(force + stiffness * memory) / size)
-            worst.take(spring=abs(miss) / (size * abs(memory)))
+        if law.friction_kind == ELASTOPLASTIC:
+            miss = energy - 0.5 * stiffness * z**2
+            worst.take(spring=abs(force + stiffness * z) / size)
+            worst.take(spring=abs(miss) / (size * abs(z)))
         else:
             worst.take(gained=fresh * slip / (size * abs(slip) + 1e-300))
-        changed += friction(*asked, memory, parameters) != answer
+        changed += friction(*asked, z, parameters) != answer
     changed += not np.array_equal(given, parameters, equal_nan=True)
     yield at_most("spring force less -k z, over the force", worst["spring"], ROUND_OFF)
-    words = "energy stored without memory, or negative, over the force"
+    words = "energy stored at z = 0, or negative, over the force"
     yield at_most(words, worst["stored"], ROUND_OFF)
-    words = "power of creep without memory on the slip, over the power"
+    words = "power of creep at z = 0 on the slip, over the power"
     yield at_most(words, worst["gained"], ROUND_OFF)
     yield at_most("friction that changes when asked again", changed, 0)
 

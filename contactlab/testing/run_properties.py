@@ -179,7 +179,7 @@ def _often_asked(law: ContactLaw) -> ContactLaw:
         outer = None if inner is None else fleeting_kernel(asked)
         return property(lambda _: outer)
 
-    counts = {"force": 5, "rub": 6, "solve": 8}
+    counts = {"force": 5, "friction_force": 6, "solve": 8}
     kernels = {n: asking(getattr(law, n), c) for n, c in counts.items() if hasattr(law, n)}
     made: Any = type(type(law).__name__, (type(law),), kernels)
     return made(**{f.name: getattr(law, f.name) for f in fields(law)})  # type: ignore[arg-type, no-any-return]

@@ -15,7 +15,7 @@ from support.stribeck_belt import Belt, Stribeck, number
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import CREEPING, FREE, FrictionKernel, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import FREE, RATE_DEPENDENT, FrictionKernel, PenaltyKernel, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised
@@ -170,9 +170,9 @@ class RateAndState(PenaltyLaw):
     equation: ClassVar[str] = "F = -a N asinh(v/(2 v_0) exp((mu_0 + b ln(v_0 theta/d_c))/a))"
     source: ClassVar[str] = "this test"
     default_contact_step: ClassVar[float] = 4e-6
-    friction_kind: ClassVar[int] = CREEPING
+    friction_kind: ClassVar[int] = RATE_DEPENDENT
     exact_stick: ClassVar[bool] = False
-    memory: ClassVar[tuple[str, ...]] = ("age, less that at the touch-down [s]",)
+    internal_variables: ClassVar[tuple[str, ...]] = ("age, less that at the touch-down [s]",)
 
     direct_effect: Annotated[float, number("a", "1")] = 0.01
     stiffness: Annotated[float, number("k", "N m-1.5")] = 1e10
@@ -186,7 +186,7 @@ class RateAndState(PenaltyLaw):
         return rate_and_state_force
 
     @property
-    def rub(self) -> FrictionKernel:
+    def friction_force(self) -> FrictionKernel:
         return rate_and_state_friction
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 
 from contactlab.compiled import kernel
 from contactlab.laws import PenaltyLaw
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.parameter import Parameter
 
 

@@ -11,12 +11,12 @@ import pytest
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, LawError, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import CREEPING, EVEN, SLIP, SPRING_AND_SLIDER
+from contactlab.laws.base import ELASTOPLASTIC, EVEN, RATE_DEPENDENT, SLIP
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.normal import NORMAL_FORCES
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import ElasticKernel, Friction, NormalForce
 from contactlab.parameter import Parameter
 from contactlab.testing.contract import check
@@ -51,7 +51,7 @@ class Made(PenaltyLaw):
         return type(self).function
 
     @property
-    def rub(self) -> Any:
+    def friction_force(self) -> Any:
         return type(self).friction
 
 
@@ -135,26 +135,36 @@ def boundless(
     ("law", "words"),
     [
         (made(honest, friction=spring), "its friction_kind is SET_VALUED, which has none"),
-        (made(honest, friction_kind=CREEPING), "CREEPING, but it has no kernel of friction"),
         (
-            made(honest, friction_kind=SPRING_AND_SLIDER, memory=STRETCH),
-            "SPRING_AND_SLIDER, but it has no kernel of friction",
+            made(honest, friction_kind=RATE_DEPENDENT),
+            "RATE_DEPENDENT, but it has no kernel of friction",
+        ),
+        (
+            made(honest, friction_kind=ELASTOPLASTIC, internal_variables=STRETCH),
+            "ELASTOPLASTIC, but it has no kernel of friction",
         ),
         (made(honest, friction_kind=7, friction=spring), "friction_kind is 7; it must be"),
-        (made(honest, memory=STRETCH), "set-valued friction remembers nothing"),
+        (made(honest, internal_variables=STRETCH), "set-valued friction remembers nothing"),
         (
-            made(honest, friction_kind=SPRING_AND_SLIDER, friction=spring),
+            made(honest, friction_kind=ELASTOPLASTIC, friction=spring),
             "and a spring its stretch",
         ),
         (
-            made(honest, friction_kind=CREEPING, friction=spring, memory="stretch"),
-            "memory is 'stretch'; it must be a tuple of texts",
+            made(
+                honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables="stretch"
+            ),
+            "internal_variables is 'stretch'; it must be a tuple of texts",
         ),
         (
-            made(honest, friction_kind=CREEPING, friction=spring, memory=("a [m]", "b [m]")),
+            made(
+                honest,
+                friction_kind=RATE_DEPENDENT,
+                friction=spring,
+                internal_variables=("a [m]", "b [m]"),
+            ),
             "it can remember one quantity at most",
         ),
-        (made(honest, memory_parity=0), "memory_parity is 0; it must be ODD or EVEN"),
+        (made(honest, internal_parity=0), "internal_parity is 0; it must be ODD or EVEN"),
         (made(negative), "the friction bound is -"),
         (made(without_number), "its kernel force gives"),
         (made(past_the_end), "reads parameters that there are not"),
@@ -163,8 +173,8 @@ def boundless(
         (made(interpreted_past_the_end), "raised IndexError"),
         (made(lambda *_: (1.0, 0.0)), "it gave 2 numbers, not 4"),
         (
-            made(honest, friction_kind=CREEPING, friction=boundless),
-            "its kernel rub gives nan, 0, 0, 0 at a gap of -1e-12 m",
+            made(honest, friction_kind=RATE_DEPENDENT, friction=boundless),
+            "its kernel friction_force gives nan, 0, 0, 0 at a gap of -1e-12 m",
         ),
         (made(honest, parameters=lambda _: np.ones((2, 2))), "it must give numbers"),
         (made(honest, friction_limit="much"), "friction_limit is 'much'; it must be a number"),
@@ -391,9 +401,9 @@ def test_what_friction_remembers_may_be_even_in_a_mirror(parity: int) -> None:
     law = made(
         honest,
         friction=ageing,
-        friction_kind=CREEPING,
-        memory=("age of the contact [s]",),
-        memory_parity=parity,
+        friction_kind=RATE_DEPENDENT,
+        internal_variables=("age of the contact [s]",),
+        internal_parity=parity,
         exact_stick=False,
         friction_limit=0.36,
     )

@@ -9,12 +9,11 @@ from numpy.testing import assert_allclose
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import SPRING_AND_SLIDER
+from contactlab.laws.base import ELASTOPLASTIC
 from contactlab.laws.composed import Composed
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
-from contactlab.laws.friction.mindlin import mindlin_state
 from contactlab.laws.normal import Linear
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.laws.part import Friction, StateKernel
 from contactlab.testing.claim import PROPERTIES
 from contactlab.testing.contract import check
@@ -26,6 +25,8 @@ WEIGHT, STIFFNESS, MU = 10.0, 1e7, 0.3
 REMEMBERING = pytest.mark.parametrize(
     "friction", [Mindlin(), LuGre(), ElastoPlastic()], ids=lambda friction: friction.name
 )
+
+mindlin_state = Mindlin().state
 
 
 def test_the_energy_of_a_stretched_spring_is_stored_and_not_lost() -> None:
@@ -109,9 +110,9 @@ class Hiding(Friction):
     name: ClassVar[str] = "hiding"
     equation: ClassVar[str] = "Mindlin's"
     source: ClassVar[str] = "this test"
-    friction_kind: ClassVar[int] = SPRING_AND_SLIDER
+    friction_kind: ClassVar[int] = ELASTOPLASTIC
     exact_stick: ClassVar[bool] = False
-    memory: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
+    internal_variables: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
 

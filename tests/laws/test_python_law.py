@@ -20,7 +20,7 @@ from contactlab.compiled import fleeting_kernel
 from contactlab.engine import law_kernels, obstacle, simulate
 from contactlab.laws import HertzPenalty, LagrangeStick, LawError, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import PENALTY_SIGNATURE, PenaltyKernel
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
 from contactlab.testing.plants import paper_motor

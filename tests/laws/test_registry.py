@@ -11,9 +11,8 @@ from support.command_line import Command
 from contactlab import laws
 from contactlab.config.units import from_cf, to_si
 from contactlab.laws import HertzPenalty, PenaltyLaw, law_class, law_names, origin_of
-from contactlab.laws.declaration import PARTS, made, members_of
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
-from contactlab.laws.registry import LAWS
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, members_of
+from contactlab.laws.registry import LAWS, PARTS, build_law
 from contactlab.parameter import Parameter, parameters_of
 
 
@@ -33,12 +32,12 @@ def test_every_law_and_part_that_is_written_is_in_a_table() -> None:
             found
             for path in (home / folder).glob("*.py")
             for found in re.findall(
-                r"^class (\w+)\((?:PenaltyLaw|MultiplierLaw|NormalForce|Damping|Friction)\):",
+                r"^@final\n@dataclass\(frozen=True\)\nclass (\w+)\(",
                 path.read_text(encoding="utf-8"),
                 re.MULTILINE,
             )
         }
-        assert written == {entry.partition(":")[2] for entry in table.entries.values()}
+        assert written == {found.__name__ for found in table.values()}
     for family, table in PARTS.items():
         assert all(part.name == name and part.family == family for name, part in table.items())
 
@@ -155,9 +154,9 @@ class Whole(PenaltyLaw):
 
 
 def test_a_whole_number_of_a_law_is_made_from_a_key() -> None:
-    assert made(Whole, {"power": 3.0}, 0.3) == Whole(3)
+    assert build_law(Whole, {"power": 3.0}, 0.3) == Whole(3)
     with pytest.raises(TypeError, match=r"power is 2.5; it must be a whole number"):
-        made(Whole, {"power": 2.5}, 0.3)
+        build_law(Whole, {"power": 2.5}, 0.3)
 
 
 def test_the_range_of_a_law_is_that_of_its_key(command: Command) -> None:

@@ -12,8 +12,8 @@ from support.plausibility_runs import of_law
 from contactlab.compiled import kernel
 from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import MultiplierKernel, PenaltyKernel
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
 from contactlab.metrics import FAIL, METRICS, PASS, assess
 
 STIFFNESS = 1e10

@@ -11,7 +11,7 @@ from support.conf_files import composed
 from support.motors import oracle_motor
 from support.plausibility_runs import DURATION, case_a_tree, configured, datatree
 
-from contactlab.laws.declaration import PARTS
+from contactlab.laws.registry import PARTS
 from contactlab.metrics import (
     FAIL,
     METRICS,

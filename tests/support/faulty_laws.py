@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import (
-    CREEPING,
+    RATE_DEPENDENT,
     SLIP,
     FrictionKernel,
     MultiplierKernel,
@@ -16,7 +16,7 @@ from contactlab.laws.base import (
     PenaltyKernel,
     PenaltyLaw,
 )
-from contactlab.laws.parameter import FRICTION_COEFFICIENT
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 STIFFNESS = 1e7
 """Of every compliant one [N/m]."""
@@ -120,7 +120,7 @@ def _penalty(
     @dataclass(frozen=True)
     class Law(Spring):
         name: ClassVar[str] = title
-        friction_kind: ClassVar[int] = Spring.friction_kind if friction is None else CREEPING
+        friction_kind: ClassVar[int] = Spring.friction_kind if friction is None else RATE_DEPENDENT
         friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
         @property
@@ -128,7 +128,7 @@ def _penalty(
             return normal
 
         @property
-        def rub(self) -> FrictionKernel | None:
+        def friction_force(self) -> FrictionKernel | None:
             return friction
 
     return Law

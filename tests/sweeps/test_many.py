@@ -8,7 +8,7 @@ import pytest
 from support.motors import default_motor, every_law, hertz
 
 from contactlab.engine import simulate
-from contactlab.engine.workspace import Workspace
+from contactlab.engine.propagator import Workspace
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor

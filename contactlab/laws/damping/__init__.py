@@ -1,20 +1,9 @@
-"""Normal losses by name. A new one is one module and one entry here."""
+"""Normal losses by name. A new one is one class in a module here, and one name below."""
 
-from typing import TYPE_CHECKING
+from contactlab.laws.damping.dashpot import LinearDamping, Undamped
+from contactlab.laws.damping.hysteresis import Flores, HuntCrossley, LankaraniNikravesh
+from contactlab.laws.part import Damping
 
-from contactlab.laws.table import Table
-
-if TYPE_CHECKING:
-    from contactlab.laws.part import Damping
-
-DAMPINGS: "Table[type[Damping]]" = Table(
-    {
-        "none": "contactlab.laws.damping.undamped:Undamped",
-        "linear": "contactlab.laws.damping.linear:LinearDamping",
-        "hunt_crossley": "contactlab.laws.damping.hunt_crossley:HuntCrossley",
-        "lankarani_nikravesh": "contactlab.laws.damping.lankarani_nikravesh:LankaraniNikravesh",
-        "flores": "contactlab.laws.damping.flores:Flores",
-    }
-)
-
-__getattr__ = DAMPINGS.attribute
+DAMPINGS: dict[str, type[Damping]] = {
+    part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores)
+}

@@ -1,4 +1,4 @@
-"""A loss in proportion to the elastic force: N = f(d) (1 + a dd/dt).
+"""Losses in proportion to the elastic force: N = f(d) (1 + a dd/dt).
 
 An impact of free bodies at the speed v, whatever f and the masses, has a restitution e with
 
@@ -8,17 +8,21 @@ from m u du / (1 + a u) = -f dd over compression and restitution. The published 
 of a nominal restitution, and achieve it near 1 only; here D is solved for what is asked.
 
     Hunt-Crossley         a = 3 (1 - e_n) / (2 v)       v a constant of the contact
-    Lankarani-Nikravesh   a = 3 (1 - e_n^2) / (4 v)     v the speed of each approach
-    Flores                a = 8 (1 - e_n) / (5 e_n v)   v the speed of each approach
+    Lankarani-Nikravesh   a = 3 (1 - e_n^2) / (4 v)     v the speed of each impact
+    Flores                a = 8 (1 - e_n) / (5 e_n v)   v the speed of each impact
 
 A model whose largest nominal D, that of e_n = 0, is smaller than what is asked cannot achieve it and says so.
 """
 
+from dataclasses import dataclass
 from functools import cache
-from math import exp, log, log1p
+from math import exp, inf, log, log1p
+from typing import Annotated, final
 
 from scipy.optimize import brentq
 
+from contactlab.compiled import kernel
+from contactlab.laws.part import Damping, NormalForce
 from contactlab.parameter import Parameter
 
 ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
@@ -26,14 +30,13 @@ ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above
 LEAST_SPEED = Parameter("v_min", "m s-1", "slowest approach that is told apart", above=0.0)
 """A contact that begins without approach has no speed to divide by."""
 
-
 NEARLY_PLASTIC, NEARLY_ELASTIC = 0.025, 1e-6
 """e below which 1 - e D is less than the unit of D, and 1 - e below which D is linear in it."""
 
 
 @cache
-def closing_number(restitution: float) -> float:
-    """D = a v at which a free impact has a restitution, 0 < e <= 1 [1].
+def loss_number(restitution: float) -> float:
+    """Give D = a v at which a free impact has a restitution, 0 < e <= 1 [1].
 
     With D = x/(1 + e x), x in (0, inf): (1 + e) D = ln(1 + (1 + e) x), free of cancellation. At the ends
     D is 1/e and 3/2 (1 - e) to double precision.
@@ -53,16 +56,95 @@ def closing_number(restitution: float) -> float:
     return float(x / (1.0 + e * x))
 
 
-def refuse_beyond(name: str, restitution: float, most: float) -> None:
-    """Refuse a restitution for which a model would need more than its largest D.
+class Hysteretic(Damping):
+    """A loss in proportion to the elastic force, solved for the restitution of a free impact."""
 
-    Raises:
-        ValueError: with the smallest restitution it can achieve.
+    largest = inf
+    """The D that the published model has at a nominal restitution of 0."""
+    restitution: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        e, most = self.restitution, self.largest
+        if loss_number(e) > most:
+            least = brentq(lambda e: loss_number(e) - most, e, 1.0, xtol=1e-12)
+            raise ValueError(
+                f"{self.name}: restitution is {e}; it must be at least {least:.6g}, which the model "
+                "achieves with a nominal one of 0. Take flores, which has no such bound."
+            )
+
+    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
+        """Give D [1] and the other fields."""
+        _, *others = self.describe().values()
+        return loss_number(self.restitution), *others
+
+
+@final
+@dataclass(frozen=True)
+class HuntCrossley(Hysteretic):
+    """A constant a: restitution falls with the speed of impact, and is e at v."""
+
+    name = "hunt_crossley"
+    equation = "N = f(d) max(1 + a dd/dt, 0), a v = D(e)"
+    source = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
+    largest = 1.5
+
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
+    impact_speed: Annotated[
+        float, Parameter("v", "m s-1", "speed at which e is achieved", above=0.0)
+    ] = 0.1
+
+    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
+        """Give the loss factor a [s/m]."""
+        return (loss_number(self.restitution) / self.impact_speed,)
+
+    @staticmethod
+    @kernel
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
+        """See `Damping.damped`."""
+        return float(elastic * max(1.0 + parameters[at] * depth_rate, 0.0))
+
+
+@kernel
+def speed_damped(elastic, depth_rate, impact_speed, parameters, at):
+    """Normal force [N]; D and v_min stand in the parameters. See `Damping.damped`."""
+    factor = parameters[at] / max(impact_speed, parameters[at + 1])
+    return float(elastic * max(1.0 + factor * depth_rate, 0.0))
+
+
+@final
+@dataclass(frozen=True)
+class LankaraniNikravesh(Hysteretic):
+    """A loss by the speed v of each impact, which v_min bounds from below: one restitution at all speeds.
+
+    The published D = 3/4 (1 - e_n^2) reaches 3/4 at most and leaves at least e = 0.663. Above that the
+    model, so solved, is `flores`.
     """
-    if closing_number(restitution) <= most:
-        return
-    least = brentq(lambda e: closing_number(e) - most, restitution, 1.0, xtol=1e-12)
-    raise ValueError(
-        f"{name}: restitution is {restitution}; it must be at least {least:.6g}, which the model achieves "
-        "with a nominal one of 0. Take flores, which has no such bound."
-    )
+
+    name = "lankarani_nikravesh"
+    equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0), D <= 3/4"
+    source = "Lankarani and Nikravesh (1990), J. Mech. Des. 112, 369"
+    largest = 0.75
+
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
+    least_speed: Annotated[float, LEAST_SPEED] = 1e-3
+
+    damped = staticmethod(speed_damped)
+
+
+@final
+@dataclass(frozen=True)
+class Flores(Hysteretic):
+    """A loss by the speed v of each impact, which v_min bounds from below, for soft bodies as well.
+
+    The published D = 8 (1 - e_n)/(5 e_n) reaches any, and e_n is then not what is achieved.
+    """
+
+    name = "flores"
+    equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
+    source = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
+
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
+    least_speed: Annotated[float, LEAST_SPEED] = 1e-3
+
+    damped = staticmethod(speed_damped)

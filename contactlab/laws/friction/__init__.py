@@ -1,20 +1,10 @@
-"""Friction by name. A new one is one module and one entry here."""
+"""Frictions by name. A new one is one class in a module here, and one name below."""
 
-from typing import TYPE_CHECKING
+from contactlab.laws.friction.bristles import ElastoPlastic, LuGre
+from contactlab.laws.friction.coulomb import Coulomb, Regularised
+from contactlab.laws.friction.mindlin import Mindlin
+from contactlab.laws.part import Friction
 
-from contactlab.laws.table import Table
-
-if TYPE_CHECKING:
-    from contactlab.laws.part import Friction
-
-FRICTIONS: "Table[type[Friction]]" = Table(
-    {
-        "coulomb": "contactlab.laws.friction.coulomb:Coulomb",
-        "regularised": "contactlab.laws.friction.regularised:Regularised",
-        "mindlin": "contactlab.laws.friction.mindlin:Mindlin",
-        "lugre": "contactlab.laws.friction.lugre:LuGre",
-        "elasto_plastic": "contactlab.laws.friction.elasto_plastic:ElastoPlastic",
-    }
-)
-
-__getattr__ = FRICTIONS.attribute
+FRICTIONS: dict[str, type[Friction]] = {
+    part.name: part for part in (Coulomb, Regularised, Mindlin, LuGre, ElastoPlastic)
+}

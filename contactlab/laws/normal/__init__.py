@@ -1,20 +1,9 @@
-"""Elastic normal forces by name. A new one is one module and one entry here."""
+"""Elastic normal forces by name. A new one is one class in a module here, and one name below."""
 
-from typing import TYPE_CHECKING
+from contactlab.laws.normal.hertz import HertzElliptic, HertzPoint, Line
+from contactlab.laws.normal.springs import Linear, Lining
+from contactlab.laws.part import NormalForce
 
-from contactlab.laws.table import Table
-
-if TYPE_CHECKING:
-    from contactlab.laws.part import NormalForce
-
-NORMAL_FORCES: "Table[type[NormalForce]]" = Table(
-    {
-        "hertz_point": "contactlab.laws.normal.hertz_point:HertzPoint",
-        "hertz_elliptic": "contactlab.laws.normal.hertz_elliptic:HertzElliptic",
-        "line": "contactlab.laws.normal.line:Line",
-        "linear": "contactlab.laws.normal.linear:Linear",
-        "lining": "contactlab.laws.normal.lining:Lining",
-    }
-)
-
-__getattr__ = NORMAL_FORCES.attribute
+NORMAL_FORCES: dict[str, type[NormalForce]] = {
+    part.name: part for part in (HertzPoint, HertzElliptic, Line, Linear, Lining)
+}

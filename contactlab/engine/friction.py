@@ -1,0 +1,236 @@
+"""Friction with an internal variable in a collocated step: a spring with a slider, or one that rates drive.
+
+At every node friction and internal variable satisfy
+
+    F_i = f(slip_i, z_i),   (dz/dt)_i = g(slip_i, z_i)
+
+with the law's f and g, dz/dt the rate of the polynomial through the variable at the step's start and at the
+nodes, and slip_i what the frictions at all nodes leave. Newton's method solves both at once, so that
+stiff springs and steep creep are no matter of the step. What rate-dependent friction does cost are its
+changes between creep and slip: each takes some tens of steps, down to the time in which the slip
+crosses the creep velocity and up again. A slider keeps F on the bound; its spring follows.
+"""
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel
+from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.propagator import step_length
+from contactlab.engine.state import NODES, internal_at, value_at
+from contactlab.laws.base import EVEN, SET_VALUED
+
+NUDGE = 1e-7
+"""Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
+
+LEAST_SLIP, LEAST_INTERNAL = 1e-4, 1e-9
+"""What that is relative to near zero [m/s], and for a stretch [m]."""
+
+HELD_SLIP = 1e-9
+"""The same for slip that steep friction holds near zero [m/s]: its difference is the slip's round-off."""
+
+
+@inner_kernel
+def push_node(run: Run, i: int) -> None:
+    """Set the generalised forces of node i from its normal force and friction."""
+    step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
+    step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
+    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
+
+
+@inner_kernel
+def mobility(run: Run, level: int, i: int, m: int) -> float:
+    """Give d slip_i / d friction_m [m/s/N]."""
+    step, tip_v = run.step, run.propagator.levels[level].tip_v
+    t_u, t_th = step.t_u[i], step.t_th[i]
+    s_u, s_th = step.t_u[m], step.t_th[m]
+    return float(
+        t_u * (tip_v[0, i, m] * s_u + tip_v[1, i, m] * s_th)
+        + t_th * (tip_v[1, i, m] * s_u + tip_v[2, i, m] * s_th)
+        + tip_v[3, i, m]
+    )
+
+
+@inner_kernel
+def solve_linear(system: Array) -> None:
+    """Solve a linear system in place, its right side in the last column, with row pivots."""
+    n = system.shape[0]
+    for p in range(n):
+        best = p
+        for row in range(p + 1, n):
+            if abs(system[row, p]) > abs(system[best, p]):
+                best = row
+        for column in range(p, n + 1):
+            held = system[p, column]
+            system[p, column] = system[best, column]
+            system[best, column] = held
+        for row in range(p + 1, n):
+            ratio = system[row, p] / system[p, p]
+            for column in range(p, n + 1):
+                system[row, column] -= ratio * system[p, column]
+    for p in range(n - 1, -1, -1):
+        for column in range(p + 1, n):
+            system[p, n] -= system[p, column] * system[column, n]
+        system[p, n] /= system[p, p]
+
+
+@inner_kernel
+def hold_slip(run: Run, level: int) -> float:
+    """Correct the friction at all nodes so that the slip vanishes; returns the largest correction [N]."""
+    system = run.step.stick
+    for i in range(NODES):
+        for m in range(NODES):
+            system[i, m] = mobility(run, level, i, m)
+        system[i, NODES] = -run.step.slip[i]
+    solve_linear(system)
+    most = 0.0
+    for i in range(NODES):
+        run.state.friction.node[i] += system[i, NODES]
+        push_node(run, i)
+        most = max(most, abs(system[i, NODES]))
+    return most
+
+
+@inner_kernel
+def internal_rate(run: Run, level: int, i: int) -> float:
+    """Give the rate at node i of the polynomial through the internal variable."""
+    total = 0.0
+    for m in range(NODES):
+        difference = run.step.internal[m] - run.state.internal
+        total += run.propagator.rule.derivative[i, m] * difference
+    return float(total / step_length(run.propagator, level))
+
+
+@inner_kernel
+def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
+    """Take one Newton step of friction and internal variable; returns the largest correction [N]."""
+    state, step = run.state, run.step
+    h = step_length(run.propagator, level)
+    system = step.coupled
+    right = 2 * NODES
+    for i in range(NODES):
+        f, g, f_v, f_z, g_v, g_z = _law_and_slopes(run, law, i, least)
+        for m in range(NODES):
+            s = mobility(run, level, i, m)
+            same = 1.0 if m == i else 0.0
+            system[i, m] = same - f_v * s
+            system[i, NODES + m] = -f_z * same
+            system[NODES + i, m] = -h * g_v * s
+            system[NODES + i, NODES + m] = run.propagator.rule.derivative[i, m] - h * g_z * same
+        system[i, right] = f - state.friction.node[i]
+        system[NODES + i, right] = h * (g - internal_rate(run, level, i))
+    solve_linear(system)
+    most = 0.0
+    for i in range(NODES):
+        change = system[i, right]
+        state.friction.node[i] += change
+        step.internal[i] += system[NODES + i, right]
+        push_node(run, i)
+        most = max(most, abs(change)) if np.isfinite(change) else np.inf
+    for i in range(NODES):
+        state.internal_rate.node[i] = internal_rate(run, level, i)
+    return most
+
+
+@inner_kernel
+def _law_and_slopes(
+    run: Run, law: Law, i: int, least: float
+) -> tuple[float, float, float, float, float, float]:
+    """Give f, g and their derivatives to slip and variable at node i; zero where the gap is open."""
+    step, parameters = run.step, law.parameters
+    gap, rate, slip, z = step.gap[i], step.gap_rate[i], step.slip[i], step.internal[i]
+    if gap >= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    normal = run.state.normal.node[i]
+    f, g, _, _ = law.friction(gap, rate, slip, normal, z, parameters)
+    # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
+    way = NUDGE if slip >= 0.0 or run.state.parity == EVEN else -NUDGE
+    dv = nudge_of(slip, least)
+    dz = way * (abs(z) + LEAST_INTERNAL)
+    f_v, g_v, _, _ = law.friction(gap, rate, slip + dv, normal, z, parameters)
+    f_z, g_z, _, _ = law.friction(gap, rate, slip, normal, z + dz, parameters)
+    return f, g, (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
+
+
+@inner_kernel
+def nudge_of(slip: float, least: float) -> float:
+    """Give the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
+    return (NUDGE if slip >= 0.0 else -NUDGE) * (abs(slip) + least)
+
+
+@inner_kernel
+def steepness_of(
+    law: Law, at: tuple[float, float, float], normal: float, internal: float, friction: float
+) -> float:
+    """Give how steeply friction falls with the slip [N s/m] at gap, gap rate and slip; zero where it rises."""
+    gap, rate, slip = at
+    dv = nudge_of(slip, HELD_SLIP)
+    steeper = law.friction(gap, rate, slip + dv, normal, internal, law.parameters)[0]
+    return max((friction - steeper) / dv, 0.0)
+
+
+@inner_kernel
+def follow_bound(run: Run, law: Law, level: int, sign: float) -> None:
+    """Let the spring follow a slider that slips: its stretch from the bound, and what of the slip slides."""
+    state, step, parameters = run.state, run.step, law.parameters
+    for i in range(NODES):
+        step.internal[i] = 0.0
+        if step.gap[i] < 0.0:
+            gap, rate, slip, normal = (
+                step.gap[i],
+                step.gap_rate[i],
+                step.slip[i],
+                state.normal.node[i],
+            )
+            stiffness = law.friction(gap, rate, slip, normal, 0.0, parameters)[3]
+            bound = state.bound.node[i]
+            step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
+    for i in range(NODES):
+        state.internal_rate.node[i] = internal_rate(run, level, i)
+        if step.gap[i] < 0.0:
+            gap, rate, slip, normal = (
+                step.gap[i],
+                step.gap_rate[i],
+                step.slip[i],
+                state.normal.node[i],
+            )
+            stretching = law.friction(gap, rate, slip, normal, step.internal[i], parameters)[1]
+            step.sliding[i] = stretching - state.internal_rate.node[i]
+
+
+@inner_kernel
+def missed_between(run: Run, law: Law, level: int) -> float:
+    """Give the largest error [N] of friction's polynomial half-way between nodes, from the law's answer.
+
+    Rate-dependent friction has kinks where the slip changes its sign, which the nodes alone do not see.
+    Of a difference counts what is left once the slip gives way to it: steep friction is met by a slip
+    that is hardly another. So errors of stiff equations are judged (Hairer and Wanner, Solving ODEs II,
+    sec. IV.8).
+    """
+    state, nodes = run.state, run.propagator.rule.nodes
+    most = 0.0
+    yielding = mobility(run, level, 0, 0)
+    for i in range(NODES - 1):
+        x = 0.5 * (nodes[i] + nodes[i + 1])
+        gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
+        if gap < 0.0:
+            normal = max(value_at(state.normal, x), 0.0)
+            internal = internal_at(state, x)
+            friction = law.friction(gap, rate, slip, normal, internal, law.parameters)[0]
+            steepness = steepness_of(law, (gap, rate, slip), normal, internal, friction)
+            missed = abs(friction - value_at(state.friction, x))
+            most = max(most, missed / (1.0 + steepness * yielding))
+    return most
+
+
+@inner_kernel
+def sliding_at(run: Run, law: Law, s: float) -> float:
+    """Give what must keep its sign in slip, at time s of a step [m/s]."""
+    state = run.state
+    gap, rate, slip, _, _, _, _ = contact_after(run, s)
+    if state.friction_kind == SET_VALUED or gap >= 0.0:
+        return float(slip)
+    x = s / state.length
+    normal = max(value_at(state.normal, x), 0.0)
+    stretching = law.friction(gap, rate, slip, normal, internal_at(state, x), law.parameters)[1]
+    return float(stretching - value_at(state.internal_rate, x))

@@ -1,0 +1,293 @@
+"""Where tip and rotor are: the exact flow under the drive and a polynomial contact force, and the contact.
+
+A step starts at a state (q, v), lasts h and is of one of three kinds, named by the degree of its force
+polynomial in s/h: FLIGHT has no force, HELD a constant one, and a COLLOCATED step passes through its
+values at the nodes. Whatever its kind, its state can be read anywhere in [0, h].
+"""
+
+from math import cos, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel
+from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
+from contactlab.engine.plant import Plant
+from contactlab.engine.propagator import Propagator
+from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START
+from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
+from contactlab.motor.geometry import contact_frame
+
+Tip = tuple[float, float, float, float, float]
+"""u [m], th [rad], their rates, and -R Omega [m/s]."""
+
+Contact = tuple[float, float, float, float, float, float, float]
+"""Gap [m], gap rate, slip [m/s], and the directions n_u, n_th, t_u, t_th of `contact_frame`."""
+
+
+class Run(NamedTuple):
+    """The context of every kernel: the motor, its step responses, the state and the scratch of a step."""
+
+    plant: Plant
+    propagator: Propagator
+    state: Any
+    step: Any
+
+
+class Law(NamedTuple):
+    """The kernels of a law, idle ones for those that it lacks, and its parameters."""
+
+    force: PenaltyKernel
+    friction: FrictionKernel
+    solve: MultiplierKernel
+    parameters: Array
+
+
+@inner_kernel
+def tip_motion(plant: Plant, place: int) -> Tip:
+    """Give the tip's motion at a place of the step."""
+    u = 0.0
+    th = 0.0
+    u_rate = 0.0
+    th_rate = 0.0
+    rotor = 0.0
+    for j in range(plant.modes.size):
+        mode = plant.modes[j]
+        q, v = mode.q[place], mode.v[place]
+        u += mode.row_u * q
+        th += mode.row_th * q
+        u_rate += mode.row_u * v
+        th_rate += mode.row_th * v
+        rotor += mode.row_r * v
+    return u, th, u_rate, th_rate, rotor
+
+
+@inner_kernel
+def contact_of(plant: Plant, tip: Tip) -> Contact:
+    """Give the contact of a motion of the tip."""
+    u, th, u_rate, th_rate, rotor = tip
+    lengths = plant.geometry
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, lengths.tip_length, lengths.radius, lengths.clearance
+    )
+    rate = n_u * u_rate + n_th * th_rate
+    return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
+
+
+@inner_kernel
+def contact_at(plant: Plant, place: int) -> Contact:
+    """Give the contact at a place of the step."""
+    return contact_of(plant, tip_motion(plant, place))
+
+
+def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]:
+    """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
+    modes, lengths = plant.modes, plant.geometry
+    u, th = float(modes.row_u @ q), float(modes.row_th @ q)
+    u_rate, th_rate = float(modes.row_u @ v), float(modes.row_th @ v)
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, lengths.tip_length, lengths.radius, lengths.clearance
+    )
+    slip = t_u * u_rate + t_th * th_rate + float(modes.row_r @ v)
+    return float(gap), float(n_u * u_rate + n_th * th_rate), float(slip)
+
+
+@inner_kernel
+def contact_after(run: Run, s: float) -> Contact:
+    """Give the contact at time s after the start of the step, which `flow_to` leaves BETWEEN."""
+    flow_to(run, s)
+    return contact_at(run.plant, BETWEEN)
+
+
+@inner_kernel
+def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
+    """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps."""
+    _, _, u_rate, th_rate, rotor = tip_motion(run.plant, place)
+    n_u, n_th, t_u, t_th = frame_of(run.step)
+    return n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
+
+
+@inner_kernel
+def frame_of(step: Any) -> tuple[float, float, float, float]:
+    """Give the directions that a HELD step keeps."""
+    return step.frame[0], step.frame[1], step.frame[2], step.frame[3]
+
+
+@inner_kernel
+def begin(run: Run) -> None:
+    """Split the state at the step's start into steady state and free motion.
+
+    A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest.
+    """
+    plant, time = run.plant, run.state.time
+    for k in range(plant.tones.size):
+        tone = plant.tones[k]
+        tone.cosine[START] = cos(tone.omega * time)
+        tone.sine[START] = sin(tone.omega * time)
+    for j in range(plant.modes.size):
+        mode = plant.modes[j]
+        q = mode.q[START]
+        v = mode.v[START]
+        for k in range(plant.tones.size):
+            tone, phasor = plant.tones[k], plant.phasors[j, k]
+            cosine, sine = tone.cosine[START], tone.sine[START]
+            q -= phasor.steady_re * cosine - phasor.steady_im * sine
+            v += tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
+        mode.free_q = q
+        mode.free_v = v
+
+
+@inner_kernel
+def driven(
+    plant: Plant, pair: int, answer: tuple[float, float, float, float]
+) -> tuple[float, float]:
+    """Give what a tone adds to displacement and rate of its nearly resonant mode since the step's start.
+
+    Args:
+        plant, pair: the motor and the place of the pair in `Plant.near`.
+        answer: to exp(i omega s) from rest, see `answer_from_rest`.
+    """
+    j, k = plant.near[pair].mode, plant.near[pair].tone
+    cosine, sine = plant.tones[k].cosine[START], plant.tones[k].sine[START]
+    phasor = plant.phasors[j, k]
+    re = phasor.force_re * cosine - phasor.force_im * sine
+    im = phasor.force_re * sine + phasor.force_im * cosine
+    return re * answer[0] - im * answer[1], re * answer[2] - im * answer[3]
+
+
+@inner_kernel
+def flow_to(run: Run, s: float) -> None:
+    """Go to time s after the start, 0 <= s <= h: the state there is left BETWEEN."""
+    plant, state, step = run.plant, run.state, run.step
+    integrals = run.propagator.rule.integrals
+    degree = step.kind
+    h = state.length
+    top = max(degree + 1, 1)
+    for k in range(plant.tones.size):
+        tone = plant.tones[k]
+        cosine, sine = cos(tone.omega * s), sin(tone.omega * s)
+        tone.cosine[BETWEEN] = tone.cosine[START] * cosine - tone.sine[START] * sine
+        tone.sine[BETWEEN] = tone.cosine[START] * sine + tone.sine[START] * cosine
+    for j in range(plant.modes.size):
+        mode = plant.modes[j]
+        c = mode.damping
+        stiffness = mode.stiffness
+        impulse_integrals(stiffness, c, s, top, integrals)
+        rate = integrals[0]
+        w = integrals[1]
+        q = (rate + c * w) * mode.free_q + w * mode.free_v
+        v = -stiffness * w * mode.free_q + rate * mode.free_v
+        q += mode.constant * integrals[2]
+        v += mode.constant * w
+        scale = 1.0
+        for d in range(degree + 1):
+            if d > 0:
+                scale *= d / h
+            push = scale * (
+                mode.row_u * step.push_u.coefficient[d]
+                + mode.row_th * step.push_th.coefficient[d]
+                + mode.row_r * state.friction.coefficient[d]
+            )
+            q += push * integrals[d + 2]
+            v += push * integrals[d + 1]
+        for k in range(plant.tones.size):
+            tone, phasor = plant.tones[k], plant.phasors[j, k]
+            cosine, sine = tone.cosine[BETWEEN], tone.sine[BETWEEN]
+            q += phasor.steady_re * cosine - phasor.steady_im * sine
+            v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
+        mode.q[BETWEEN] = q
+        mode.v[BETWEEN] = v
+    for p in range(plant.near.size):
+        mode, tone = plant.modes[plant.near[p].mode], plant.tones[plant.near[p].tone]
+        answer = answer_from_rest(mode.stiffness, mode.damping, tone.omega, s)
+        q, v = driven(plant, p, answer)
+        mode.q[BETWEEN] += q
+        mode.v[BETWEEN] += v
+
+
+@inner_kernel
+def free_response(run: Run, level: int, first: int) -> None:
+    """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
+    plant, propagator = run.plant, run.propagator
+    for i in range(NODES):
+        for k in range(plant.tones.size):
+            tone, turn = plant.tones[k], propagator.turns[level, k]
+            cosine, sine = turn.cosine[i], turn.sine[i]
+            tone.cosine[i] = tone.cosine[START] * cosine - tone.sine[START] * sine
+            tone.sine[i] = tone.cosine[START] * sine + tone.sine[START] * cosine
+        for j in range(plant.modes.size):
+            mode, response = plant.modes[j], propagator.responses[level, j]
+            q0 = mode.free_q
+            v0 = mode.free_v
+            v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
+            v += response.hold[i, 1] * mode.constant
+            q = 0.0
+            for k in range(plant.tones.size):
+                tone, phasor = plant.tones[k], plant.phasors[j, k]
+                cosine, sine = tone.cosine[i], tone.sine[i]
+                q += phasor.steady_re * cosine - phasor.steady_im * sine
+                v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
+            mode.v[i] = v
+            if i >= first:
+                q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
+                mode.q[i] = q + response.hold[i, 0] * mode.constant
+        for p in range(plant.near.size):
+            part = propagator.driven[level, p].part
+            q, v = driven(plant, p, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
+            mode = plant.modes[plant.near[p].mode]
+            mode.v[i] += v
+            if i >= first:
+                mode.q[i] += q
+
+
+@inner_kernel
+def add_collocated(run: Run, level: int) -> None:
+    """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
+    step = run.step
+    for m in range(NODES):
+        push_u, push_th, friction = (
+            step.push_u.node[m],
+            step.push_th.node[m],
+            run.state.friction.node[m],
+        )
+        for j in range(run.plant.modes.size):
+            mode, response = run.plant.modes[j], run.propagator.responses[level, j]
+            push = mode.row_u * push_u + mode.row_th * push_th + mode.row_r * friction
+            for i in range(NODES):
+                mode.v[i] += response.answer_v[i, m] * push
+            mode.q[LAST] += response.answer_q[LAST, m] * push
+
+
+@inner_kernel
+def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
+    """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
+    step = run.step
+    for j in range(run.plant.modes.size):
+        mode, response = run.plant.modes[j], run.propagator.responses[level, j]
+        push = (
+            mode.row_u * step.push_u.node[0]
+            + mode.row_th * step.push_th.node[0]
+            + mode.row_r * run.state.friction.node[0]
+        )
+        if displacement:
+            mode.q[LAST] += response.hold[LAST, 0] * push
+        if rates:
+            for i in range(NODES):
+                mode.v[i] += response.hold[i, 1] * push
+
+
+@inner_kernel
+def is_finite(run: Run) -> bool:
+    """Tell whether all that the law has answered for a step are numbers, and so is the motion in answer."""
+    state, step = run.state, run.step
+    if step.kind == FLIGHT:
+        return True
+    total = 0.0
+    for i in range(1 if step.kind == HELD else NODES):
+        total += abs(state.normal.node[i]) + abs(state.friction.node[i])
+        if step.kind == COLLOCATED:
+            total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i]) + abs(step.loss[i])
+            # A force that is no number leaves a gap that is none, at which the law is not asked again.
+            total += abs(step.gap[i]) + abs(step.slip[i])
+    return bool(np.isfinite(total))

@@ -1,0 +1,249 @@
+"""Exact step responses at the nodes of one quadrature rule, for a ladder of step lengths.
+
+All steps of the engine live on one ladder h = longest / 2^level. Over a step the contact force is a
+polynomial through its values at the Radau nodes c_i h (the last one is the step's end), and the
+oscillators answer it exactly. What the nodes see of it is a few small matrices that do not depend on
+the state, built once per level that is used.
+"""
+
+from functools import cache
+from math import ceil, cos, floor, log2, sin
+from typing import Any, NamedTuple, final
+
+import numpy as np
+from numpy.polynomial import Legendre, Polynomial
+
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
+from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
+from contactlab.engine.state import NODES, one, record, table
+
+RESOLUTION = 0.5
+"""Longest step times the fastest rate that persists in flight."""
+
+LEVELS = 44
+"""Levels of a ladder, if its contact step leaves the room below."""
+
+ROOM = 24
+"""Levels below that of the contact step: a contact begins six finer, and its error halves steps further."""
+
+OUTLASTING = 2.0**20
+"""Longest step over the duration of the run."""
+
+RULE = record(
+    *((name, float, NODES) for name in ("nodes", "weights")),
+    *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
+    ("integrals", float, NODES + 2),
+    real="longest",
+    whole="contact_level fresh_level",
+)
+LEVEL = record(
+    ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), whole="built"
+)
+RESPONSE = record(
+    ("flow", float, (NODES, 4)),
+    ("hold", float, (NODES, 2)),
+    ("answer_q", float, (NODES, NODES)),
+    ("answer_v", float, (NODES, NODES)),
+)
+TURN = record(("cosine", float, NODES), ("sine", float, NODES))
+ANSWER = record(("part", float, (NODES, 4)))
+
+
+class Propagator(NamedTuple):
+    """Step responses; i node of evaluation, m node of force, j coordinate, k tone.
+
+    Args:
+        rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d]
+            x^d; derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the
+            nodes; longest, length of level 0 [s]; contact_level, of the longest step in contact; fresh_level,
+            of the first step after a release; integrals, scratch of the oscillator.
+        levels: whether a level is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v, their
+            rates, and the rotor's row: uu, uth, thth, rr; shape (level,).
+        responses: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
+            force; answer_q and answer_v, q and v from l_m; shape (level, j).
+        turns: cosine and sine of omega_k c_i h, shape (level, k).
+        driven: answers from rest of the nearly resonant pairs, see `answer_from_rest`, shape (level, pair).
+    """
+
+    rule: Any
+    levels: Any
+    responses: Any
+    turns: Any
+    driven: Any
+
+
+@cache
+def radau_rule(count: int) -> tuple[Array, Array, Array]:
+    """Give nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1]."""
+    difference = Legendre.basis(count) - Legendre.basis(count - 1)
+    nodes = np.sort(0.5 * (difference.roots().real + 1.0))
+    nodes[-1] = 1.0
+    lagrange = np.zeros((count, count))
+    for m in range(count):
+        others = np.delete(nodes, m)
+        lagrange[m] = (Polynomial.fromroots(others) / np.prod(nodes[m] - others)).coef
+    weights = lagrange @ (1.0 / np.arange(1, count + 1))
+    return nodes, weights, lagrange
+
+
+@cache
+def derivative_rule(count: int) -> Array:
+    """Give the inverse of the collocation matrix a_im = int_0^c_i l_m dx."""
+    nodes, _, lagrange = radau_rule(count)
+    powers = np.arange(1, count + 1)
+    return np.asarray(np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T), np.float64)
+
+
+def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
+    """Make an empty ladder that has the contact step as one of its levels.
+
+    The longest step resolves what persists in flight; after a release the steps start short
+    enough for the fastest transient and double from there.
+
+    Args:
+        plant: the motor.
+        contact_step: step in contact [s].
+        duration: of the run [s], the longest step where nothing vibrates.
+        exact: whether steps in contact must have this length, not only at most this length.
+    """
+    nodes, weights, lagrange = radau_rule(NODES)
+    # Steps may outlast a run, so that a longer one begins like it, but not for ever.
+    rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
+    rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
+    doublings = floor(log2(RESOLUTION / rate / contact_step))
+    if exact:
+        doublings = max(doublings, 0)
+    contact_level = max(doublings, 0)
+    longest = contact_step * 2.0**doublings
+    turns = max(longest * fastest_rate(plant), 1.0)
+    levels = max(LEVELS, contact_level + ROOM)
+    rule = one(
+        RULE,
+        nodes=nodes,
+        weights=weights,
+        lagrange=lagrange,
+        derivative=derivative_rule(NODES),
+        longest=longest,
+        contact_level=contact_level,
+        fresh_level=min(max(6, ceil(log2(turns)) + 2), levels - 8),
+    )
+    return Propagator(
+        rule,
+        table(LEVEL, levels),
+        table(RESPONSE, levels, plant.modes.size),
+        table(TURN, levels, plant.tones.size),
+        table(ANSWER, levels, plant.near.size),
+    )
+
+
+@final
+class Workspace:
+    """Keeps the step responses of the last motor for a next one that has the same.
+
+    A response is a function of the plant and the length of the step, whoever asks first, so that a run
+    is the same to the last bit with a workspace and without. Runs that share one follow each other: it
+    is also their scratch memory.
+    """
+
+    def __init__(self) -> None:
+        self._key: tuple[object, ...] = ()
+        self._propagator: Propagator | None = None
+
+    def propagator(
+        self, plant: Plant, contact_step: float, duration: float, exact: bool
+    ) -> Propagator:
+        """Give a ladder for a plant, see `propagator_for`."""
+        names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
+        key = (
+            *(plant.modes[name].tobytes() for name in names),
+            plant.tones.omega.tobytes(),
+            contact_step,
+            duration,
+            exact,
+        )
+        if self._propagator is None or key != self._key:
+            self._propagator = propagator_for(plant, contact_step, duration, exact)
+            self._key = key
+        return self._propagator
+
+
+@inner_kernel
+def step_length(propagator: Propagator, level: int) -> float:
+    """Give the length of a level's step [s]."""
+    return propagator.rule.longest * 0.5**level
+
+
+@kernel
+def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
+    """Fill one level; a second call does nothing."""
+    if propagator.levels[level].built == 1:
+        return
+    propagator.levels[level].built = 1
+    h = step_length(propagator, level)
+    rule = propagator.rule
+    for i in range(NODES):
+        s = rule.nodes[i] * h
+        for k in range(plant.tones.size):
+            turn = propagator.turns[level, k]
+            turn.cosine[i] = cos(plant.tones[k].omega * s)
+            turn.sine[i] = sin(plant.tones[k].omega * s)
+        for p in range(plant.near.size):
+            mode, tone = plant.modes[plant.near[p].mode], plant.tones[plant.near[p].tone]
+            answer = answer_from_rest(mode.stiffness, mode.damping, tone.omega, s)
+            for part in range(4):
+                propagator.driven[level, p].part[i, part] = answer[part]
+        for j in range(plant.modes.size):
+            _fill(rule, plant.modes[j], propagator.responses[level, j], i, h)
+    _reduce(plant, propagator, level)
+
+
+@inner_kernel
+def _fill(rule: Any, mode: Any, response: Any, i: int, h: float) -> None:
+    """Fill the responses of one coordinate at one node."""
+    integrals = rule.integrals
+    impulse_integrals(mode.stiffness, mode.damping, rule.nodes[i] * h, NODES, integrals)
+    w = integrals[1]
+    response.flow[i, 0] = integrals[0] + mode.damping * w
+    response.flow[i, 1] = w
+    response.flow[i, 2] = -mode.stiffness * w
+    response.flow[i, 3] = integrals[0]
+    response.hold[i, 0] = integrals[2]
+    response.hold[i, 1] = w
+    for m in range(NODES):
+        q = 0.0
+        v = 0.0
+        scale = 1.0
+        for d in range(NODES):
+            # (s/h)^d = d!/h^d times s^d/d!, whose answers are I_(d+1) and I_d.
+            if d > 0:
+                scale *= d / h
+            q += rule.lagrange[m, d] * scale * integrals[d + 2]
+            v += rule.lagrange[m, d] * scale * integrals[d + 1]
+        response.answer_q[i, m] = q
+        response.answer_v[i, m] = v
+
+
+@inner_kernel
+def _reduce(plant: Plant, propagator: Propagator, level: int) -> None:
+    """Sum what the contact sees of the responses over the coordinates."""
+    tip_q, tip_v = propagator.levels[level].tip_q, propagator.levels[level].tip_v
+    for i in range(NODES):
+        for m in range(NODES):
+            for row in range(3):
+                tip_q[row, i, m] = 0.0
+            for row in range(4):
+                tip_v[row, i, m] = 0.0
+            for j in range(plant.modes.size):
+                mode, response = plant.modes[j], propagator.responses[level, j]
+                u, th, r = mode.row_u, mode.row_th, mode.row_r
+                q = response.answer_q[i, m]
+                v = response.answer_v[i, m]
+                tip_q[0, i, m] += u * u * q
+                tip_q[1, i, m] += u * th * q
+                tip_q[2, i, m] += th * th * q
+                tip_v[0, i, m] += u * u * v
+                tip_v[1, i, m] += u * th * v
+                tip_v[2, i, m] += th * th * v
+                tip_v[3, i, m] += r * r * v

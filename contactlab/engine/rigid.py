@@ -1,0 +1,197 @@
+"""One step of a rigid contact: the paper's predictor and index-2 corrector around the exact flow.
+
+    predict   the impulse that ends the step without gap rate (eqs. 50-51), and the displacement
+              that the exact flow under drive and this constant force reaches (eq. 49)
+    correct   the displacement onto the constraint along its gradient (eq. 57), and at the corrected
+              place the impulse that leaves no gap rate (eqs. 58-59)
+
+The paper takes backward Euler for the whole step; here the linear part is exact and only the contact
+force is held over the step, which keeps the order (one) and any stiff or overdamped mode stable.
+
+A law that does not project is stepped as by Moreau and Jean: no displacement is corrected, the impulse is
+the law's at the place that the step would reach without contact, and a contact has steps without
+impulse until the gap is open.
+"""
+
+from math import inf
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.kinematics import (
+    Law,
+    Run,
+    add_held,
+    contact_at,
+    contact_of,
+    frame_of,
+    free_response,
+    rates_in_frame,
+    tip_motion,
+)
+from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
+from contactlab.laws.base import SLIP
+from contactlab.laws.lagrange_stick import wedges
+
+NONE, ONE, SEVERAL = range(3)
+"""How many answers the step of a law has; what is none and what are several see `wedges`."""
+
+ROUND_OFF = 1e-12
+"""Of a gap rate, relative to the rates at the contact."""
+
+Answer = tuple[float, float, int, int]
+"""Normal and friction impulse [N s], the mode, and how many answers there are."""
+
+
+@inner_kernel
+def step_rigid(run: Run, law: Law) -> int:
+    """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING.
+
+    A contact that approaches and for which the law has no impulse ends the run as INCONSISTENT.
+    """
+    state, contact = run.state, run.state.contact
+    level = state.level
+    projects = state.projects != 0
+    run.step.kind = HELD
+    gap, gap_rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    contact.max_penetration = max(contact.max_penetration, -gap)
+    impact = contact.duration == 0.0
+    p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
+    # Over a long step a graze seems to open by itself; the approach it began with must still be met.
+    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < run.propagator.levels.size - 1:
+        level += 1
+        p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
+    if count == NONE:
+        state.ending = INCONSISTENT
+        _hold_forces(run, 0.0, 0.0)
+        state.taken = 0.0
+        return NOTHING
+    state.wedged_steps += 1 if count == SEVERAL else 0
+    h = state.length
+    if p_n <= 0.0 and (projects or gap > 0.0):
+        _shorten_to_release(run, p_n / h)
+        return RELEASE
+    if p_n <= 0.0:
+        # The gap is closed still and opens by itself.
+        p_n, p_t, mode = 0.0, 0.0, SLIP
+    _hold_forces(run, p_n / h, p_t / h)
+    add_held(run, level, not projects, True)
+    state.taken = min(h, state.end - state.time)
+    state.mode = mode
+    contact.peak_normal_force = max(contact.peak_normal_force, p_n / h)
+    # An impact's force says nothing about the one at which the contact will open. A release that finds
+    # the gap open is not looked for at all: no force before means at once.
+    lasts = projects and not impact
+    state.normal_before = p_n / h if lasts else 0.0
+    state.friction_before = p_t / h if lasts else 0.0
+    state.contact_steps += 1
+    return NOTHING
+
+
+@inner_kernel
+def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
+    """Predict and correct a step of a level; gives the law's answer at the corrected place.
+
+    Args:
+        run, law, level: the step; its displacements end corrected, where the law projects, its rates
+            without contact.
+        gap_rate, slip: of its start [m/s].
+    """
+    state = run.state
+    build_level(run.plant, run.propagator, level)
+    h = step_length(run.propagator, level)
+    state.length = h
+    _turn_frame(run, START)
+    free_response(run, level, LAST)
+    if state.projects != 0:
+        p_n, p_t, _, _ = _answer(run, law, level, gap_rate, slip)
+        _hold_forces(run, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
+        add_held(run, level, True, False)
+        _project(run)
+    _turn_frame(run, LAST)
+    return _answer(run, law, level, gap_rate, slip)
+
+
+@inner_kernel
+def _turn_frame(run: Run, place: int) -> float:
+    """Set the directions of the step's contact from the displacements at a place; gives the gap [m]."""
+    u, th, _, _, _ = tip_motion(run.plant, place)
+    gap, _, _, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, 0.0, 0.0, 0.0))
+    frame = run.step.frame
+    frame[0], frame[1], frame[2], frame[3] = n_u, n_th, t_u, t_th
+    return gap
+
+
+@inner_kernel
+def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
+    """Give the law's impulses in the step's directions, their mode, and whether they are the only ones.
+
+    The Delassus matrix is that of a force held over the step: int w(s) ds / h in place of 1/m.
+
+    Args:
+        run, law, level: the step, whose end has the rates without contact.
+        gap_rate, slip: of its start [m/s].
+    """
+    state = run.state
+    n_u, n_th, t_u, t_th = frame_of(run.step)
+    h = step_length(run.propagator, level)
+    nn, nt, tt = 0.0, 0.0, 0.0
+    for j in range(run.plant.modes.size):
+        mode = run.plant.modes[j]
+        normal = n_u * mode.row_u + n_th * mode.row_th
+        tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
+        mobility = run.propagator.responses[level, j].hold[LAST, 1] / h
+        nn += mobility * normal * normal
+        nt += mobility * normal * tangential
+        tt += mobility * tangential * tangential
+    normal_rate, tangential_rate = rates_in_frame(run, LAST)
+    p_n, p_t, friction_mode = law.solve(
+        normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, law.parameters
+    )
+    state.critical_friction = nn / abs(nt) if nt != 0.0 else inf
+    round_off = ROUND_OFF * max(abs(gap_rate), abs(slip), abs(tangential_rate))
+    count = ONE
+    if p_n <= 0.0 and normal_rate < -round_off:
+        count = NONE
+    elif wedges(normal_rate, tangential_rate, nn, nt, tt, state.friction_limit):
+        count = SEVERAL
+    return p_n, p_t, friction_mode, count
+
+
+@inner_kernel
+def _hold_forces(run: Run, normal: float, friction: float) -> None:
+    """Hold forces [N] along the step's directions."""
+    n_u, n_th, t_u, t_th = frame_of(run.step)
+    hold(run.state.normal, normal)
+    hold(run.state.friction, friction)
+    hold(run.step.push_u, normal * n_u + friction * t_u)
+    hold(run.step.push_th, normal * n_th + friction * t_th)
+
+
+@inner_kernel
+def _project(run: Run) -> None:
+    """Move the end's displacements onto the closed gap along its gradient, by the masses (eq. 57)."""
+    gap = _turn_frame(run, LAST)
+    n_u, n_th, _, _ = frame_of(run.step)
+    gradient = 0.0
+    for j in range(run.plant.modes.size):
+        mode = run.plant.modes[j]
+        gradient += (n_u * mode.row_u + n_th * mode.row_th) ** 2
+    for j in range(run.plant.modes.size):
+        mode = run.plant.modes[j]
+        mode.q[LAST] -= gap / gradient * (n_u * mode.row_u + n_th * mode.row_th)
+
+
+@inner_kernel
+def _shorten_to_release(run: Run, normal: float) -> None:
+    """Shorten a step to where the normal force, linear from the step before, reaches zero.
+
+    Args:
+        run: the step that would have to pull.
+        normal: the force it would pull with [N], not positive.
+    """
+    state = run.state
+    before = state.normal_before
+    s = state.length * before / (before - normal) if before > 0.0 else 0.0
+    state.taken = min(s, state.end - state.time)
+    state.mode = SLIP
+    _hold_forces(run, 0.5 * before, 0.5 * state.friction_before)

@@ -1,0 +1,182 @@
+"""Where in a step something happens: a function of time for every event, one finder of its zero, extremes."""
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.friction import sliding_at
+from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.state import (
+    CONE,
+    NODES,
+    NOTHING,
+    PEAK,
+    RELEASE,
+    REVERSAL,
+    largest,
+    slope_at,
+    value_at,
+)
+from contactlab.laws.base import RATE_DEPENDENT, STICK
+
+TIME_DIGIT = 1e-14
+"""Length of the bracket over that of the step at which a search ends."""
+
+
+CONE_ROUND_OFF = 1e-9
+"""Relative excess of friction over its bound that still sticks: the bound is reached, not left."""
+
+
+@inner_kernel
+def event_value(run: Run, law: Law, s: float, event: int) -> float:
+    """Give a function of time in the step whose zero is the event."""
+    state = run.state
+    x = s / state.length
+    if event == CONE:
+        return value_at(state.bound, x) - abs(value_at(state.friction, x))
+    if event == REVERSAL:
+        return sliding_at(run, law, s)
+    if event == PEAK:
+        return slope_at(state.normal, x)
+    return contact_after(run, s)[0]
+
+
+@inner_kernel
+def locate(run: Run, law: Law, event: int, left: float, right: float, digit: float) -> float:
+    """Find the time of an event between left and right, where its function has different signs.
+
+    Regula falsi that halves the value of an end that stays twice (the Illinois rule).
+
+    Args:
+        run, law: the step.
+        event: which.
+        left, right: ends of the bracket [s].
+        digit: value of the function that counts as zero.
+    """
+    at_left = event_value(run, law, left, event)
+    at_right = event_value(run, law, right, event)
+    if at_left == 0.0 or at_left * at_right > 0.0:
+        # The zero lies at an end, to round-off: the nearer one.
+        return left if abs(at_left) <= abs(at_right) else right
+    stayed = 0
+    before = left
+    s = right
+    for _ in range(100):
+        s = (at_left * right - at_right * left) / (at_left - at_right)
+        if not left < s < right:
+            s = 0.5 * (left + right)
+        value = event_value(run, law, s, event)
+        if abs(value) <= digit or abs(s - before) <= TIME_DIGIT * run.state.length:
+            break
+        before = s
+        if value * at_right > 0.0:
+            right, at_right = s, value
+            if stayed < 0:
+                at_left *= 0.5
+            stayed = -1
+        else:
+            left, at_left = s, value
+            if stayed > 0:
+                at_right *= 0.5
+            stayed = 1
+    return s
+
+
+@inner_kernel
+def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
+    """Find the earliest event in the step and its time, or NOTHING and the step's length.
+
+    Args:
+        run, law: the step.
+        rate: gap rate at its start [m/s].
+    """
+    state, step = run.state, run.step
+    left = 0.0
+    before = rate
+    sticks = state.mode == STICK
+    slides = (
+        largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
+    )
+    for i in range(NODES):
+        right = run.propagator.rule.nodes[i] * state.length
+        first = NOTHING
+        s = right
+        for event in (CONE, REVERSAL, RELEASE):
+            if event == RELEASE:
+                # A gap that is open while it closes is round-off of a touch-down.
+                happened = step.gap[i] >= 0.0 and step.gap_rate[i] >= 0.0
+            elif event == REVERSAL:
+                happened = slides and state.sign * step.sliding[i] < 0.0
+            else:
+                ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
+                happened = sticks and abs(state.friction.node[i]) > ceiling
+            if happened:
+                at = locate(run, law, event, left, right, 0.0)
+                if event == RELEASE and at == left and before < 0.0:
+                    at = right
+                first, s = (event, at) if first == NOTHING or at < s else (first, s)
+        now = step.gap_rate[i]
+        if before > 0.0 > now and step.gap[i] < 0.0:
+            top = _highest(run, left, right, before, now)
+            if top > 0.0:
+                at = locate(run, law, RELEASE, left, top, 0.0)
+                first, s = (RELEASE, at) if first == NOTHING or at < s else (first, s)
+        if first != NOTHING:
+            return first, s
+        left = right
+        before = now
+    return NOTHING, state.length
+
+
+@inner_kernel
+def _highest(run: Run, left: float, right: float, before: float, after: float) -> float:
+    """Find a time at which the gap is open between two nodes at which it is closed; zero where there is none.
+
+    The gap rate falls from `before` to `after`; its zero by secants, of which two are plenty.
+    """
+    for _ in range(3):
+        at = left + (right - left) * before / (before - after)
+        gap, rate, _, _, _, _, _ = contact_after(run, at)
+        if gap >= 0.0:
+            return at
+        if rate > 0.0:
+            left, before = at, rate
+        else:
+            right, after = at, rate
+    return 0.0
+
+
+@inner_kernel
+def track_extremes(run: Run, law: Law, gap: float, rate: float, normal: float) -> None:
+    """Note largest normal force and penetration of the contact so far, between the nodes as well.
+
+    Args:
+        run, law: the step.
+        gap, rate, normal: gap [m], its rate [m/s] and normal force [N] at its start.
+    """
+    state, step, contact = run.state, run.step, run.state.contact
+    s, h = state.taken, state.length
+    contact.peak_normal_force = max(contact.peak_normal_force, normal)
+    contact.max_penetration = max(contact.max_penetration, -gap)
+    before = rate
+    left = 0.0
+    for i in range(NODES):
+        right, gap, now = run.propagator.rule.nodes[i] * h, step.gap[i], step.gap_rate[i]
+        if right > s:
+            # An event or the end of the run cuts the step here.
+            right = s
+            gap, now, _, _, _, _, _ = contact_after(run, s)
+        contact.peak_normal_force = max(
+            contact.peak_normal_force, value_at(state.normal, right / h)
+        )
+        contact.max_penetration = max(contact.max_penetration, -gap)
+        if before < 0.0 <= now and left < right:
+            # The turning point by a line through the rates, and from there by the gap's parabola.
+            curvature = (now - before) / (right - left)
+            gap, slope, _, _, _, _, _ = contact_after(run, left - before / curvature)
+            depth = 0.5 * slope * slope / curvature - gap
+            contact.max_penetration = max(contact.max_penetration, depth)
+        if right == s:
+            break
+        before = now
+        left = right
+    if slope_at(state.normal, 0.0) > 0.0 > slope_at(state.normal, s / h):
+        at = locate(run, law, PEAK, 0.0, s, 0.0)
+        contact.peak_normal_force = max(contact.peak_normal_force, value_at(state.normal, at / h))

@@ -1,0 +1,252 @@
+"""The memory of the engine, by name: records that kernels and Python read and write alike.
+
+A record is one pointer to a kernel, whatever it holds: few and cheap arguments are what lets the engine
+be many small kernels that compile soon. What has a size of its own (modes, tones, levels, records) is an
+array of records.
+"""
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel
+from contactlab.variables import CONTACTS, SERIES
+
+NODES: Final = 5
+"""Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
+
+LAST, START, BETWEEN, PLACES = NODES - 1, NODES, NODES + 1, NODES + 2
+"""Places of a motion beside the nodes 0 ... LAST: the start of a step and a time in between."""
+
+RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
+"""Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
+start in contact, or on the point of it."""
+
+FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
+"""Kinds of a step: the degree of its force polynomial. FLIGHT has no force, HELD a constant one."""
+
+NOTHING, TOUCH, RELEASE, REVERSAL, CONE, PEAK = range(6)
+"""What ends a step: no event; the gap closes; the gap opens or the contact would pull; slip changes sign;
+friction that sticks reaches its bound. A PEAK of the normal force ends none."""
+
+RUNNING, DIVERGED, UNSOLVED, CHATTERED, UNFOLLOWED, STALLED, NOT_FINITE, INCONSISTENT = range(8)
+"""Endings as the kernels know them: no motor's state any more, no step that satisfies the law, too many
+events, a touch-down that cannot be searched, too many steps, a law that answered with no number, and one
+that has no impulse for a contact that closes."""
+
+COUNTS: Final = (
+    "flight_steps",
+    "contact_steps",
+    "rejected_steps",
+    "sweeps",
+    "touchdowns",
+    "friction_switches",
+    "wedged_steps",
+)
+
+
+def record(*parts: object, real: str = "", whole: str = "") -> np.dtype[Any]:
+    """Declare a record: pairs or triples of NumPy, then real and whole numbers by name."""
+    fields = [
+        *parts,
+        *((n, np.float64) for n in real.split()),
+        *((n, np.int64) for n in whole.split()),
+    ]
+    return np.dtype((np.record, np.dtype(fields, align=True)))
+
+
+def table(kind: np.dtype[Any], *shape: int) -> Any:
+    """Make a zeroed array of records, whose fields are attributes in Python as they are in kernels."""
+    return np.zeros(shape, dtype=kind).view(np.recarray)
+
+
+def one(kind: np.dtype[Any], **values: object) -> Any:
+    """Make one record, zero but for some values."""
+    made = table(kind, 1)
+    for name, value in values.items():
+        made[name] = value
+    return made[0]
+
+
+FORCE: Final = record(("node", float, NODES), ("coefficient", float, NODES))
+"""A force over a step: its values at the nodes and the polynomial in s/h through them."""
+
+LEDGER: Final = record(
+    real="drive_work damping_loss friction_loss contact_loss load_work normal_impulse friction_impulse"
+)
+"""Terms of the energy ledger [J], and impulses [N s]."""
+
+CONTACT: Final = record(real=" ".join(variable.name for variable in CONTACTS))
+SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for each in SERIES))
+"""A record of the series; the forces are impulses since the start until the run is read."""
+
+PLACE: Final = record(real="q v")
+"""Displacement and rate of one coordinate."""
+
+STATE: Final = record(
+    *((name, FORCE) for name in ("normal", "friction", "bound", "internal_rate")),
+    ("contact", CONTACT),
+    ("total", LEDGER),
+    real="time end interval origin window window_start tolerance length taken momentum impact_speed "
+    "internal normal_before friction_before held_energy initial_energy least_open most_open turned_over "
+    "friction_limit critical_friction normal_force friction_force longest",
+    whole="first phase mode sign level level_before recorded stored ending events idle most_steps "
+    "steps_before projects compliant friction_kind parity contact_level " + " ".join(COUNTS),
+)
+"""All that a run goes on from, beside displacements and rates.
+
+normal, friction, bound, internal_rate: forces of the last step [N], of which the next begins its guess, and
+the rate of the friction's internal variable; contact: the one that goes on; total: the ledger since t = 0.
+time, end [s]; records lie at origin + (first + i) interval [s]; window, window_start: of the pace [s];
+tolerance of a compliant step [1]; length, taken: the last step and the part of it that was taken [s].
+momentum: impulse scale of the contact [N s]; impact_speed: that with which the contact began [m/s];
+internal: variable of the friction; normal_before, friction_before: of a rigid contact [N].
+held_energy: what a spring of the friction holds at the last record; initial_energy, least_open, most_open,
+turned_over: at t = 0, what the ledger's terms left so far and the largest work of drive or load [J].
+friction_limit: largest |F|/N that the law allows; critical_friction: from which on a rigid contact may have
+several solutions or none, d_nn/|d_nt| of the last step [1]. normal_force, friction_force: mean over the last
+record interval [N]; longest, contact_level: of the ladder of steps.
+sign: of the slip; level, level_before: of the next step and of the one before; recorded, stored: records and
+contacts written; events: in the window; idle: steps without progress; most_steps: in contact in a window;
+steps_before: those taken before it; projects: whether a rigid law puts displacements back onto the gap;
+compliant, friction_kind, parity: of the law.
+"""
+
+STEP: Final = record(
+    *((name, FORCE) for name in ("push_u", "push_th")),
+    *((name, LEDGER) for name in ("step_terms", "record_terms")),
+    *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal")),
+    *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
+    *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
+    ("frame", float, 4),
+    ("stick", float, (NODES, NODES + 1)),
+    ("coupled", float, (2 * NODES, 2 * NODES + 1)),
+    *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate")),
+    whole="kind",
+)
+"""Scratch of one step: generalised forces along u and th [N, N m]; the contact at the nodes [m, m/s, W], of
+which `sliding` is what must keep its sign in slip: the slip, less what a spring of the friction takes of it
+[m/s]; the tip's motion there without contact, and the directions; `frame`, directions that a HELD step
+keeps; linear systems; the stretches of a flight that wait to be searched."""
+
+
+@inner_kernel
+def fit(rule: Any, force: Any) -> None:
+    """Lay the polynomial through the values at the nodes."""
+    for d in range(NODES):
+        total = 0.0
+        for m in range(NODES):
+            total += force.node[m] * rule.lagrange[m, d]
+        force.coefficient[d] = total
+
+
+@inner_kernel
+def hold(force: Any, value: float) -> None:
+    """Make the polynomial a constant, the value of the first node."""
+    force.node[0] = value
+    force.coefficient[0] = value
+    for d in range(1, NODES):
+        force.coefficient[d] = 0.0
+
+
+@inner_kernel
+def value_at(force: Any, x: float) -> float:
+    """Give the value of a force polynomial at x = s/h."""
+    total = 0.0
+    for d in range(NODES - 1, -1, -1):
+        total = total * x + force.coefficient[d]
+    return total
+
+
+@inner_kernel
+def slope_at(force: Any, x: float) -> float:
+    """Give the derivative of a force polynomial at x = s/h."""
+    total = 0.0
+    for d in range(NODES - 1, 0, -1):
+        total = total * x + d * force.coefficient[d]
+    return total
+
+
+@inner_kernel
+def internal_at(state: Any, x: float) -> float:
+    """Give the friction's internal variable at x = s/h."""
+    total = 0.0
+    for d in range(NODES - 1, -1, -1):
+        total = (total + state.internal_rate.coefficient[d] / (d + 1)) * x
+    return float(state.internal + state.length * total)
+
+
+@inner_kernel
+def largest(values: Array) -> float:
+    """Give the largest of a few values."""
+    most = values[0]
+    for value in values:
+        most = max(most, value)
+    return float(most)
+
+
+class Records(NamedTuple):
+    """What a run leaves: its series, contacts that are finished, and the state to go on from.
+
+    Args:
+        series: records, shape (record,) of SAMPLE.
+        contacts: finished ones that are not yet collected, shape (row,) of CONTACT.
+        saved, saved_motion: the state before the step that reaches the end, shapes (1,) and (j,).
+    """
+
+    series: Any
+    contacts: Any
+    saved: Any
+    saved_motion: Any
+
+
+def records_for(count: int, coordinates: int, rows: int = 512) -> Records:
+    """Make room for a number of records, and for the contacts between two calls of the loop."""
+    return Records(
+        table(SAMPLE, count), table(CONTACT, rows), table(STATE, 1), table(PLACE, coordinates)
+    )
+
+
+State = dict[str, Any]
+"""A state as a value: NumPy arrays and numbers by name."""
+
+
+def state_as_value(state: Any, motion: Any) -> State:
+    """Give a state as a plain dict of arrays and numbers, those of sub-records by dotted names."""
+    value: State = {"q": motion["q"].copy(), "v": motion["v"].copy()}
+    value.update(_flat(state, ""))
+    return value
+
+
+def state_from_value(value: State) -> tuple[Any, Any]:
+    """Give the state record and the motion of a value."""
+    state = one(STATE)
+    _fill(state, value, "")
+    motion = table(PLACE, np.size(value["q"]))
+    motion["q"], motion["v"] = value["q"], value["v"]
+    return state, motion
+
+
+def _flat(part: Any, prefix: str) -> State:
+    found: State = {}
+    for name in part.dtype.names:
+        item = part[name]
+        if item.dtype.names:
+            found |= _flat(item, f"{prefix}{name}.")
+        else:
+            found[prefix + name] = item.copy() if item.ndim else item.item()
+    return found
+
+
+def _fill(part: Any, value: State, prefix: str) -> None:
+    for name in part.dtype.names:
+        if part[name].dtype.names:
+            _fill(part[name], value, f"{prefix}{name}.")
+        else:
+            part[name] = value[prefix + name]
+
+
+def state_names() -> set[str]:
+    """Give the names that a state as a value has."""
+    return {"q", "v", *_flat(one(STATE), "")}
