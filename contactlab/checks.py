@@ -1,13 +1,14 @@
-"""What a dataclass is given from Python, checked against its annotations and told in sentences."""
+"""What a class is given from Python, checked against its annotations and told in sentences."""
 
-from dataclasses import fields
 from functools import cache
 from math import isfinite
 from numbers import Integral, Real
 from types import NoneType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args
 
 import numpy as np
+
+from contactlab.parameter import DeclaredField, declared_fields
 
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
@@ -16,7 +17,7 @@ _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False"}
 
 
 def check_fields(owner: Any, title: str = "") -> None:
-    """Refuse an object with a field that is not of the annotated kind.
+    """Refuse an object with a field that is not of the annotated kind, or out of the declared range.
 
     Looks at fields of numbers and of classes; what else an annotation says is left to the owner.
 
@@ -26,25 +27,22 @@ def check_fields(owner: Any, title: str = "") -> None:
 
     Raises:
         TypeError: with a sentence for each field that is of another kind.
-        ValueError: with a sentence for each number that is not finite.
+        ValueError: with a sentence for each number that is not finite or out of its range.
     """
     title = title or type(owner).__name__
     kind: type = type(owner)
-    given = [(name, getattr(owner, name), kinds) for name, kinds in _kinds_of(kind).items()]
+    given = [(name, getattr(owner, name), declared) for name, declared in _checked(kind).items()]
     wrong = [
-        f"{title}: {name} is {shown(value)}; it must be {_expected(kinds)}.{_way_out(value)}"
-        for name, value, kinds in given
-        if not any(_is(value, kind) for kind in kinds)
+        f"{title}: {name} is {shown(value)}; it must be {_expected(declared.kinds)}.{_way_out(value)}"
+        for name, value, declared in given
+        if not any(_is(value, kind) for kind in declared.kinds)
     ]
     if wrong:
         raise TypeError(" ".join(wrong))
-    endless = [
-        f"{title}: {name} is {value}; it must be finite."
-        for name, value, _ in given
-        if isinstance(value, Real) and not isfinite(value)
-    ]
-    if endless:
-        raise ValueError(" ".join(endless))
+    numbers = [each for each in given if type(each[1]) is float or isinstance(each[1], Real)]
+    outside = [fault for each in numbers if (fault := _outside(*each))]
+    if outside:
+        raise ValueError(" ".join(f"{title}: {fault}" for fault in outside))
 
 
 def check_number(words: str, value: object) -> None:
@@ -102,7 +100,7 @@ def check_shape(
 
 
 def shown(value: object) -> str:
-    """A value as a sentence shows it."""
+    """Write a value as a sentence shows it."""
     if isinstance(value, type):
         return f"the class {value.__name__}"
     if isinstance(value, np.ndarray):
@@ -112,19 +110,28 @@ def shown(value: object) -> str:
 
 
 @cache
-def _kinds_of(owner: type) -> dict[str, tuple[type, ...]]:
-    """The classes that a field may be of, by name; fields without such an annotation are left out."""
-    hints = get_type_hints(owner)
-    found = {}
-    for field in fields(owner):
-        hint = hints[field.name]
-        kinds = get_args(hint) if NoneType in get_args(hint) else (hint,)
-        if all(isinstance(kind, type) and not get_args(kind) for kind in kinds):
-            found[field.name] = kinds
-    return found
+def _checked(owner: type) -> dict[str, DeclaredField]:
+    """The fields of numbers and of classes."""
+    return {
+        name: declared
+        for name, declared in declared_fields(owner).items()
+        if all(isinstance(kind, type) and not get_args(kind) for kind in declared.kinds)
+    }
+
+
+def _outside(name: str, value: float, declared: DeclaredField) -> str:
+    """What is wrong with a number; empty where nothing is."""
+    if not isfinite(value):
+        return f"{name} is {value}; it must be finite."
+    said = declared.parameter
+    if said is None or said.admits(value):
+        return ""
+    return f"{name} is {value}{said.label}; it must be {said.range}. {declared.hint}".rstrip()
 
 
 def _is(value: object, kind: type) -> bool:
+    if type(value) is kind:
+        return True
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)
@@ -133,13 +140,11 @@ def _is(value: object, kind: type) -> bool:
 
 def _expected(kinds: tuple[type, ...]) -> str:
     words = [
-        _NUMBERS.get(kind) or _article(kind.__name__) for kind in kinds if kind is not NoneType
+        _NUMBERS.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
+        for kind in kinds
+        if kind is not NoneType
     ]
     return " or ".join([*words, *(["None"] if NoneType in kinds else [])])
-
-
-def _article(name: str) -> str:
-    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
 
 
 def _way_out(value: object) -> str:

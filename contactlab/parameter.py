@@ -1,13 +1,15 @@
-"""What a class says of each of its numbers, once: symbol, unit, meaning and range.
+"""What a class says of each of its values, once: symbol, unit, meaning, range and default.
 
 Configuration, messages, help, completion and documentation follow from it, for laws and their parts,
 resonators, materials, drive, rotor, contact and solver alike.
 """
 
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import MISSING, dataclass
+from dataclasses import fields as dataclass_fields
+from functools import cache, cached_property
 from math import inf, isfinite
-from typing import final, get_type_hints
+from types import NoneType
+from typing import Annotated, Any, final, get_args, get_origin, get_type_hints
 
 
 @final
@@ -19,11 +21,12 @@ class Parameter:
     hint says what that stands for; one that is annotated `int` must be whole.
 
     Args:
-        symbol: as in the equations.
-        units: SI, in the words of the CF conventions: "N m-1.5"; "1" for a pure number.
+        symbol: as in the equations; empty where none has it.
+        units: SI, in the words of the CF conventions: "N m-1.5"; "1" for a pure number, or no number.
         meaning: a few words.
         above, at_least, at_most, below: the range; above and below are not admitted themselves.
-        hint: a sentence that helps somebody who has run into the range: "Steel has 210 GPa."
+        hint: a sentence that helps somebody who has run into the range where the default does not:
+            "0 is a beam without tip."
     """
 
     symbol: str
@@ -35,30 +38,105 @@ class Parameter:
     below: float = inf
     hint: str = ""
 
+    def admits(self, value: float) -> bool:
+        """Tell whether a value is in the range."""
+        return self.above < value < self.below and self.at_least <= value <= self.at_most
+
     def holds(self, value: float) -> bool:
         """Tell whether a value is finite and in the range."""
-        inside = self.above < value < self.below and self.at_least <= value <= self.at_most
-        return isfinite(value) and inside
+        return isfinite(value) and self.admits(value)
+
+    @property
+    def unit(self) -> str:
+        """The unit as configurations and sentences write it: "N/m^1.5"."""
+        return from_cf(self.units)
+
+    @property
+    def label(self) -> str:
+        """The unit as it follows a number, empty for a pure number."""
+        return "" if self.units == "1" else f" {self.unit}"
 
     @property
     def range(self) -> str:
-        """The range in words."""
-        words = {
-            "above": self.above,
+        """The range in words, each bound with its unit; empty where every finite number will do."""
+        bounds = {
+            "greater than": self.above,
             "at least": self.at_least,
+            "less than": self.below,
             "at most": self.at_most,
-            "below": self.below,
         }
-        given = [f"{word} {bound:g}" for word, bound in words.items() if isfinite(bound)]
-        return " and ".join(given) or "finite"
+        return " and ".join(
+            f"{word} {bound:g}{self.label}" for word, bound in bounds.items() if isfinite(bound)
+        )
+
+
+@final
+@dataclass(frozen=True)
+class DeclaredField:
+    """A field of a dataclass with what is declared of it.
+
+    Args:
+        kind: its annotation without the declaration: `float`, `int | None`, a class.
+        default: `dataclasses.MISSING` where it must be given.
+        parameter: None for a field that holds an object of another class.
+    """
+
+    kind: Any
+    default: Any
+    parameter: Parameter | None
+
+    @cached_property
+    def kinds(self) -> tuple[Any, ...]:
+        """The kinds that are admitted, one of them `NoneType` where it may be None."""
+        kinds = get_args(self.kind)
+        return kinds if NoneType in kinds else (self.kind,)
+
+    @property
+    def hint(self) -> str:
+        """A sentence that helps somebody who has run into the range: the declared one, or the default."""
+        if self.parameter is None or self.parameter.hint or self.default in (None, MISSING):
+            return self.parameter.hint if self.parameter else ""
+        return f"The default is {self.default:g}{self.parameter.label}."
+
+
+@cache
+def declared_fields(owner: type) -> dict[str, DeclaredField]:
+    """Give the fields of a dataclass by name, in their order."""
+    found = {}
+    hints = get_type_hints(owner, include_extras=True)
+    for field in dataclass_fields(owner):
+        default = field.default
+        if field.default_factory is not MISSING:
+            default = field.default_factory()
+        hint, said = hints[field.name], None
+        if get_origin(hint) is Annotated:
+            said = next(
+                (extra for extra in hint.__metadata__ if isinstance(extra, Parameter)), None
+            )
+            hint = hint.__origin__
+        found[field.name] = DeclaredField(hint, default, said)
+    return found
 
 
 @cache
 def parameters_of(owner: type) -> dict[str, Parameter]:
-    """The declared parameters of a class by name; a field without declaration is not among them."""
+    """Give the declared parameters of a class by name; a field without declaration is not among them."""
     return {
         name: extra
         for name, hint in get_type_hints(owner, include_extras=True).items()
         for extra in getattr(hint, "__metadata__", ())
         if isinstance(extra, Parameter)
     }
+
+
+def from_cf(units: str) -> str:
+    """Write units of the CF conventions, 'N m-1.5', as configurations do: 'N/m^1.5'."""
+    above: list[str] = []
+    below: list[str] = []
+    for factor in units.split():
+        word = factor.rstrip("-.0123456789") or factor
+        power = factor[len(word) :]
+        size = power.removeprefix("-")
+        side = below if power.startswith("-") else above
+        side.append(word if size in ("", "1") else f"{word}^{size}")
+    return "/".join([" ".join(above) or "1", *below])

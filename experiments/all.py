@@ -12,7 +12,7 @@ from html import escape
 from importlib import import_module
 from pathlib import Path
 
-from harness import CONTRADICTED, DONE, Result, as_text, perform
+from harness import CONTRADICTED, DONE, NINE_DIGITS, Result, perform
 from tqdm import tqdm
 
 PAPER = (
@@ -66,18 +66,13 @@ def section(result: Result) -> str:
     """One experiment on the page."""
     picture = b64encode((result.folder / "figure.png").read_bytes()).decode()
     mark, word = ("holds", "Holds") if result.holds else ("not", "Does not hold")
-    head = "".join(f"<th>{escape(key)}</th>" for key in result.rows[0])
-    cells = (
-        "".join(f"<td>{escape(as_text(value))}</td>" for value in row.values())
-        for row in result.rows
-    )
-    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    table = result.rows.to_html(index=False, border=0, float_format=NINE_DIGITS)
     return (
         f"<section id='{result.name}'><h2>{escape(result.title)}</h2>"
         f"<p class='says'>{escape(result.says)}</p>"
         f"<img alt='{escape(result.title)}' src='data:image/png;base64,{picture}'>"
         f"<p><b class='{mark}'>{word}.</b> {escape(result.sentence)}</p>"
-        f"<details><summary>Numbers</summary><div class='table'><table><tr>{head}</tr>{body}</table></div>"
+        f"<details><summary>Numbers</summary><div class='table'>{table}</div>"
         f"</details><p><code>python experiments/{result.name}.py</code></p></section>"
     )
 

@@ -12,8 +12,6 @@ and `conf/experiment/NAME.yaml`, its difference from the default configuration.
 """
 
 import copy
-import csv
-import io
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,17 +20,12 @@ from types import ModuleType
 from typing import Any
 
 import matplotlib.pyplot as plt
+import pandas
 import xarray
 import yaml
-from hydra import compose, initialize_config_dir
-from hydra.errors import HydraException
 from matplotlib.figure import Figure
-from omegaconf import OmegaConf
-from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.cli.application import conf_directory
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.faults import one_line
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor import NormalModes
 from contactlab.plot.style import STYLE
@@ -41,9 +34,11 @@ from contactlab.results.provenance import versions
 STIFFNESS = 1e10
 """Of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""
 
+NINE_DIGITS = "{:.9g}".format
+"""How tables show numbers."""
+
 DONE, CONTRADICTED, REFUSED = 0, 1, 2
-"""Exit statuses; a finding that does not hold is no failure of the script, but nobody shall "
-"overlook it."""
+"""Exit statuses; a finding that does not hold is no failure of the script, but nobody shall overlook it."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +60,7 @@ class Result:
     says: str
     sentence: str
     holds: bool
-    rows: list[dict[str, object]]
+    rows: pandas.DataFrame
     folder: Path
 
 
@@ -75,21 +70,7 @@ def setup_of(name: str, overrides: Sequence[str] = ()) -> Setup:
     Raises:
         ConfigurationError: with every fault, a sentence each.
     """
-    return build(composed([f"experiment={name}", *overrides]))
-
-
-def composed(overrides: Sequence[str]) -> dict[str, Any]:
-    """What the configuration files and some overrides give, not yet checked.
-
-    Raises:
-        ConfigurationError: with Hydra's fault.
-    """
-    try:
-        with initialize_config_dir(str(conf_directory()), version_base="1.3"):
-            found = compose("config", overrides=list(overrides))
-    except (HydraException, OmegaConfBaseException) as error:
-        raise ConfigurationError([one_line(error)]) from error
-    return OmegaConf.to_container(found, resolve=True)  # type: ignore[return-value]
+    return build([f"experiment={name}", *overrides])
 
 
 def changed(setup: Setup, changes: Mapping[str, object]) -> Setup:
@@ -133,7 +114,7 @@ def perform(
     setup = setup_of(name, overrides)
     data: xarray.Dataset = module.study(setup, short)
     sentence, holds = module.finding(data)
-    rows: list[dict[str, object]] = module.table(data)
+    rows = pandas.DataFrame(module.table(data))
     folder.mkdir(parents=True, exist_ok=True)
     title = (module.__doc__ or "").partition("\n")[0]
     data.attrs |= {
@@ -143,7 +124,7 @@ def perform(
         **versions(),
     }
     data.to_netcdf(folder / "data.nc", engine="netcdf4")
-    (folder / "table.csv").write_text(as_csv(rows), encoding="utf-8")
+    rows.to_csv(folder / "table.csv", index=False, float_format="%.9g", lineterminator="\n")
     with plt.style.context(STYLE):
         figure: Figure = module.draw(data)
         figure.savefig(folder / "figure.png")
@@ -153,26 +134,9 @@ def perform(
     return Result(name, title, module.SAYS, sentence, holds, rows, folder)
 
 
-def as_csv(rows: list[dict[str, object]]) -> str:
-    """Rows as text, a header first."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: as_text(value) for key, value in row.items()} for row in rows)
-    return text.getvalue()
-
-
-def as_text(value: Any) -> str:
-    """A cell of a table."""
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
 def show(result: Result) -> None:
     """Print the table and the finding."""
-    cells = [list(result.rows[0]), *([as_text(v) for v in row.values()] for row in result.rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
-    for row in cells:
-        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
+    print(result.rows.to_string(index=False, float_format=NINE_DIGITS))
     print(f"\n{'Holds' if result.holds else 'DOES NOT HOLD'}: {result.sentence}")
     print(f"Written to {result.folder}: figure.png, figure.pdf, data.nc, table.csv")
 

@@ -51,8 +51,8 @@ def entry(metric: Metric) -> str:
         "",
     ]
     lines += [f"    {metric.symbol}", ""]
-    if metric.relation:
-        lines += [f"* must be {metric.relation} {metric.bound:g}: {metric.reason}."]
+    if metric.threshold:
+        lines += [f"* must be {metric.threshold}: {metric.reason}."]
     if metric.source:
         lines += [f"* source: {metric.source}"]
     return "\n".join([*lines, ""])

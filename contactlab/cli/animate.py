@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from contactlab.cli import interrupts
 from contactlab.cli.arguments import Parser
 from contactlab.cli.verbs import VERBS
-from contactlab.config.units import UnitError, to_si
-from contactlab.results.run_folder import damage
+from contactlab.config.quantity import UnitError, to_si
+from contactlab.results.files import damage
 
 if TYPE_CHECKING:
     import xarray

@@ -15,16 +15,13 @@ from hydra.core.global_hydra import GlobalHydra
 from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli.directories import folder_name
-from contactlab.cli.law_source import register
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory
 from contactlab.config.faults import ConfigurationError
 
-CONFIG_NAME = "config"
-VERSION_BASE = "1.3"
-"""Of Hydra's behaviour."""
+__all__ = ["CONFIG_NAME", "VERSION_BASE", "conf_directory", "folder_name", "started"]
 
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
 OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)
-register()
 
 
 @contextmanager
@@ -45,13 +42,6 @@ def started(config_path: str | None = None, config_dir: str | None = None) -> It
         yield application
     finally:
         GlobalHydra.instance().clear()
-
-
-def conf_directory() -> Path:
-    """The configuration files: inside the package in a wheel, beside it in a checkout."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "conf"
-    return inside if inside.is_dir() else package.parent / "conf"
 
 
 @final

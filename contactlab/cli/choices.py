@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
+from contactlab.config.groups import group_told_by
 from contactlab.config.nesting import flat
-from contactlab.config.schema import group_told_by
 
 
 def misplaced(line: str, key: str, value: object, options: Callable[[str], list[str]]) -> str:

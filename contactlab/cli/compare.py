@@ -40,8 +40,8 @@ def main(arguments: list[str]) -> int:
     given = parser.read(arguments)
     # Imported here: they bring the compiler and the plotting, which --help does not need.
     from contactlab.comparison import ComparisonError, compare
+    from contactlab.comparison.findings import conclusion, differences
     from contactlab.comparison.tables import as_text
-    from contactlab.comparison.words import conclusion, differences
     from contactlab.results.files import told
 
     output: Path = given.output

@@ -24,7 +24,7 @@ from contactlab.cli.progress import progress
 from contactlab.cli.runner import refusals
 from contactlab.config import build
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.idle import FRICTION, idle_friction
+from contactlab.config.rules import FRICTION, idle_friction
 from contactlab.sweeps.job import Job, key_of
 
 

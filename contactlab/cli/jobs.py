@@ -11,8 +11,7 @@ from contactlab.cli.streams import tell
 from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
-from contactlab.results.files import told
-from contactlab.results.run_folder import LOG
+from contactlab.results.files import LOG, told
 from contactlab.sweeps.job import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
 _MOST_CHARACTERS = 500

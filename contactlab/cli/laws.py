@@ -122,7 +122,7 @@ def described_parameter(member: Member) -> str:
     else:
         given = "none" if member.default is None else f"{member.default:g}"
         default = "must be given" if member.required else f"default {given}"
-    return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range}"
+    return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
 
 
 def declared_rows(owner: Any) -> dict[str, str]:

@@ -15,11 +15,11 @@ from contactlab.cli.composer import Composer
 from contactlab.cli.progress import progress
 from contactlab.cli.sweep_values import FORMS, MOST_CELLS, PREFIX, SweepError, Typed, typed
 from contactlab.config import ConfigurationError, build, validate
-from contactlab.config.idle import FRICTION, idle_friction
-from contactlab.config.keys import units_of
 from contactlab.config.nesting import Value
-from contactlab.config.quantity import describe
-from contactlab.config.units import UnitError, from_cf, to_si
+from contactlab.config.quantity import UnitError, describe, to_si
+from contactlab.config.rules import FRICTION, idle_friction
+from contactlab.config.schema import units_of
+from contactlab.parameter import from_cf
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.cells import Axis
 from contactlab.sweeps.many import Wanted

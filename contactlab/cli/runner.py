@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, final
 from contactlab.cli import interrupts
 from contactlab.cli.progress import progress
 from contactlab.config import Setup
-from contactlab.results.run_folder import DATASET
+from contactlab.results.files import DATASET
 
 if TYPE_CHECKING:
     from contactlab.trajectory import Ending
@@ -95,7 +95,7 @@ def execute(setup: Setup, directory: Path) -> Outcome:
 
             overview.overview(tree, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
-    summary = f"{summarise(trajectory, wall_time)}\nWritten to {directory / DATASET}{beside}"
+    summary = f"{summarise(tree, wall_time)}\nWritten to {directory / DATASET}{beside}"
     return Outcome(trajectory.ending, trajectory.message, digest, summary)
 
 

@@ -25,8 +25,7 @@ from contactlab.cli.composition import Plan
 from contactlab.cli.directories import quoted
 from contactlab.cli.jobs import write_log
 from contactlab.config.faults import one_line
-from contactlab.results.files import told
-from contactlab.results.run_folder import LOG
+from contactlab.results.files import LOG, told
 from contactlab.sweeps.outlook import outlook
 from contactlab.sweeps.roster import extend_roster
 

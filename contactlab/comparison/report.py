@@ -1,31 +1,26 @@
-"""The report: one page that holds its pictures itself and fetches nothing."""
+"""Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
 
 import json
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
+from string import Template
 from typing import Final
 
 import xarray
+from tqdm import tqdm
 
-from contactlab.comparison.tables import Cell, Row, rows
-from contactlab.comparison.words import conclusion, differences, verdicts
+from contactlab.comparison.findings import conclusion, differences, verdicts
+from contactlab.comparison.reruns import RERUNS, Refined, refined
+from contactlab.comparison.runs import Source, collect
+from contactlab.comparison.scorecard import scorecard
+from contactlab.comparison.tables import Cell, Row, as_csv, as_latex, rows
+from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS
+from contactlab.results.files import whole_file, whole_netcdf
 
-STYLE: Final = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 64rem; margin: 0 auto; padding: 1rem; color: #222;
-  overflow-wrap: anywhere }
-h1 { line-height: 1.2 } img { display: block; max-width: 100%; height: auto; margin: 0 auto }
-figure { margin: 2rem 0 } figcaption { color: #555; font-size: 0.9rem }
-.box { overflow-x: auto } pre { overflow-x: auto; font-size: 0.75rem }
-table { border-collapse: collapse; font-size: 0.8rem; overflow-wrap: normal }
-td, th { padding: 0.2rem 0.6rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #ddd }
-td:first-child, th:first-child { text-align: left; white-space: normal; min-width: 9rem }
-td small { color: #555 } .pass { color: #00623f }
-.fail { color: #a33c00; font-weight: bold } .none { color: #767676 }
-@media (max-width: 40rem) { td small { display: block } td, th { padding: 0.2rem 0.35rem }
-  td:first-child { min-width: 7.5rem } ul { padding-left: 1.2rem } }
-"""
+PAGE: Final = Path(__file__).with_name("report.html")
+"""The page without its words."""
 
 CAPTIONS: Final = {
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
@@ -40,122 +35,136 @@ CAPTIONS: Final = {
 }
 
 
-def page(data: xarray.Dataset, pictures: Mapping[str, bytes]) -> str:
-    """The report.
+def compare(
+    sources: Sequence[Source], output: str | Path | None = None, *, refine: bool = True
+) -> xarray.Dataset:
+    """Compare contact laws in one motor.
+
+    Args:
+        sources: run folders, their datasets, folders of such folders, or runs in memory; all of one
+            motor with one drive.
+        output: folder for tables, figures and the report, made where it is missing; None writes
+            nothing.
+        refine: whether every law is run again at finer steps, with more friction and on a larger basis;
+            what follows from these is not applicable without.
+
+    Returns:
+        Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
+        `law` and `term`.
+
+    Raises:
+        ComparisonError: the runs cannot be compared; a sentence each.
+        OSError: the folder cannot be written to.
+    """
+    runs, notes = collect(sources)
+    total = RERUNS * len(runs)
+    with tqdm(total=total, unit=" runs", disable=None, delay=1.0, leave=False) as bar:
+        laws = [refined(run, bar.update) if refine else Refined(run) for run in runs]
+    data = scorecard(laws, notes)
+    if output is not None:
+        _write(data, laws, Path(output))
+    return data
+
+
+def _write(data: xarray.Dataset, laws: Sequence[Refined], folder: Path) -> None:
+    # It brings the plotting.
+    from contactlab.comparison.figures import draw_all
+
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data)}
+    with whole_netcdf(folder / "metrics.nc") as partial:
+        data.to_netcdf(partial, engine="netcdf4")
+    texts["report.html"] = page(data, draw_all(laws, data, folder))
+    for name, text in texts.items():
+        with whole_file(folder / name) as partial:
+            partial.write_text(text, encoding="utf-8")
+
+
+def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
+    """Write the report: one page that holds its pictures itself and fetches nothing.
 
     Args:
         data: the scorecard.
-        pictures: PNG by figure name.
+        pictures: PNG files.
     """
-    labels = [str(label) for label in data["law"].values]
-    title = "Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"
-    parts = [
-        "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
-        "<meta name='viewport' content='width=device-width, initial-scale=1'>",
-        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body>",
-        f"<h1>{escape(title)}</h1>",
-        f"<p><b>{escape(conclusion(data))}</b></p>",
-        _list(differences(data)),
-        "<h2>Scorecard</h2>",
-        _table(rows(data), labels),
-        "<p><small>\u00b1 is the numerical error by Richardson's estimate from three runs at ever finer "
-        "steps or tolerances; n/a: the metric does not apply or could not be found.</small></p>",
-        *(_picture(name, png) for name, png in pictures.items()),
-        "<h2>Law by law</h2>",
-        *(f"<h3>{escape(k)}</h3>{_list(said)}" for k, said in verdicts(data).items()),
-        *_notes(data),
-        "<h2>What is measured</h2>",
-        _definitions(rows(data), data),
-        "<h2>What ran</h2>",
-        *_configurations(data),
-        "<h2>Versions</h2>",
-        _versions(data),
-        "</body></html>",
-    ]
-    return "\n".join(parts)
-
-
-def write_page(data: xarray.Dataset, folder: Path, names: Mapping[str, object]) -> str:
-    """The report with the pictures that lie in a folder."""
-    return page(data, {name: (folder / f"{name}.png").read_bytes() for name in names})
-
-
-def _list(sentences: list[str]) -> str:
-    return (
-        "<ul>" + "".join(f"<li>{escape(s)}</li>" for s in sentences) + "</ul>" if sentences else ""
+    table, labels = rows(data), [str(label) for label in data["law"].values]
+    notes = str(data.attrs["notes"]).splitlines()
+    return Template(PAGE.read_text(encoding="utf-8")).substitute(
+        title=escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
+        conclusion=escape(conclusion(data)),
+        differences=_list(differences(data)),
+        scorecard=_table(table, labels),
+        pictures="\n".join(map(_picture, pictures)),
+        verdicts="\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
+        notes=f"<h2>Notes</h2>{_list(notes)}" if notes else "",
+        definitions=f"<ul>{''.join(map(_definition, table))}</ul>",
+        configurations="\n".join(_configuration(data.sel(law=label)) for label in labels),
+        versions=escape(_versions(data)),
     )
 
 
-def _table(table: list[Row], labels: list[str]) -> str:
+def _list(sentences: Iterable[str]) -> str:
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    return items and f"<ul>{items}</ul>"
+
+
+def _table(table: Sequence[Row], labels: Sequence[str]) -> str:
     head = "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels))
     body = "".join(
-        f"<tr><td title='{escape(row.meaning)}'>{escape(row.brief)}{escape(row.unit)}</td>"
-        f"<td>{escape(_sign(row.threshold))}</td>{''.join(map(_cell, row.cells.values()))}</tr>"
+        f"<tr><td title='{escape(row.meaning)}'>{escape(row.brief + row.bracketed)}</td>"
+        f"<td>{_sign(row.threshold)}</td>{''.join(map(_cell, row.cells.values()))}</tr>"
         for row in table
     )
-    return f"<div class='box'><table id='scorecard'><tr>{head}</tr>{body}</table></div>"
+    return f"<tr>{head}</tr>{body}"
 
 
 def _sign(threshold: str) -> str:
-    return threshold.replace("<=", "\u2264").replace(">=", "\u2265")
+    return threshold.replace("<=", "\u2264")
 
 
 def _cell(cell: Cell) -> str:
-    kind = {"pass": "pass", "fail": "fail", "n/a": "none"}.get(cell.verdict, "")
+    kind = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none"}.get(cell.verdict, "")
     number, _, error = cell.number.partition(" \u00b1 ")
-    small = f" <small>\u00b1 {escape(error)}</small>" if error else ""
-    return f"<td class='{kind}'>{escape(number)}{small} {escape(cell.word)}</td>"
+    small = f" <small>\u00b1 {error}</small>" if error else ""
+    return f"<td class='{kind}'>{number}{small} {cell.word}</td>"
 
 
-def _picture(name: str, png: bytes) -> str:
-    said = escape(CAPTIONS[name])
+def _picture(path: Path) -> str:
+    said, data = escape(CAPTIONS[path.stem]), b64encode(path.read_bytes()).decode()
     return (
-        f"<figure><img alt='{said}' src='data:image/png;base64,{b64encode(png).decode()}'>"
+        f"<figure><img alt='{said}' src='data:image/png;base64,{data}'>"
         f"<figcaption>{said}</figcaption></figure>"
     )
 
 
-def _notes(data: xarray.Dataset) -> Iterator[str]:
-    if notes := str(data.attrs["notes"]):
-        yield "<h2>Notes</h2>"
-        yield _list(notes.splitlines())
+def _definition(row: Row) -> str:
+    """Give key, symbol, meaning and the threshold's reason of a metric."""
+    said = [row.meaning.rstrip(".")]
+    if row.threshold:
+        said.append(f"Must be {_sign(row.threshold)}: {row.reason.rstrip('.')}")
+    if row.metric_source:
+        said.append(f"Source: {row.metric_source.rstrip('.')}")
+    text = escape(f"{row.symbol}{row.bracketed}: {'. '.join(said)}.")
+    return f"<li><code>{escape(row.metric)}</code> = {text}</li>"
 
 
-def _definitions(table: list[Row], data: xarray.Dataset) -> str:
-    """Key, symbol, meaning and the threshold's reason of every metric."""
-    entries = []
-    for j, row in enumerate(table):
-        symbol = str(data["symbol"].values[j])
-        source = str(data["metric_source"].values[j])
-        said = [f"{row.meaning}." if not row.meaning.endswith(".") else row.meaning]
-        if row.threshold:
-            said.append(f"Must be {_sign(row.threshold)}: {row.reason.rstrip('.')}.")
-        if source:
-            said.append(f"Source: {source.rstrip('.')}.")
-        text = " ".join(said)
-        entries.append(
-            f"<li><code>{escape(row.key)}</code> = {escape(symbol)}{escape(row.unit)}: "
-            f"{escape(text)}</li>"
-        )
-    summary = "<summary>Definitions, thresholds, sources</summary>"
-    return f"<details>{summary}<ul>{''.join(entries)}</ul></details>"
-
-
-def _configurations(data: xarray.Dataset) -> Iterator[str]:
-    for i, label in enumerate(data["law"].values):
-        told = {name: str(data[name].values[i]) for name in ("run", "refined", "configuration")}
-        yield (
-            f"<h3>{escape(str(label))}</h3><p>{escape(told['run'])}; values at {escape(told['refined'])}.</p>"
-            f"<details><summary>Configuration</summary><pre>{escape(told['configuration'])}</pre></details>"
-        )
+def _configuration(law: xarray.Dataset) -> str:
+    label, run, refined, configuration = (
+        escape(str(law[name].item())) for name in ("law", "run", "refined", "configuration")
+    )
+    return (
+        f"<h3>{label}</h3><p>{run}; values at {refined}.</p>"
+        f"<details><summary>Configuration</summary><pre>{configuration}</pre></details>"
+    )
 
 
 def _versions(data: xarray.Dataset) -> str:
-    names = [name for name in data.attrs if str(name).endswith("_version")]
-    said = [f"{str(name).removesuffix('_version')} {data.attrs[name]}" for name in names]
-    said.append(f"revision {data.attrs['git_revision']}")
-    said += [
-        f"{label} recorded by contactlab {version}"
-        for label, version in json.loads(data.attrs["recorded_by"]).items()
+    said = [
+        f"{str(name).removesuffix('_version')} {version}"
+        for name, version in data.attrs.items()
+        if str(name).endswith("_version")
     ]
-    return f"<p>{escape('; '.join(said))}.</p>"
+    said.append(f"revision {data.attrs['git_revision']}")
+    recorded_by = json.loads(data.attrs["recorded_by"])
+    said += [f"{label} recorded by contactlab {version}" for label, version in recorded_by.items()]
+    return f"{'; '.join(said)}."

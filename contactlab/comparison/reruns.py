@@ -4,20 +4,17 @@ The configuration that a run recorded builds the same motor and law again, so th
 brought to its own convergence before it is set beside the others.
 """
 
-import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, final
 
 import numpy as np
-import xarray
 
-from contactlab.comparison.arrays import Array, holds, series
-from contactlab.comparison.runs import Run
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.arrays import Array
+from contactlab.config import ConfigurationError, build
 from contactlab.engine import simulate
 from contactlab.laws.base import MultiplierLaw
-from contactlab.results.netcdf import to_datatree
+from contactlab.metrics import Run
 
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
 """Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
@@ -42,7 +39,7 @@ SLOWEST: Final = 0.9
 
 
 @final
-@dataclass(frozen=True)
+@dataclass
 class Refined:
     """A run with its reruns.
 
@@ -59,31 +56,36 @@ class Refined:
     run: Run
     control: str = ""
     order: float = 1.0
-    steps: list[tuple[float, xarray.DataTree]] = field(default_factory=list)
-    friction: tuple[float, xarray.DataTree] | None = None
-    basis: xarray.DataTree | None = None
+    steps: list[tuple[float, Run]] = field(default_factory=list)
+    friction: tuple[float, Run] | None = None
+    basis: Run | None = None
     notes: list[str] = field(default_factory=list)
 
     @property
-    def best(self) -> xarray.DataTree:
+    def best(self) -> Run:
         """The finest of the reruns, the run itself without any."""
-        return self.steps[-1][1] if self.steps else self.run.tree
+        return self.steps[-1][1] if self.steps else self.run
 
     @property
-    def base(self) -> xarray.DataTree:
+    def base(self) -> Run:
         """The rerun as recorded, which the changed ones are set against; else the run itself."""
-        return self.steps[0][1] if self.steps else self.run.tree
+        return self.steps[0][1] if self.steps else self.run
 
-    def error(self, of: Callable[[xarray.DataTree], Any]) -> Any:
-        """Numerical error of a number or of a series of the finest rerun; NaN without reruns."""
+    @property
+    def period(self) -> float:
+        """Period of the drive's first tone [s]; a tenth of the run where it is not known."""
+        return self.run.period or 0.1 * float(np.ptp(self.run.time))
+
+    def error(self, of: Callable[[Run], Any]) -> Any:
+        """Give the numerical error of a number or a series of the finest rerun; NaN without reruns."""
         if not self.steps:
             return np.full_like(np.asarray(of(self.best), dtype=float), np.nan)
         factor = self.steps[0][0] / self.steps[1][0]
-        return richardson([np.asarray(of(tree)) for _, tree in self.steps], factor, self.order)
+        return richardson([np.asarray(of(run)) for _, run in self.steps], factor, self.order)
 
 
-def richardson(values: list[Array], factor: float, order: float) -> Array:
-    """Error of the last of three values from steps that fall by a factor.
+def richardson(values: Sequence[Array], factor: float, order: float) -> Array:
+    """Give the error of the last of three values from steps that fall by a factor.
 
     With differences that fall by the ratio q the rest of the series is q / (1 - q) times the last of
     them. The ratio is what is seen, but no better than the declared order promises; a sequence that does
@@ -103,109 +105,101 @@ def refined(run: Run, advance: Callable[[], object] = lambda: None) -> Refined:
     """Run a law again at finer steps, with more friction and on a larger basis.
 
     Args:
-        run: as recorded. One that cannot be built again comes back with a note.
+        run: as recorded. One that cannot be run again comes back with a note.
         advance: called after every rerun.
     """
+    law = Refined(run)
     try:
         setup = build(run.configuration)
     except ConfigurationError as error:
         first = error.faults[0].rstrip(".")
-        return Refined(
-            run,
-            notes=[f"{run.label} is taken as recorded, its configuration does not build: {first}."],
+        law.notes.append(
+            f"{run.label} is taken as recorded, its configuration does not build: {first}."
         )
+        return law
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
-    recorded = {"contact_step": setup.contact_step, "tolerance": setup.tolerance}[control]
-    assert recorded is not None, "a compliant setup has a tolerance"
-    notes: list[str] = []
     steps = []
     for divisor in FINER[control]:
-        tree = _run(
-            setup,
-            run,
-            f"at {control} {recorded / divisor:.3g}",
-            notes,
-            **{control: recorded / divisor},
-        )
+        finer = getattr(setup, control) / divisor
+        again = _again(law, f"at {control} {finer:.3g}", solver={control: finer})
         advance()
-        if tree is not None:
-            steps.append((recorded / divisor, tree))
+        if again is not None:
+            steps.append((finer, again))
+    # Without all of them there is no convergence to speak of.
     if len(steps) < len(FINER[control]):
-        # Without all of them there is no convergence to speak of.
-        return Refined(run, notes=notes)
-    notes += _repeated(run, steps[0][1])
-    friction, basis = _more_friction(run, notes), _larger_basis(run, notes)
+        return law
+    law.control, law.order, law.steps = control, setup.law.convergence_order, steps
+    law.notes += _unlike(run, law.base)
+    law.friction = _more_friction(law)
     advance()
+    law.basis = _larger_basis(law)
     advance()
-    changed_by = None if friction is None else (FRICTION_CHANGE, friction)
-    return Refined(run, control, setup.law.convergence_order, steps, changed_by, basis, notes)
+    return law
 
 
-def _run(
-    setup: Setup, run: Run, words: str, notes: list[str], **finer: float
-) -> xarray.DataTree | None:
-    """One rerun in memory; None with a note if it does not reach its end."""
-    interval = min(setup.record_interval, run.period / RECORDS_PER_PERIOD)
-    if setup.duration / interval > MOST_RECORDS:
-        interval = setup.record_interval
-    given = {"contact_step": setup.contact_step, "tolerance": setup.tolerance} | finer
+def _more_friction(law: Refined) -> tuple[float, Run] | None:
+    coefficient = law.run.setting("contact", "friction_coefficient")
+    if coefficient == 0.0:
+        law.notes.append(
+            f"{law.run.label} is frictionless: no sensitivity to the friction coefficient."
+        )
+        return None
+    more = {"friction_coefficient": coefficient * (1.0 + FRICTION_CHANGE)}
+    again = _again(law, "with more friction", contact=more)
+    return None if again is None else (FRICTION_CHANGE, again)
+
+
+def _larger_basis(law: Refined) -> Run | None:
+    """Run with more functions; a drive at the first natural frequency stays there."""
+    resonator, drive = law.run.configuration["resonator"], law.run.configuration["drive"]
+    key = "shapes" if resonator["basis"] == "ritz" else "kept_modes"
+    larger = resonator[key] + MORE_SHAPES
+    known = law.run.columns.get("natural_frequency")
+    tuned = known is not None and drive["frequency"] == known[0]
+    return _again(
+        law,
+        f"with resonator.{key} {larger}",
+        resonator={key: larger},
+        drive={"frequency": None} if tuned else {},
+    )
+
+
+def _again(law: Refined, words: str, **changes: Mapping[str, Any]) -> Run | None:
+    """Make one rerun in memory, with keys changed by section; None with a note where there is none."""
+    given = law.run.configuration
+    changed = {section: {**given[section], **keys} for section, keys in changes.items()}
     try:
+        setup = build({**given, **changed})
+        interval = min(setup.record_interval, law.period / RECORDS_PER_PERIOD)
+        if setup.duration / interval > MOST_RECORDS:
+            interval = setup.record_interval
         trajectory = simulate(
             setup.motor,
             setup.law,
             duration=setup.duration,
             record_interval=interval,
-            contact_step=given["contact_step"],
-            tolerance=given["tolerance"],
+            contact_step=setup.contact_step,
+            tolerance=setup.tolerance,
         )
+    except ConfigurationError as error:
+        law.notes.append(f"{law.run.label} cannot be run {words}: {error.faults[0]}")
     # A law of another package may fail in ways of its own.
     except Exception as error:
-        notes.append(f"{run.label} fails {words}: {error}")
-        return None
-    if not trajectory.ending.reached_end:
-        notes.append(f"{run.label} does not reach its end {words}: {trajectory.message}")
-        return None
-    return to_datatree(trajectory, setup.configuration)
+        law.notes.append(f"{law.run.label} fails {words}: {error}")
+    else:
+        if trajectory.ending.reached_end:
+            return Run.of_trajectory(trajectory, setup.configuration)
+        law.notes.append(f"{law.run.label} does not reach its end {words}: {trajectory.message}")
+    return None
 
 
-def _repeated(run: Run, again: xarray.DataTree) -> Iterator[str]:
-    """A word if the rerun is not the run that was recorded."""
-    if not holds(run.tree, "rotor_velocity"):
+def _unlike(run: Run, again: Run) -> Iterator[str]:
+    """Say so if the rerun is not the run that was recorded."""
+    if not run.holds("rotor_velocity"):
         return
-    old, new = (float(series(tree, "rotor_velocity")[-1]) for tree in (run.tree, again))
+    old, new = (float(which.columns["rotor_velocity"][-1]) for which in (run, again))
     if abs(old - new) > 1e-9 * max(abs(old), abs(new)):
         yield (
             f"{run.label} run again ends at {new:.9g} rad/s and not at the recorded {old:.9g} rad/s: "
             "other code has left it. The reruns are compared."
         )
-
-
-def _more_friction(run: Run, notes: list[str]) -> xarray.DataTree | None:
-    changed = copy.deepcopy(dict(run.configuration))
-    changed["contact"]["friction_coefficient"] *= 1.0 + FRICTION_CHANGE
-    if changed["contact"]["friction_coefficient"] == 0.0:
-        notes.append(f"{run.label} is frictionless: no sensitivity to the friction coefficient.")
-        return None
-    return _changed(changed, run, "with more friction", notes)
-
-
-def _larger_basis(run: Run, notes: list[str]) -> xarray.DataTree | None:
-    """More functions; a drive at the first natural frequency stays there."""
-    changed = copy.deepcopy(dict(run.configuration))
-    key = "shapes" if changed["resonator"]["basis"] == "ritz" else "kept_modes"
-    changed["resonator"][key] += MORE_SHAPES
-    known = holds(run.tree, "natural_frequency")
-    if known and changed["drive"]["frequency"] == series(run.tree, "natural_frequency")[0]:
-        changed["drive"]["frequency"] = None
-    return _changed(changed, run, f"with resonator.{key} {changed['resonator'][key]}", notes)
-
-
-def _changed(
-    configuration: dict[str, Any], run: Run, words: str, notes: list[str]
-) -> xarray.DataTree | None:
-    try:
-        setup = build(configuration)
-    except ConfigurationError as error:
-        notes.append(f"{run.label} cannot be run {words}: {error.faults[0]}")
-        return None
-    return _run(setup, run, words, notes)

@@ -1,53 +1,41 @@
-"""The runs that are compared: found, read, checked and named."""
+"""The runs that are compared: found, read, held to be of one motor with one drive, and named."""
 
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from math import isclose
 from pathlib import Path
 from typing import Any, final
 
+import numpy as np
 import xarray
 
-from contactlab.comparison.arrays import series
-from contactlab.comparison.faults import ComparisonError
-from contactlab.comparison.sameness import differences, law_keys, shown
-from contactlab.metrics import configuration_of, read_run
+from contactlab.config.nesting import flat
+from contactlab.metrics import Run, read_run
+from contactlab.results.files import DATASET
 from contactlab.results.netcdf import reached_end
-from contactlab.results.run_folder import DATASET
+from contactlab.simulation import Solution
 
-Source = str | Path | xarray.DataTree
+Source = str | Path | Solution | xarray.DataTree
 """A run folder, a dataset, a folder of such folders, or a run in memory."""
+
+FREE = ("law", "solver", "record", "hydra")
+"""Sections of the configuration in which compared runs may differ."""
+
+MOST_NAMES = 2
+"""Runs that a sentence names for one value."""
+
+SAME = 1e-9
+"""Relative difference at which two numbers count as one: another machine rounds otherwise."""
 
 
 @final
-@dataclass(frozen=True)
-class Run:
-    """A run.
+class ComparisonError(ValueError):
+    """Runs that cannot be compared, a sentence for each fault."""
 
-    Args:
-        label: its law in a word, with what sets it apart where a law has several runs.
-        source: where it is from.
-        tree: what it recorded.
-        configuration: as recorded, nested; empty where the run has none.
-    """
-
-    label: str
-    source: str
-    tree: xarray.DataTree
-    configuration: Mapping[str, Any]
-
-    @property
-    def law(self) -> str:
-        """The law's name."""
-        return _law(self.source, self.tree)
-
-    @property
-    def period(self) -> float:
-        """Period of the drive's first tone [s]; a tenth of the run where it is not known."""
-        frequency = dict(self.configuration.get("drive") or {}).get("frequency")
-        time = series(self.tree, "time")
-        return 1.0 / float(frequency) if frequency else 0.1 * float(time[-1] - time[0])
+    def __init__(self, faults: Iterable[str]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(self.faults))
 
 
 def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
@@ -60,40 +48,33 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
         ComparisonError: with every fault that was found.
     """
     faults: list[str] = []
-    read: list[tuple[str, xarray.DataTree]] = []
-    for name, found in _found(sources, faults):
-        tree = _read(name, found, faults)
-        if tree is not None:
-            read.append((name, tree))
-    if not read and not faults:
+    read = [_read(name, source, faults) for name, source in _found(sources, faults).items()]
+    runs = [run for run in read if run is not None]
+    if not runs and not faults:
         faults.append("There is nothing to compare; give one run folder or more.")
     if faults:
         raise ComparisonError(faults)
-    configurations = {name: configuration_of(tree) for name, tree in read}
-    faults, notes = differences(dict(read), configurations)
-    if faults:
+    if faults := list(_differences(runs)):
         raise ComparisonError(faults)
-    labels = _labels(dict(read), configurations, faults)
-    if faults:
+    labelled = _labelled(runs)
+    if faults := list(_repeated(labelled)):
         raise ComparisonError(faults)
-    return [Run(labels[name], name, tree, configurations[name]) for name, tree in read], notes
+    return labelled, list(_untold(runs))
 
 
-def _found(
-    sources: Sequence[Source], faults: list[str]
-) -> list[tuple[str, Path | xarray.DataTree]]:
-    """Names and places of all runs, each once."""
+def _found(sources: Sequence[Source], faults: list[str]) -> dict[str, Path | xarray.DataTree]:
+    """All runs by name, each once."""
     found: dict[str, Path | xarray.DataTree] = {}
     seen: set[Path] = set()
     for number, source in enumerate(sources, 1):
-        if isinstance(source, xarray.DataTree):
-            found[f"run {number}"] = source
+        if isinstance(source, Solution | xarray.DataTree):
+            found[f"run {number}"] = source.tree if isinstance(source, Solution) else source
             continue
         for path in _datasets(Path(source), faults):
             if path.resolve() not in seen:
                 seen.add(path.resolve())
                 found[str(path.parent if path.name == DATASET else path)] = path
-    return list(found.items())
+    return found
 
 
 def _datasets(source: Path, faults: list[str]) -> list[Path]:
@@ -118,14 +99,14 @@ def _datasets(source: Path, faults: list[str]) -> list[Path]:
 
 
 def _in_order(path: Path) -> list[tuple[int, str]]:
-    """Sorts 10_... after 9_..., as the jobs of a sweep are named."""
+    """Sort 10_... after 9_..., as the jobs of a sweep are named."""
     words = re.split(r"(\d+)", str(path))
     return [(int(word), "") if word.isdigit() else (-1, word) for word in words]
 
 
-def _read(name: str, found: Path | xarray.DataTree, faults: list[str]) -> xarray.DataTree | None:
+def _read(name: str, source: Path | xarray.DataTree, faults: list[str]) -> Run | None:
     try:
-        tree = read_run(found)
+        tree = read_run(source)
     # A file may be anything.
     except (OSError, ValueError, KeyError, RuntimeError, AttributeError) as error:
         faults.append(
@@ -133,65 +114,138 @@ def _read(name: str, found: Path | xarray.DataTree, faults: list[str]) -> xarray
             f"{DATASET} that contactlab has left. Run it again."
         )
         return None
+    run = Run.of(tree)
     # A dataset of one's own need not say so.
     if not reached_end(tree.attrs):
-        time = float(series(tree, "time")[-1])
         faults.append(
-            f"The run '{name}' of {tree.attrs.get('law', 'some law')} is incomplete: it ended at "
-            f"{time:.6g} s ({tree.attrs.get('message') or tree.attrs.get('ending', 'no reason')}); a "
-            "run that is compared must have reached its end. Run it again or leave it out."
+            f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at "
+            f"{run.time[-1]:.6g} s ({tree.attrs.get('message') or tree.attrs.get('ending', 'no reason')}); "
+            "a run that is compared must have reached its end. Run it again or leave it out."
         )
         return None
-    return tree
+    return replace(run, source=name, label=run.law or Path(name).stem)
 
 
-def _law(name: str, tree: xarray.DataTree) -> str:
-    return str(tree.attrs.get("law") or Path(name).stem)
+def _differences(runs: Sequence[Run]) -> Iterable[str]:
+    """Say what sets runs apart other than their laws."""
+    values = [flat(run.configuration) for run in runs]
+    keys = dict.fromkeys(key for mine in values for key in mine if _section(key) not in FREE)
+    same = True
+    for key in keys:
+        telling = [
+            (run, mine.get(key))
+            for run, mine in zip(runs, values, strict=True)
+            if _section(key) in run.configuration
+        ]
+        for sentence in _unlike(key, telling):
+            same = False
+            yield sentence
+    yield from _unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs])
+    # Where a key has told of it already, once is enough.
+    if same:
+        name = "natural_frequency"
+        modes = [(run, run.columns[name].tolist()) for run in runs if run.holds(name)]
+        yield from _unlike("The natural frequency [Hz]", modes)
 
 
-def _labels(
-    trees: Mapping[str, xarray.DataTree],
-    configurations: Mapping[str, Mapping[str, Any]],
-    faults: list[str],
-) -> dict[str, str]:
-    """A word for every run."""
-    laws = {name: _law(name, tree) for name, tree in trees.items()}
-    labels = dict(laws)
-    for law, count in Counter(laws.values()).items():
-        if count == 1:
-            continue
-        names = [name for name in trees if laws[name] == law]
-        keys = {name: law_keys(trees[name], configurations[name]) for name in names}
-        labels |= {name: f"{law} ({said})" if said else law for name, said in _apart(keys).items()}
-    for label, count in Counter(labels.values()).items():
-        if count > 1:
-            names = [name for name, mine in labels.items() if mine == label]
-            listed = ", ".join(f"'{name}'" for name in names)
-            faults.append(
-                f"{label} stands in {count} runs with the same parameters, {listed}; a law is "
-                "compared once. Leave all but one out."
+def _section(key: str) -> str:
+    return key.partition(".")[0]
+
+
+def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> Iterable[str]:
+    """Say which runs have which value, if they differ."""
+    groups: list[tuple[Any, list[str]]] = []
+    for run, value in values:
+        known = next((names for known, names in groups if _same(known, value)), None)
+        if known is None:
+            groups.append((value, [run.source]))
+        else:
+            known.append(run.source)
+    if len(groups) > 1:
+        said = " and ".join(f"{shown(value)} in {_some(names)}" for value, names in groups)
+        yield (
+            f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
+            "the same in all runs. Leave runs out, or run one of them again."
+        )
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and bool(np.allclose(one, other, rtol=SAME, atol=0.0))
+    numbers = all(isinstance(x, int | float) and not isinstance(x, bool) for x in (one, other))
+    return isclose(one, other, rel_tol=SAME) if numbers else bool(one == other)
+
+
+def _some(names: Sequence[str]) -> str:
+    """Name the first of some runs, and how many there are."""
+    first = ", ".join(f"'{name}'" for name in names[:MOST_NAMES])
+    rest = len(names) - MOST_NAMES
+    return f"{first} and {rest} more" if rest > 0 else first
+
+
+def shown(value: Any) -> str:
+    """Write a value in a sentence or a label."""
+    if value is None:
+        return "not given"
+    if isinstance(value, list):
+        return " ".join(shown(entry) for entry in value)
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _untold(runs: Sequence[Run]) -> Iterable[str]:
+    """Say what could not be checked."""
+    told = dict.fromkeys(key for run in runs for key in run.configuration if key not in FREE)
+    for run in runs:
+        if missing := [section for section in told if section not in run.configuration]:
+            yield (
+                f"'{run.source}' does not say its {', '.join(missing)}; that they are those of the other "
+                "runs is taken on trust."
             )
-    return labels
 
 
-def _apart(keys: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """What sets runs of one law apart: its own keys, those of its parts only as far as is needed."""
-    every = dict.fromkeys(key for mine in keys.values() for key in mine)
-    differing = [key for key in every if len({shown(k.get(key)) for k in keys.values()}) > 1]
+def _labelled(runs: Sequence[Run]) -> list[Run]:
+    """Runs with what sets those of one law apart in their labels."""
+    labelled = []
+    for run in runs:
+        same = [_law_keys(other) for other in runs if other.label == run.label]
+        own = _law_keys(run)
+        said = _said(own, _telling(same))
+        labelled.append(replace(run, label=f"{run.label} ({said})" if said else run.label))
+    return labelled
+
+
+def _repeated(runs: Sequence[Run]) -> Iterable[str]:
+    for label in dict.fromkeys(run.label for run in runs):
+        names = [f"'{run.source}'" for run in runs if run.label == label]
+        if len(names) > 1:
+            yield (
+                f"{label} stands in {len(names)} runs with the same parameters, {', '.join(names)}; a law "
+                "is compared once. Leave all but one out."
+            )
+
+
+def _law_keys(run: Run) -> dict[str, Any]:
+    """The law's parameters by key; from its own record where the configuration has none."""
+    section = run.configuration.get("law")
+    values = flat(section if isinstance(section, Mapping) else run.law_parameters)
+    said = {k: v for k, v in values.items() if v is not None and k != "name"}
+    return {key.removesuffix(".name"): value for key, value in said.items()}
+
+
+def _telling(laws: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The keys that set laws apart: their own, those of their parts only as far as is needed."""
+    every = dict.fromkeys(key for mine in laws for key in mine)
+    differing = [key for key in every if len({shown(k.get(key)) for k in laws}) > 1]
     chosen = [key for key in differing if "." not in key]
-    said = _said(keys, chosen)
     for key in (key for key in differing if "." in key):
-        if len(set(said.values())) == len(keys):
-            break
-        longer = _said(keys, [*chosen, key])
-        if len(set(longer.values())) > len(set(said.values())):
+        if _apart(laws, [*chosen, key]) > _apart(laws, chosen):
             chosen.append(key)
-            said = longer
-    return said
+    return chosen
 
 
-def _said(keys: Mapping[str, Mapping[str, Any]], chosen: Sequence[str]) -> dict[str, str]:
-    return {
-        name: ", ".join(f"{key} {shown(mine[key])}" for key in chosen if key in mine)
-        for name, mine in keys.items()
-    }
+def _apart(laws: Sequence[Mapping[str, Any]], chosen: Sequence[str]) -> int:
+    return len({_said(law, chosen) for law in laws})
+
+
+def _said(law: Mapping[str, Any], chosen: Sequence[str]) -> str:
+    return ", ".join(f"{key} {shown(law[key])}" for key in chosen if key in law)

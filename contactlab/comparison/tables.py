@@ -1,16 +1,14 @@
 """The scorecard as text for the terminal, as CSV and as a LaTeX table."""
 
-import csv
-import io
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import isnan
 from typing import Final, final
 
+import pandas
 import xarray
 
-from contactlab.comparison.scorecard import VERDICTS
-from contactlab.metrics import NOT_APPLICABLE, REPORTED
+from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS
 
 
 @final
@@ -39,13 +37,15 @@ class Cell:
 @final
 @dataclass(frozen=True)
 class Row:
-    """One metric."""
+    """One metric, with the words of its declaration and a cell for every law."""
 
-    key: str
-    meaning: str
+    metric: str
+    symbol: str
     units: str
+    meaning: str
     threshold: str
     reason: str
+    metric_source: str
     cells: dict[str, Cell]
 
     @property
@@ -55,71 +55,54 @@ class Row:
 
     @property
     def unit(self) -> str:
-        """The unit in brackets, with a space before it; nothing without one."""
-        return "" if self.units == "1" else f" [{slashed(self.units)}]"
+        """The unit as it is read, rad/s for rad s-1, with a space before it; nothing without one."""
+        return "" if self.units == "1" else " " + re.sub(r" (\w+)-1$", r"/\1", self.units)
 
-
-def slashed(units: str) -> str:
-    """CF units as they are read: rad/s for rad s-1."""
-    return re.sub(r" (\w+)-1$", r"/\1", units)
+    @property
+    def bracketed(self) -> str:
+        """The same in brackets."""
+        return self.unit and f" [{self.unit[1:]}]"
 
 
 def rows(data: xarray.Dataset) -> list[Row]:
-    """The scorecard's rows."""
-    labels = [str(law) for law in data["law"].values]
+    """Take a scorecard apart."""
     found = []
-    for j, key in enumerate(data["metric"].values):
+    for key in data["metric"].values:
+        one = data.sel(metric=key)
+        words = {f.name: str(one[f.name].item()) for f in fields(Row) if f.name != "cells"}
+        columns = (one[name].values for name in ("law", "value", "numerical_error", "verdict"))
         cells = {
-            label: Cell(
-                float(data["value"].values[i, j]),
-                float(data["numerical_error"].values[i, j]),
-                VERDICTS[int(data["verdict"].values[i, j])],
-            )
-            for i, label in enumerate(labels)
+            str(label): Cell(float(value), float(error), VERDICTS[flag])
+            for label, value, error, flag in zip(*columns, strict=True)
         }
-        said = {name: str(data[name].values[j]) for name in _SAID}
-        found.append(Row(str(key), cells=cells, **said))
+        found.append(Row(**words, cells=cells))
     return found
 
 
-_SAID: Final = ("meaning", "units", "threshold", "reason")
-
-
 def as_text(data: xarray.Dataset) -> str:
-    """The table for a terminal, plain ASCII."""
-    labels = [str(law) for law in data["law"].values]
-    lines = [["metric", "must be", *labels]]
-    for row in rows(data):
-        cells = [f"{cell.number} {cell.word}".rstrip() for cell in row.cells.values()]
-        lines.append([row.key + row.unit, row.threshold, *cells])
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    text = "\n".join(
-        "  ".join(
-            [line[0].ljust(widths[0]), line[1].ljust(widths[1])]
-            + [cell.rjust(width) for cell, width in zip(line[2:], widths[2:], strict=True)]
-        ).rstrip()
-        for line in lines
-    )
-    return text.replace("\u2212", "-").replace("\u00b1", "+-")
+    """Write the table for a terminal, plain ASCII."""
+    table = rows(data)
+    width = max(len(row.threshold) for row in table)
+    lines = [
+        {"must be": row.threshold.ljust(width)}
+        | {label: f"{cell.number} {cell.word}".rstrip() for label, cell in row.cells.items()}
+        for row in table
+    ]
+    frame = pandas.DataFrame(lines, index=[row.metric + row.bracketed for row in table])
+    frame = frame.replace({"\u2212": "-", "\u00b1": "+-"}, regex=True)
+    return str(frame.rename_axis(columns="metric").to_string())
 
 
 def as_csv(data: xarray.Dataset) -> str:
-    """One row a metric; value, numerical error and verdict of every law."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    labels = [str(law) for law in data["law"].values]
-    columns = [
-        f"{label}{what}" for label in labels for what in ("", " numerical error", " verdict")
-    ]
-    writer.writerow(["metric", "meaning", "units", "must be", *columns])
-    for row in rows(data):
-        cells = [
-            entry
-            for cell in row.cells.values()
-            for entry in (_exact(cell.value), _exact(cell.error), cell.verdict)
-        ]
-        writer.writerow([row.key, row.meaning, row.units, row.threshold, *cells])
-    return text.getvalue()
+    """Write one row a metric; value, numerical error and verdict of every law."""
+    names = {"metric": "metric", "meaning": "meaning", "units": "units", "must be": "threshold"}
+    frame = pandas.DataFrame({title: data[name].values for title, name in names.items()})
+    for label in data["law"].values:
+        one = data.sel(law=label)
+        frame[label] = [_exact(value) for value in one["value"].values]
+        frame[f"{label} numerical error"] = [_exact(e) for e in one["numerical_error"].values]
+        frame[f"{label} verdict"] = [VERDICTS[flag] for flag in one["verdict"].values]
+    return str(frame.to_csv(index=False, lineterminator="\n"))
 
 
 def _exact(value: float) -> str:
@@ -127,21 +110,23 @@ def _exact(value: float) -> str:
 
 
 def as_latex(data: xarray.Dataset) -> str:
-    """A tabular that stands in any document that loads booktabs."""
-    labels = [str(law) for law in data["law"].values]
-    head = " & ".join(["", "must be", *(latex(label) for label in labels)])
+    """Write a tabular that stands in any document that loads booktabs."""
+    labels = [latex(str(label)) for label in data["law"].values]
     body = []
     for row in rows(data):
-        cells = [_latex_cell(cell) for cell in row.cells.values()]
-        limit = _latex_threshold(row.threshold)
-        unit = "" if row.units == "1" else f" [{_latex_units(row.units)}]"
+        # CF units such as N m-1.
+        units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", latex(row.units)).replace(" ", r"\,")
+        unit = "" if row.units == "1" else f" [{units}]"
+        bound = row.threshold.removeprefix("<= ")
+        limit = rf"$\le {_power(bound)}$" if bound else ""
+        cells = map(_latex_cell, row.cells.values())
         body.append(" & ".join([latex(row.brief) + unit, limit, *cells]) + r" \\")
     return "\n".join(
         [
             r"% \usepackage{booktabs} in the preamble.",
             rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}",
             r"\toprule",
-            head + r" \\",
+            " & ".join(["", "must be", *labels]) + r" \\",
             r"\midrule",
             *body,
             r"\bottomrule",
@@ -152,42 +137,32 @@ def as_latex(data: xarray.Dataset) -> str:
 
 
 def latex(text: str) -> str:
-    """Plain text for LaTeX."""
-    return "".join(_SPECIAL.get(letter, letter) for letter in text)
+    """Write plain text for LaTeX."""
+    return text.translate(_SPECIAL)
 
 
-_SPECIAL: Final = {
-    "\\": r"\textbackslash{}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    "|": r"\textbar{}",
-    "\u00b5": r"\textmu{}",
-    **{letter: f"\\{letter}" for letter in "_%&#{}$"},
-}
+_SPECIAL: Final = str.maketrans(
+    {
+        "\\": r"\textbackslash{}",
+        "~": r"\textasciitilde{}",
+        "^": r"\textasciicircum{}",
+        "<": r"\textless{}",
+        ">": r"\textgreater{}",
+        "|": r"\textbar{}",
+        "\u00b5": r"\textmu{}",
+        **{letter: f"\\{letter}" for letter in "_%&#{}$"},
+    }
+)
 
 
-def _latex_units(units: str) -> str:
-    """CF units such as N m-1."""
-    return re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", latex(units)).replace(" ", r"\,")
-
-
-def _latex_threshold(threshold: str) -> str:
-    relation, _, bound = threshold.partition(" ")
-    if not bound:
-        return ""
-    sign = {"<=": r"\le", ">=": r"\ge"}[relation]
-    return f"${sign} {_latex_number(bound)}$"
-
-
-def _latex_number(text: str) -> str:
-    mantissa, _, exponent = text.partition("e")
+def _power(number: str) -> str:
+    """Write 1e-06 as a power of ten."""
+    mantissa, _, exponent = number.partition("e")
     return rf"{mantissa} \times 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def _latex_cell(cell: Cell) -> str:
     if isnan(cell.value):
         return NOT_APPLICABLE
-    number = f"${_latex_number(f'{cell.value:.3g}')}$".replace("inf", r"\infty")
+    number = f"${_power(f'{cell.value:.3g}')}$".replace("inf", r"\infty")
     return f"{number} {cell.word}".rstrip()

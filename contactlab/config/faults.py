@@ -1,17 +1,12 @@
 """What a configuration gets wrong, in sentences: key, value, what is admitted, the way out."""
 
-from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
-from functools import cache
-from typing import get_args
 
 from pydantic_core import ErrorDetails
 
-from contactlab.config.law_section import part_members, section_of
+from contactlab.config.groups import GROUPS, keys_of_law, known_keys, told_by
 from contactlab.config.quantity import FAULT, describe
-from contactlab.config.schema import KINDS, Configuration
-from contactlab.config.section import Section
-from contactlab.laws.registry import PARTS, law_names
+from contactlab.laws.registry import law_class, law_names
 
 
 class ConfigurationError(ValueError):
@@ -26,48 +21,44 @@ class ConfigurationError(ValueError):
         self.faults = faults
 
 
-def sentence(fault: ErrorDetails, chosen: Mapping[str, str]) -> str:
-    """One of pydantic's findings in a sentence that starts with the key.
+_PLAIN = {"bool_type": "true or false", "string_type": "a text"}
+
+
+def sentence(fault: ErrorDetails, law: str) -> str:
+    """Tell one of the findings of pydantic in a sentence that starts with the key.
 
     Args:
         fault: as pydantic has it.
-        chosen: the names of law and parts by the keys of their sections.
+        law: the name of the law that is chosen.
     """
-    steps = [str(step) for step in fault["loc"]]
-    kind = chosen.get(".".join(steps[:-1]), "")
-    # A section of several kinds is entered by the kind's name, which is no part of the key.
-    if len(steps) > 2 and steps[0] in KINDS:
-        kind = steps.pop(1)
-    key = ".".join(steps)
+    key, kind = _place(fault)
+    group, value, context = key.replace(".", "/"), describe(fault["input"]), fault.get("ctx", {})
     match fault["type"]:
         case str(found) if found == FAULT:
-            return f"{key} {fault['ctx']['sentence']}"
+            return f"{key} {context['sentence']}"
         case "extra_forbidden":
-            return _unknown(key, kind, chosen)
+            return _unknown(key, kind, law)
         case "missing":
             return f"{key} is missing; it must be given. Add it to the configuration."
         case "union_tag_not_found":
-            return f"{key}.{KINDS[key]} is missing; it must be given. Choose one by {key}=NAME."
+            return f"{key}.{told_by(key)} is missing; it must be given. Choose one by {group}=NAME."
         case "union_tag_invalid":
-            return (
-                f"{key}.{KINDS[key]} is {describe(fault['ctx']['tag'])}; it must be one of "
-                f"{fault['ctx']['expected_tags']}. Choose one by {key}=NAME."
-            )
-        case "bool_type":
-            value = describe(fault["input"])
-            return f"{key} is {value}; it must be true or false. Leave it out for that of the file."
+            return _unknown_option(key, context["tag"], context["expected_tags"])
+        case "literal_error":
+            return f"{key} is {value}; it must be one of {context['expected']}."
+        case str(found) if found in _PLAIN:
+            return f"{key} is {value}; it must be {_PLAIN[found]}. Leave it out for the default."
         case _:
-            value = describe(fault["input"])
             if not key:
                 return f"The configuration is {value}; it must be a mapping of groups of keys."
             return (
                 f"{key} is {value}; it must be a group of keys. "
-                f"Set a single one by {key}.KEY=VALUE or choose a file by {key.replace('.', '/')}=NAME."
+                f"Set a single one by {key}.KEY=VALUE or choose a file by {group}=NAME."
             )
 
 
 def one_line(error: BaseException) -> str:
-    """What composing a configuration raised, its cause included, as a sentence on one line."""
+    """Tell what composing a configuration raised, its cause included, in a sentence on one line."""
     parts = [part for part in (error, error.__cause__) if part is not None]
     lines = [line.strip() for part in parts for line in str(part).splitlines()]
     inner = ("full_key:", "reference_type=", "object_type=")
@@ -75,45 +66,33 @@ def one_line(error: BaseException) -> str:
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
-@cache
-def known_keys() -> list[str]:
-    """Every full key of every choice, in the order of the schema; a law that is broken has none."""
-    laws = [key for section in _law_sections() for key in _keys_of(section)]
-    return list(dict.fromkeys([*laws, *_keys_with({})]))
+def _place(fault: ErrorDetails) -> tuple[str, str]:
+    """The key, and which option its section is: pydantic has that in the key, behind each choice."""
+    key = kind = option = ""
+    for step in map(str, fault["loc"]):
+        if told_by(key) and not option:
+            option = step
+        else:
+            key, kind, option = f"{key}.{step}" if key else step, option, ""
+    return key, kind
 
 
-def _law_sections() -> Iterator[type[Section]]:
-    """The section of every law that is installed, with each of its parts."""
-    for name in law_names():
+def _unknown_option(key: str, name: object, expected: str) -> str:
+    """The sentence for a choice that there is not, or that is broken."""
+    if key == "law":
+        expected = ", ".join(map(repr, law_names()))
         try:
-            yield section_of(name)
-            for member in part_members(name):
-                for part in PARTS[member.family]:
-                    yield section_of(name, ((member.name, part),))
-        except ValueError:
-            continue
+            if name in law_names():
+                keys_of_law(law_class(str(name)))
+        except ValueError as error:
+            return f"law.name is '{name}', which cannot run. {error}"
+    return (
+        f"{key}.{told_by(key)} is {describe(name)}; it must be one of {expected}. "
+        f"Choose one by {key.replace('.', '/')}=NAME."
+    )
 
 
-def _keys_with(chosen: Mapping[str, str]) -> list[str]:
-    """Every full key where law and parts are chosen; none of the law's where they are not known."""
-    keys = [key for key in _keys_of(Configuration) if not key.startswith("law.")]
-    parts = tuple((key.removeprefix("law."), part) for key, part in chosen.items() if key != "law")
-    try:
-        return [*_keys_of(section_of(chosen["law"], parts)), *keys]
-    except (KeyError, ValueError):
-        return ["law.name", *keys]
-
-
-def _keys_of(section: type[Section]) -> list[str]:
-    keys = []
-    for name, field in section.model_fields.items():
-        kinds = [k for k in (field.annotation, *get_args(field.annotation)) if isinstance(k, type)]
-        below = [kind for kind in kinds if issubclass(kind, Section)]
-        keys += [key for kind in below for key in _keys_of(kind)] or [f"{section.path}{name}"]
-    return keys
-
-
-def _unknown(key: str, kind: str, chosen: Mapping[str, str]) -> str:
+def _unknown(key: str, kind: str, law: str) -> str:
     """The sentence for a key that does not exist, or not in this kind of section."""
     if kind and any(name == key or name.startswith(f"{key}.") for name in known_keys()):
         group = key.rpartition(".")[0].replace(".", "/")
@@ -121,20 +100,19 @@ def _unknown(key: str, kind: str, chosen: Mapping[str, str]) -> str:
             f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
             f"Leave it out or choose another {group}."
         )
-    known = _keys_with(chosen)
+    known, top = known_keys(law), ("law", *GROUPS)
     parent, _, leaf = key.rpartition(".")
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
     near = (
         get_close_matches(key, known, 1, 0.8)
         or [name for name in known if name.rpartition(".")[2] in endings]
-        or get_close_matches(key, known if parent else Configuration.model_fields, 1)
+        or get_close_matches(key, known if parent else top, 1)
     )
     if near:
         return f"{key} is not a known key. Did you mean {' or '.join(near)}?"
     siblings = [name for name in known if parent and name.startswith(f"{parent}.")]
     return (
-        f"{key} is not a known key; it must be one of "
-        f"{', '.join(siblings or Configuration.model_fields)}. "
+        f"{key} is not a known key; it must be one of {', '.join(siblings or top)}. "
         "See contactlab --cfg job for all keys with their values."
     )

@@ -1,20 +1,35 @@
-"""A number of the configuration: its unit, its range and the way out of a fault."""
+"""A declared number as the configuration takes it: a number in SI, or a text with a unit ('1 um').
 
+Angles are told apart from pure numbers, which most unit libraries do not do: '20 krad/s' is no
+frequency in Hz, and '2 Hz' is no angular velocity. Either would be wrong by 2 pi without a word.
+"""
+
+import re
 from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
 from math import isfinite
 from numbers import Real
-from typing import Any, final
+from types import NoneType
+from typing import TYPE_CHECKING, Any, final
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from contactlab.config.units import UnitError, to_si
+from contactlab.parameter import DeclaredField, Parameter
+
+if TYPE_CHECKING:
+    import pint
 
 FAULT = "quantity"
 """Type of the pydantic error that carries a finished sentence, all but the key."""
 
 MISSING = "???"
 """What a configuration file writes for a value that has to be given."""
+
+_NUMBER_AND_UNIT = re.compile(
+    r"\s*(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>[^\W\d_°%][\w\s*/^().-]*|[°%])\s*"
+)
 
 _EXAMPLES = {
     "1/m": "1 um^-1",
@@ -38,48 +53,40 @@ _EXAMPLES = {
 }
 
 
+class UnitError(ValueError):
+    """A text without a fitting number; the message goes on from '<key> is <text>, '."""
+
+
 @final
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a number: `Annotated[float, Quantity("m", above=0.0)]`.
-
-    Takes a number in the SI unit or a text with a unit, and gives a finite float within the range.
-    Booleans are refused.
+    """Annotates a field of pydantic with what is declared of a number; replaces pydantic's own check.
 
     Args:
-        unit: SI unit, '1' for a pure number.
-        above, below: bounds that are not admitted themselves, in the unit.
-        at_least, at_most: bounds that are.
-        hint: a sentence that helps someone who has run into the range.
-        none: whether null is admitted; the hint says what it stands for.
-        whole: whether the number must be an integer.
+        declared: by the class that has the number.
+        parameter: that of `declared`.
     """
 
-    unit: str
-    above: float | None = None
-    at_least: float | None = None
-    below: float | None = None
-    at_most: float | None = None
-    hint: str = ""
-    none: bool = False
-    whole: bool = False
+    declared: DeclaredField
+    parameter: Parameter
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        """Replace pydantic's own check of the annotated type."""
+        """Give pydantic the check of the annotated type."""
         return core_schema.no_info_plain_validator_function(self.validate)
 
     def validate(self, value: object) -> float | None:
-        """The number in the SI unit.
+        """Give the number in the SI unit.
 
         Raises:
             PydanticCustomError: with a sentence that lacks its subject, the key.
         """
+        kinds, said = self.declared.kinds, self.parameter
         # Nearly every value is a sound float; sentences are for the others.
-        if type(value) is float and not self.whole and self._within(value) and isfinite(value):
+        if type(value) is float and float in kinds and said.holds(value):
             return value
-        if value is None and self.none:
+        if value is None and NoneType in kinds:
             return None
         if value == MISSING:
             raise self._fault("missing", self._expected)
@@ -89,65 +96,42 @@ class Quantity:
             raise self._fault(f"{describe(value)}, {error}", self._expected) from None
         if not isfinite(number):
             raise self._fault(f"{number}, which is not finite", self._expected)
-        if self.whole and number != int(number):
+        if int in kinds and number != int(number):
             raise self._fault(f"{shown}, which is not a whole number", self._expected)
-        if not self._within(number):
-            raise self._fault(shown, self.range)
-        return int(number) if self.whole else number
-
-    @property
-    def label(self) -> str:
-        """The unit as it follows a number, empty for a pure number."""
-        return "" if self.unit == "1" else f" {self.unit}"
-
-    @property
-    def range(self) -> str:
-        """The admitted range in words, empty where every finite number will do."""
-        bounds = (
-            ("greater than", self.above),
-            ("at least", self.at_least),
-            ("less than", self.below),
-            ("at most", self.at_most),
-        )
-        return " and ".join(f"{word} {x:g}{self.label}" for word, x in bounds if x is not None)
+        if not said.admits(number):
+            raise self._fault(shown, said.range)
+        return int(number) if int in kinds else number
 
     @property
     def _expected(self) -> str:
         """What a value must be, for one that is no number at all."""
-        kind = "a whole number" if self.whole else "a number"
-        unit = f" in {self.unit}" if self.unit != "1" and not self.range else ""
-        example = f", for example '{_EXAMPLES[self.unit]}'" if self.unit in _EXAMPLES else ""
-        return f"{kind}{unit}{' that is ' if self.range else ''}{self.range}{example}"
+        said = self.parameter
+        kind = "a whole number" if int in self.declared.kinds else "a number"
+        unit = f" in {said.unit}" if said.label and not said.range else ""
+        example = f", for example '{_EXAMPLES[said.unit]}'" if said.unit in _EXAMPLES else ""
+        return f"{kind}{unit}{' that is ' if said.range else ''}{said.range}{example}"
 
     def _number(self, value: object) -> tuple[float, str]:
         """The number in SI, and the value as a sentence shows it."""
+        label = self.parameter.label
         if isinstance(value, str):
-            number = to_si(value, self.unit)
-            return number, f"'{value}' ({number:.12g}{self.label})"
+            number = to_si(value, self.parameter.unit)
+            return number, f"'{value}' ({number:.12g}{label})"
         if isinstance(value, bool) or not isinstance(value, Real):
             raise UnitError("which is not a number")
         try:
-            return float(value), f"{float(value):.12g}{self.label}"
+            return float(value), f"{float(value):.12g}{label}"
         except OverflowError:
             raise UnitError("which is too large") from None
 
-    def _within(self, number: float) -> bool:
-        return (
-            (self.above is None or number > self.above)
-            and (self.at_least is None or number >= self.at_least)
-            and (self.below is None or number < self.below)
-            and (self.at_most is None or number <= self.at_most)
-        )
-
     def _fault(self, what: str, expected: str) -> PydanticCustomError:
-        hint = f" {self.hint}" if self.hint else ""
-        sentence = f"is {what}; it must be {expected}.{hint}"
+        sentence = f"is {what}; it must be {expected}. {self.declared.hint}".rstrip()
         # The sentence goes in as context: braces in a user's text are no placeholders.
         return PydanticCustomError(FAULT, "{sentence}", {"sentence": sentence})
 
 
 def describe(value: object) -> str:
-    """A value of a configuration as a sentence shows it."""
+    """Write a value of a configuration as a sentence shows it."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -159,3 +143,60 @@ def describe(value: object) -> str:
     if isinstance(value, list | tuple):
         return f"the list {list(value)}"
     return str(value)
+
+
+def to_si(text: str, unit: str) -> float:
+    """Give the number that a text gives, in an SI unit.
+
+    Args:
+        text: a number ('1e-6') or a number with a unit ('1 um').
+        unit: the SI unit of the result as configurations write it, '1' for a pure number.
+
+    Raises:
+        UnitError: if the text is neither, or if its unit has another dimension.
+    """
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    parts = _NUMBER_AND_UNIT.fullmatch(text)
+    if parts is None:
+        raise UnitError("which is not a number")
+    given = _root(parts["unit"])
+    if given is None:
+        raise UnitError(f"whose unit '{parts['unit'].strip()}' is unknown")
+    factor, units = given
+    wanted = _root(unit)
+    if wanted is None:
+        raise UnitError(f"which cannot be converted to the declared unit {unit}: that is unknown")
+    # A damper's N m s per rad is usually written without the rad.
+    spelled = (wanted, _root(unit.removesuffix("/rad")))
+    if units not in [found[1] for found in spelled if found]:
+        expected = "a pure number" if unit == "1" else unit
+        raise UnitError(f"whose unit '{parts['unit'].strip()}' cannot be converted to {expected}")
+    try:
+        return float(Decimal(parts["number"]) * factor / wanted[0])
+    except ArithmeticError:
+        raise UnitError("which is too large") from None
+
+
+@cache
+def _registry() -> "pint.UnitRegistry[Decimal]":
+    # Imported here: plain numbers, which most runs are given, need neither library nor registry.
+    import pint
+
+    # Decimal keeps 0.3 ms the float that 3e-4 is.
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+@cache
+def _root(unit: str) -> "tuple[Decimal, pint.Unit] | None":
+    """Factor and units in base units with angles kept, or None for an unknown unit."""
+    registry = _registry()
+    try:
+        quantity = registry.Quantity(Decimal(1), registry.parse_units("" if unit == "1" else unit))
+        root = quantity.to_root_units()
+    # pint lets the errors of its tokenizer and parser through, among them AssertionError.
+    except Exception:
+        return None
+    return Decimal(root.magnitude), registry.Unit(root.units)

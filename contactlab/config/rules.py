@@ -5,12 +5,17 @@ absent, and a rule that misses one stays silent. So the faults of single keys an
 keys come out together.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 from contactlab.checks import SMALLEST_STEP
-from contactlab.config.law_section import takes_tolerance
+from contactlab.config.faults import ConfigurationError
+from contactlab.laws.base import PenaltyLaw
+from contactlab.laws.declaration import SHARED
+from contactlab.laws.registry import law_class, takes_shared
 
-Values = Mapping[str, object]
+Values = Mapping[str, Any]
+Rule = Callable[..., Iterator[str]]
 
 BYTES_A_RECORD = 350
 """Memory that a record takes while its run is simulated and written, measured over runs of 1e6 and 1e7."""
@@ -18,23 +23,34 @@ BYTES_A_RECORD = 350
 MOST_RECORDS = 10_000_000
 """Records of one run; they take 3.5 GB of memory."""
 
+FRICTION = f"contact.{SHARED}"
+"""The key that laws share, and some law of another package may not have."""
+
+_RULES: dict[Rule, tuple[str, ...]] = {}
+
 
 def broken_rules(values: Values) -> list[str]:
-    """A sentence for each rule that the values break."""
-    return [sentence for rule in _RULES for sentence in rule(values)]
+    """Give a sentence for each rule that the values break."""
+    return [
+        sentence
+        for rule, keys in _RULES.items()
+        if all(key in values for key in keys)
+        for sentence in rule(*(values[key] for key in keys))
+    ]
 
 
-def _numbers(values: Values, *keys: str) -> tuple[float, ...] | None:
-    """The numbers under the keys, or None where one is null or faulty."""
-    found = [values.get(key) for key in keys]
-    return None if None in found else tuple(map(float, found))  # type: ignore[arg-type]
+def _binds(*keys: str) -> Callable[[Rule], Rule]:
+    """Register a rule that is given the values of the keys."""
+
+    def register(rule: Rule) -> Rule:
+        _RULES[rule] = keys
+        return rule
+
+    return register
 
 
-def _stiffness_is_given_once(values: Values) -> Iterator[str]:
-    keys = ("law.stiffness", "law.tip_radius")
-    if not all(key in values for key in keys):
-        return
-    stiffness, radius = (values[key] for key in keys)
+@_binds("law.stiffness", "law.tip_radius")
+def _stiffness_is_given_once(stiffness: float | None, radius: float | None) -> Iterator[str]:
     if stiffness is None and radius is None:
         yield (
             "law.stiffness and law.tip_radius are both null; exactly one of them must be a number "
@@ -48,21 +64,8 @@ def _stiffness_is_given_once(values: Values) -> Iterator[str]:
         )
 
 
-def _tolerance_is_for_compliant_laws(values: Values) -> Iterator[str]:
-    tolerance = values.get("solver.tolerance")
-    law = values.get("law.name")
-    if tolerance is not None and law is not None and not takes_tolerance(str(law)):
-        yield (
-            f"solver.tolerance is {tolerance:g}; it must be null with law={law}, which takes steps "
-            "of solver.contact_step without a tolerance. Refine solver.contact_step instead."
-        )
-
-
-def _patches_fit(values: Values) -> Iterator[str]:
-    numbers = _numbers(values, "placement.start", "placement.end", "resonator.length")
-    if numbers is None:
-        return
-    start, end, length = numbers
+@_binds("placement.start", "placement.end", "resonator.length")
+def _patches_fit(start: float, end: float, length: float) -> Iterator[str]:
     if not start < end <= 0.5 * length:
         yield (
             f"placement.start is {start:.12g} m and placement.end is {end:.12g} m; they must "
@@ -71,11 +74,28 @@ def _patches_fit(values: Values) -> Iterator[str]:
         )
 
 
-def _clearance_can_be_bridged(values: Values) -> Iterator[str]:
-    numbers = _numbers(values, "contact.clearance", "resonator.beam_thickness")
-    if numbers is None:
-        return
-    clearance, thickness = numbers
+@_binds(*(f"piezoceramic.{key}" for key in ("c11", "c12", "c13", "c33")))
+def _elastic_tensor_is_stable(c11: float, c12: float, c13: float, c33: float) -> Iterator[str]:
+    if not (c11 > abs(c12) and (c11 + c12) * c33 > 2.0 * c13**2):
+        yield (
+            f"piezoceramic has c11 = {c11:g}, c12 = {c12:g}, c13 = {c13:g}, c33 = {c33:g} Pa, a tensor "
+            "that stores negative energy; it must satisfy c11 > |c12| and (c11 + c12) c33 > 2 c13^2. "
+            "Check the constants against the datasheet."
+        )
+
+
+@_binds("resonator.mass_damping", "resonator.stiffness_damping", "drive.frequency")
+def _resonance_is_damped(alpha: float, beta: float, frequency: float | None) -> Iterator[str]:
+    if alpha == beta == 0.0 and frequency is None:
+        yield (
+            "drive.frequency is null, that is the first natural frequency, where a resonator with "
+            "resonator.mass_damping = resonator.stiffness_damping = 0 responds without bound; "
+            "it must be a number in Hz. Give one, or give the resonator damping."
+        )
+
+
+@_binds("contact.clearance", "resonator.beam_thickness")
+def _clearance_can_be_bridged(clearance: float, thickness: float) -> Iterator[str]:
     if clearance > thickness:
         yield (
             f"contact.clearance is {clearance:.12g} m; it must be at most {thickness:.12g} m, the "
@@ -84,11 +104,27 @@ def _clearance_can_be_bridged(values: Values) -> Iterator[str]:
         )
 
 
-def _records_fit(values: Values) -> Iterator[str]:
-    numbers = _numbers(values, "record.interval", "solver.duration")
-    if numbers is None:
-        return
-    interval, duration = numbers
+@_binds("solver.contact_step", "solver.duration")
+def _step_fits(step: float | None, duration: float) -> Iterator[str]:
+    if step is not None and not SMALLEST_STEP * duration <= step <= duration:
+        yield (
+            f"solver.contact_step is {step:.12g} s; it must be at least "
+            f"{SMALLEST_STEP * duration:.3g} s and at most {duration:.12g} s, the solver.duration. "
+            "Leave it out for the law's own default."
+        )
+
+
+@_binds("solver.tolerance", "law.name")
+def _tolerance_is_for_compliant_laws(tolerance: float | None, law: str) -> Iterator[str]:
+    if tolerance is not None and not issubclass(law_class(law), PenaltyLaw):
+        yield (
+            f"solver.tolerance is {tolerance:g}; it must be null with law={law}, which takes steps "
+            "of solver.contact_step without a tolerance. Refine solver.contact_step instead."
+        )
+
+
+@_binds("record.interval", "solver.duration")
+def _records_fit(interval: float, duration: float) -> Iterator[str]:
     if interval > duration:
         yield (
             f"record.interval is {interval:.12g} s; it must be at most {duration:.12g} s, the "
@@ -102,52 +138,28 @@ def _records_fit(values: Values) -> Iterator[str]:
         )
 
 
-def _step_fits(values: Values) -> Iterator[str]:
-    numbers = _numbers(values, "solver.contact_step", "solver.duration")
-    if numbers is None:
-        return
-    step, duration = numbers
-    if not SMALLEST_STEP * duration <= step <= duration:
-        yield (
-            f"solver.contact_step is {step:.12g} s; it must be at least "
-            f"{SMALLEST_STEP * duration:.3g} s and at most {duration:.12g} s, the solver.duration. "
-            "Leave it out for the law's own default."
+def idle_friction(laws: Iterable[Values]) -> str:
+    """Tell where the shared friction coefficient, which is set or swept, changes nothing.
+
+    Args:
+        laws: the sections `law` of all configurations that are to run.
+
+    Returns:
+        A sentence that names the laws without it; empty where every law has it.
+
+    Raises:
+        ConfigurationError: none has it, so that nothing depends on what was set.
+    """
+    takes: dict[str, bool] = {}
+    for law in laws:
+        name = str(law["name"])
+        takes[name] = takes.get(name, True) and takes_shared(law_class(name), law)
+    idle = ", ".join(name for name, taken in takes.items() if not taken)
+    if not idle:
+        return ""
+    words = f"{FRICTION} is set, but law={idle} has no friction coefficient of that name"
+    if not any(takes.values()):
+        raise ConfigurationError(
+            [f"{words}; it must be left out. Set the keys of the law, or choose another one."]
         )
-
-
-def _elastic_tensor_is_stable(values: Values) -> Iterator[str]:
-    keys = ("c11", "c12", "c13", "c33")
-    numbers = _numbers(values, *(f"piezoceramic.{key}" for key in keys))
-    if numbers is None:
-        return
-    c11, c12, c13, c33 = numbers
-    if not (c11 > abs(c12) and (c11 + c12) * c33 > 2.0 * c13**2):
-        given = ", ".join(f"{key} = {c:g}" for key, c in zip(keys, numbers, strict=True))
-        yield (
-            f"piezoceramic has {given} Pa, a tensor that stores negative energy; it must satisfy "
-            "c11 > |c12| and (c11 + c12) c33 > 2 c13^2. Check the constants against the datasheet."
-        )
-
-
-def _resonance_is_damped(values: Values) -> Iterator[str]:
-    keys = ("resonator.mass_damping", "resonator.stiffness_damping", "drive.frequency")
-    if any(key not in values for key in keys):
-        return
-    if values[keys[0]] == values[keys[1]] == 0.0 and values[keys[2]] is None:
-        yield (
-            "drive.frequency is null, that is the first natural frequency, where a resonator with "
-            "resonator.mass_damping = resonator.stiffness_damping = 0 responds without bound; "
-            "it must be a number in Hz. Give one, or give the resonator damping."
-        )
-
-
-_RULES: tuple[Callable[[Values], Iterator[str]], ...] = (
-    _stiffness_is_given_once,
-    _patches_fit,
-    _elastic_tensor_is_stable,
-    _resonance_is_damped,
-    _clearance_can_be_bridged,
-    _step_fits,
-    _tolerance_is_for_compliant_laws,
-    _records_fit,
-)
+    return f"{words}: what it gives does not depend on it."

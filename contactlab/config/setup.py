@@ -1,47 +1,45 @@
 """From a configuration to the objects that run.
 
-    build({"law": {...}, "resonator": {...}, ...}) -> Setup
+    build(["law=newton", "drive.phase=0"]) -> Setup
 
-The only module that knows both sides. Everything a configuration may get wrong is found here, all
-at once, and told in a sentence each; see `contactlab.config.schema` for keys, units and ranges and
-`contactlab.config.rules` for what binds keys together.
+Everything a configuration may get wrong is found here, all at once, and told in a sentence each; see
+`contactlab.config.groups` for keys, units and ranges and `contactlab.config.rules` for what binds keys
+together.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, final
+from pathlib import Path
+from typing import Any, final
 
 from pydantic import ValidationError
 
+from contactlab.config.composition import compose
 from contactlab.config.faults import ConfigurationError, one_line, sentence
-from contactlab.config.law_section import HertzPenaltySection, LawSection, chosen_section
+from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.rules import broken_rules
-from contactlab.config.schema import (
-    BendingSection,
-    Configuration,
-    DriveSection,
-    PlacementSection,
-    ResonatorSection,
-    RitzSection,
-    RotorSection,
-    TensorSection,
-    configuration_with,
+from contactlab.config.schema import Section, configuration_with
+from contactlab.engine.arguments import default_contact_step
+from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
+from contactlab.fingerprint import is_own
+from contactlab.laws import ContactLaw, LawError, PenaltyLaw
+from contactlab.laws.registry import LAWS, build_law, law_class, law_names
+from contactlab.motor import (
+    ContactGeometry,
+    Drive,
+    Motor,
+    NormalModes,
+    PatchedBeam,
+    Piezoceramic,
+    Rotor,
+    Steel,
 )
-from contactlab.config.section import Section, sound_values
-
-# The objects are imported where they are built: they bring the compiler with them, and a
-# configuration with a fault shall be told so at once.
-if TYPE_CHECKING:
-    from contactlab.laws import ContactLaw
-    from contactlab.motor import NormalModes
-    from contactlab.motor.drive import Drive
-    from contactlab.motor.geometry import ContactGeometry
-    from contactlab.motor.materials import Piezoceramic
-    from contactlab.motor.motor import Motor, Rotor
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
+
+Values = Mapping[str, Any]
 
 
 @final
@@ -59,8 +57,8 @@ class Setup:
             again gives the same setup.
     """
 
-    motor: "Motor"
-    law: "ContactLaw"
+    motor: Motor
+    law: ContactLaw
     duration: float
     record_interval: float
     contact_step: float
@@ -68,182 +66,143 @@ class Setup:
     configuration: dict[str, Any]
 
 
-def build(configuration: Mapping[str, object]) -> Setup:
-    """Check a configuration and build the motor and the law from it.
+def build(
+    configuration: Values | Sequence[str] = (), config_dir: str | Path | None = None
+) -> Setup:
+    """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
     Args:
-        configuration: nested mappings as `conf/` composes them; numbers in SI or texts with units. A
-            section may also be one of what `validate` gave, which is not checked again.
+        configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
+            configuration: a mapping of groups of keys, as `compose` gives it, with numbers in SI or
+            texts with units.
+        config_dir: folder of more options, for overrides.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
-    checked = validate(configuration)
-    # Not before: it brings the compiler.
-    from contactlab.motor.motor import Motor
-
-    resolved = checked.model_dump()
-    modes = _modes(checked.resonator, checked.piezoceramic, checked.placement)
-    if checked.drive.frequency is None:
-        resolved["drive"]["frequency"] = float(modes.natural_frequency[0])
-    law, computed = _law(checked.law, checked.contact.friction_coefficient, checked.rotor.radius)
-    resolved["law"] |= computed
-    if checked.solver.contact_step is None:
-        resolved["solver"]["contact_step"] = _default_step(modes, law, checked.solver.duration)
-    if checked.law.takes_tolerance and checked.solver.tolerance is None:
-        resolved["solver"]["tolerance"] = _default_tolerance()
-    drive = _drive(checked.drive, resolved["drive"]["frequency"])
-    _refuse_undamped_resonance(drive, modes)
+    if isinstance(configuration, str):
+        raise TypeError(
+            f"The configuration is the text {configuration!r}; it must be a list of overrides or a mapping. "
+            f"Write [{configuration!r}]."
+        )
+    if not isinstance(configuration, Mapping):
+        configuration = compose(configuration, config_dir)
+    resolved = validate(configuration).model_dump(exclude={*NOT_OF_A_RUN})
+    drive, solver = resolved["drive"], resolved["solver"]
+    modes = _modes(_resonator(resolved))
+    if drive["frequency"] is None:
+        drive["frequency"] = float(modes.natural_frequency[0])
+    tones = Drive.two_mode(**drive)
+    _refuse_undamped_resonance(tones, modes)
+    rotor = dict(resolved["rotor"])
+    geometry = {k: resolved["contact"][k] for k in ("tip_length", "clearance")}
+    geometry["rotor_radius"] = rotor.pop("radius")
+    law = _law(resolved)
+    if solver["contact_step"] is None:
+        solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
+    if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
+        solver["tolerance"] = DEFAULT_TOLERANCE
     return Setup(
-        motor=Motor(modes, drive, _geometry(checked), _rotor(checked.rotor)),
+        motor=Motor(modes, tones, ContactGeometry(**geometry), Rotor(**rotor)),
         law=law,
-        duration=checked.solver.duration,
-        record_interval=checked.record.interval,
-        contact_step=resolved["solver"]["contact_step"],
-        tolerance=resolved["solver"]["tolerance"],
+        duration=solver["duration"],
+        record_interval=resolved["record"]["interval"],
+        contact_step=solver["contact_step"],
+        tolerance=solver["tolerance"],
         configuration=resolved,
     )
 
 
-def validate(configuration: Mapping[str, object]) -> Configuration:
+def validate(configuration: Values) -> Section:
     """Check a configuration without building anything.
 
     Args:
-        configuration: as for `build`.
+        configuration: a mapping as for `build`.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
     sound: dict[str, object] = {}
-    checked = None
+    faults: list[str] = []
     given = configuration.get("law") if isinstance(configuration, Mapping) else None
-    section, chosen, faults = chosen_section(given)
-    for part in configuration.values() if isinstance(configuration, Mapping) else ():
-        sound |= sound_values(part) if isinstance(part, Section) else {}
+    law = str(given.get("name")) if isinstance(given, Mapping) else "none"
+    others = [law] if law in law_names() and law not in LAWS else []
     try:
-        checked = configuration_with(section).model_validate(configuration, context=sound)
+        checked = configuration_with(*others).model_validate(configuration, context=sound)
     except ValidationError as error:
-        faults += [sentence(fault, chosen) for fault in error.errors(include_url=False)]
-    faults += broken_rules(sound)
-    if faults or checked is None:
+        faults = [sentence(fault, law) for fault in error.errors(include_url=False)]
+    if faults := faults + broken_rules(sound):
         raise ConfigurationError(faults)
     return checked
 
 
+def _resonator(resolved: Values) -> PatchedBeam:
+    given, constants = dict(resolved["resonator"]), dict(resolved["piezoceramic"])
+    bending = constants.pop("constants") == "bending"
+    try:
+        resonator: PatchedBeam = BASES[given.pop("basis")](
+            **given | {"steel": Steel(**given["steel"])},
+            piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
+            patch_start=resolved["placement"]["start"],
+            patch_end=resolved["placement"]["end"],
+        )
+        return resonator
+    except ValueError as error:
+        raise _no_resonator(error) from error
+
+
 # A sweep over anything else asks for the same resonator again and again.
 @lru_cache(maxsize=256)
-def _modes(
-    resonator: ResonatorSection,
-    piezoceramic: BendingSection | TensorSection,
-    placement: PlacementSection,
-) -> "NormalModes":
-    from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator
-    from contactlab.motor.materials import Steel
-
-    basis: Callable[..., PatchedBeam]
-    basis = RitzResonator if isinstance(resonator, RitzSection) else FiniteElementResonator
+def _modes(resonator: PatchedBeam) -> NormalModes:
     try:
-        return basis(
-            **resonator.model_dump(exclude={"basis", "steel"}),
-            steel=Steel(**resonator.steel.model_dump()),
-            piezoceramic=_piezoceramic(piezoceramic),
-            patch_start=placement.start,
-            patch_end=placement.end,
-        ).modes
+        return resonator.modes
     except ValueError as error:
-        raise ConfigurationError(
-            [f"resonator, piezoceramic and placement make no resonator: {error}"]
-        ) from error
+        raise _no_resonator(error) from error
 
 
-def _piezoceramic(section: BendingSection | TensorSection) -> "Piezoceramic":
-    from contactlab.motor.materials import Piezoceramic
-
-    constants = section.model_dump(exclude={"constants"})
-    if isinstance(section, BendingSection):
-        return Piezoceramic(**constants)
-    return Piezoceramic.from_datasheet(**constants)
+def _no_resonator(error: ValueError) -> ConfigurationError:
+    words = "resonator, piezoceramic and placement make no resonator"
+    return ConfigurationError([f"{words}: {error}"])
 
 
-@lru_cache(maxsize=4096)
-def _law(
-    section: LawSection, friction_coefficient: float, rotor_radius: float
-) -> "tuple[ContactLaw, dict[str, Any]]":
-    """The law, and the keys of its section that follow from others: a stiffness from the tip's radius."""
-    from contactlab import laws
-    from contactlab.fingerprint import is_own
-    from contactlab.laws.registry import build_law
-
-    computed: dict[str, Any] = {}
-    if isinstance(section, HertzPenaltySection) and section.tip_radius is not None:
-        stiffness = laws.hertz_stiffness(section.tip_radius, rotor_radius)
-        computed = {"stiffness": stiffness, "tip_radius": None}
-    values = section.model_dump() | computed
+def _law(resolved: Values) -> ContactLaw:
+    """The law; what follows from the rotor's radius takes its place in the configuration."""
+    given = resolved["law"]
     try:
-        law = build_law(laws.law_class(section.name), values, friction_coefficient)
+        owner, mu = law_class(given["name"]), resolved["contact"]["friction_coefficient"]
+        law: ContactLaw = build_law(owner, given, mu).on_rotor(resolved["rotor"]["radius"])
+        given |= {
+            k: getattr(law, k) for k in given if k != "name" and not isinstance(given[k], dict)
+        }
         # Those of this package are sound, and their kernels are not needed yet.
         if not is_own(type(law)):
-            from contactlab.engine.simulation import take_in
-
-            take_in(law)
+            _take_in_once(law)
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         # What the law itself raised is in the sentence already.
-        told = laws.LawError(*error.args) if isinstance(error, laws.LawError) else error
+        told = LawError(*error.args) if isinstance(error, LawError) else error
         raise ConfigurationError(
-            [f"law={section.name} cannot be made from its parameters: {one_line(told)}"]
+            [f"law={given['name']} cannot be made from its parameters: {one_line(told)}"]
         ) from error
-    return law, computed
+    return law
 
 
 @lru_cache(maxsize=4096)
-def _drive(section: DriveSection, frequency: float) -> "Drive":
-    from contactlab.motor.drive import Drive
-
-    return Drive.two_mode(**section.model_dump(exclude={"frequency"}), frequency=frequency)
+def _take_in_once(law: ContactLaw) -> None:
+    take_in(law)
 
 
-@lru_cache(maxsize=4096)
-def _rotor(section: RotorSection) -> "Rotor":
-    from contactlab.motor.motor import Rotor
-
-    return Rotor(**section.model_dump(exclude={"radius"}))
-
-
-def _geometry(checked: Configuration) -> "ContactGeometry":
-    from contactlab.motor.geometry import ContactGeometry
-
-    contact = checked.contact
-    return ContactGeometry(contact.tip_length, checked.rotor.radius, contact.clearance)
-
-
-def _default_step(modes: "NormalModes", law: "ContactLaw", duration: float) -> float:
-    from contactlab.engine.arguments import default_contact_step
-
-    return min(default_contact_step(modes, law), duration)
-
-
-def _default_tolerance() -> float:
-    from contactlab.engine.simulation import DEFAULT_TOLERANCE
-
-    return DEFAULT_TOLERANCE
-
-
-def _refuse_undamped_resonance(drive: "Drive", modes: "NormalModes") -> None:
+def _refuse_undamped_resonance(drive: Drive, modes: NormalModes) -> None:
     """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    without = modes.damping == 0.0
-    if not without.any():
-        return
-    faults = []
+    undamped = modes.natural_frequency[modes.damping == 0.0].tolist()
     keys = ("drive.frequency", "drive.frequency times drive.frequency_ratio")
-    undamped = modes.natural_frequency[without].tolist()
-    for key, tone in zip(keys, drive.frequency.tolist(), strict=True):
-        for natural in undamped:
-            if abs(tone - natural) <= RESONANCE * natural:
-                faults.append(
-                    f"{key} is {tone:.12g} Hz, a natural frequency of a resonator without damping; "
-                    f"it must differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
-                    "Shift it or give resonator.stiffness_damping a number greater than 0 s."
-                )
+    faults = [
+        f"{key} is {tone:.12g} Hz, a natural frequency of a resonator without damping; "
+        f"it must differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
+        "Shift it or give resonator.stiffness_damping a number greater than 0 s."
+        for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
+        for natural in undamped
+        if abs(tone - natural) <= RESONANCE * natural
+    ]
     if faults:
         raise ConfigurationError(faults)

@@ -1,7 +1,7 @@
 """A kernel that the Python interpreter runs, because the compiler does not take it.
 
-The loop calls a tiny compiled wrapper by address like any kernel, which leaves the arguments in memory,
-calls Python and reads the answer from there, at the cost of speed.
+The loop calls a tiny compiled wrapper by address like any kernel, which calls Python with the state and
+again for each number of the answer, at the cost of speed.
 """
 
 import ctypes
@@ -14,7 +14,6 @@ from typing import Any, final
 
 import numpy as np
 from numba import types
-from numba.extending import intrinsic
 
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws.declaration import LawError
@@ -62,11 +61,12 @@ class Callback:
         self.name = getattr(function, "__qualname__", None) or type(function).__qualname__
         self.failure: BaseException | None = None
         self.function = function
-        self._given, self._answered = len(signature.args) - 1, len(signature.return_type)
-        self._exchange = np.zeros(self._given + self._answered)
+        self._answer = (np.nan,) * len(signature.return_type)
         self._parameters: dict[tuple[int, int], Any] = {}
+        numbers = [ctypes.c_double] * (len(signature.args) - 1)
         # Kept here as long as the kernel: it holds their bare addresses.
-        self._pointer = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64)(self._call)
+        self._ask = ctypes.CFUNCTYPE(None, *numbers, ctypes.c_int64, ctypes.c_int64)(self._call)
+        self._read = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64)(lambda i: self._answer[i])
         self.kernel = self._wrapper(signature)
 
     def take_failure(self) -> BaseException | None:
@@ -77,63 +77,60 @@ class Callback:
     def slowness(self) -> str:
         """Say how long a call takes, in words."""
         # A contact that approaches: every law answers to one.
-        self._exchange[: self._given] = [-1e-6, *[1.0] * (self._given - 1)]
+        state = -1e-6, *[1.0] * (len(self._ask.argtypes) - 3)
         parameters = np.ones(32)
         started = perf_counter()
         for _ in range(CALLS):
-            self._pointer(parameters.ctypes.data, parameters.size)
+            self._ask(*state, parameters.ctypes.data, parameters.size)
         taken = (perf_counter() - started) / CALLS
         time = "far longer" if self.take_failure() else f"about {float(f'{1e6 * taken:.1g}'):g} us"
         return f"{time}, that of a compiled kernel some ns"
 
-    def _call(self, address: int, size: int) -> None:
+    def _call(self, *given: Any) -> None:
         """Answer to the wrapper: an exception must not leave it, there is nobody to take it."""
         if self.failure is None or isinstance(self.failure, KeyboardInterrupt):
             try:
-                self._answer(address, size)
+                self._answer = self._asked(*given)
                 return
             except KeyboardInterrupt as error:
                 if self.failure is None:
                     # It waits for the next look, with a sound answer until then.
                     self.failure = error
-                    self._call(address, size)
+                    self._call(*given)
                     return
             except BaseException as error:
                 self.failure = error
         # The loop ends at once where nothing is finite.
-        self._exchange[self._given :] = np.nan
+        self._answer = (np.nan,) * len(self._answer)
 
-    def _answer(self, address: int, size: int) -> None:
-        """Ask the function and leave its answer in the memory."""
-        given = self._given
+    def _asked(self, *given: Any) -> tuple[float, ...]:
+        """Give the function's answer to a state and the parameters at an address."""
+        *state, address, size = given
         view = self._parameters.get((address, size))
         if view is None:
             view = np.ctypeslib.as_array((ctypes.c_double * size).from_address(address))
             view.flags.writeable = False
             self._parameters[address, size] = view
-        answer = self.function(*self._exchange[:given].tolist(), view)
-        if len(answer) != self._answered:
-            raise TypeError(f"it gave {len(answer)} numbers, not {self._answered}")
-        self._exchange[given:] = answer
+        answer = tuple(map(float, self.function(*state, view)))
+        if len(answer) != len(self._answer):
+            raise TypeError(f"it gave {len(answer)} numbers, not {len(self._answer)}")
+        return answer
 
     def _wrapper(self, signature: Any) -> Any:
         """Give the kernel that stands for the function, of as many arguments as the signature has."""
-        places = [self._exchange.ctypes.data + 8 * i for i in range(self._exchange.size)]
-        names = [f"a{i}" for i in range(self._given)]
-        writes = [f"    write({at}, {name})" for at, name in zip(places, names, strict=False)]
+        names = ", ".join(f"a{i}" for i in range(len(signature.args) - 1))
         answer = [
-            f"as_integer(read({at}))" if kind == types.int64 else f"read({at})"
-            for at, kind in zip(places[self._given :], signature.return_type, strict=True)
+            f"as_integer(read({i}))" if kind == types.int64 else f"read({i})"
+            for i, kind in enumerate(signature.return_type)
         ]
-        source = [
-            f"def wrapper({', '.join(names)}, parameters):",
-            *writes,
-            "    call(parameters.ctypes.data, parameters.size)",
-            f"    return {', '.join(answer)}",
-        ]
-        known = {"call": self._pointer, "read": read, "write": write, "as_integer": as_integer}
-        exec("\n".join(source), known)
-        wrapper: Any = fleeting_kernel(known["wrapper"])  # type: ignore[type-var]
+        source = (
+            f"def wrapper({names}, parameters):\n"
+            f"    ask({names}, parameters.ctypes.data, parameters.size)\n"
+            f"    return {', '.join(answer)}\n"
+        )
+        known: dict[str, Any] = {"ask": self._ask, "read": self._read, "as_integer": as_integer}
+        exec(source, known)
+        wrapper: Any = fleeting_kernel(known["wrapper"])
         wrapper.compile(signature)
         return wrapper
 
@@ -158,28 +155,3 @@ def _place(error: BaseException) -> str:
 def as_integer(value: float) -> int:
     """A mode that Python gave, -1 where it gave none."""
     return int(value) if value == value else -1
-
-
-@intrinsic
-def read(typing_context: Any, address: Any) -> Any:
-    """The double at an address."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load(_double(context, builder, arguments[0]))
-
-    return types.float64(types.intp), generate
-
-
-@intrinsic
-def write(typing_context: Any, address: Any, value: Any) -> Any:
-    """Put a double to an address."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        builder.store(arguments[1], _double(context, builder, arguments[0]))
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.float64), generate
-
-
-def _double(context: Any, builder: Any, address: Any) -> Any:
-    return builder.inttoptr(address, context.get_value_type(types.CPointer(types.float64)))

@@ -10,7 +10,7 @@ from math import nan
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.friction import (
     HELD_SLIP,
     LEAST_SLIP,
@@ -42,7 +42,7 @@ Known = tuple[float, float, float, float]
 [N s/m], where a step begins."""
 
 
-@inner_kernel
+@part_kernel
 def sound_normal(normal: float, bound: float) -> float:
     """Give the normal force [N]; no number where the law says a negative friction bound with it."""
     return nan if bound < -ROUND_OFF * abs(normal) else normal
@@ -93,7 +93,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     return float(error * h / allowed)
 
 
-@inner_kernel
+@part_kernel
 def _prepare(run: Run, level: int) -> None:
     """Note the contact-free tip motion at the nodes of a level."""
     step = run.step
@@ -173,7 +173,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
     return 0
 
 
-@inner_kernel
+@part_kernel
 def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
     """Set the motion of node i under the present forces, and the law's answer to it."""
     state, step, answers = run.state, run.step, run.propagator.levels[level]

@@ -14,7 +14,7 @@ crosses the creep velocity and up again. A slider keeps F on the bound; its spri
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_after
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import NODES, internal_at, value_at
@@ -30,7 +30,7 @@ HELD_SLIP = 1e-9
 """The same for slip that steep friction holds near zero [m/s]: its difference is the slip's round-off."""
 
 
-@inner_kernel
+@part_kernel
 def push_node(run: Run, i: int) -> None:
     """Set the generalised forces of node i from its normal force and friction."""
     step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
@@ -38,7 +38,7 @@ def push_node(run: Run, i: int) -> None:
     step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
 
 
-@inner_kernel
+@part_kernel
 def mobility(run: Run, level: int, i: int, m: int) -> float:
     """Give d slip_i / d friction_m [m/s/N]."""
     step, tip_v = run.step, run.propagator.levels[level].tip_v

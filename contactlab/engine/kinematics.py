@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import Propagator
@@ -44,7 +44,7 @@ class Law(NamedTuple):
     parameters: Array
 
 
-@inner_kernel
+@part_kernel
 def tip_motion(plant: Plant, place: int) -> Tip:
     """Give the tip's motion at a place of the step."""
     u = 0.0
@@ -63,7 +63,7 @@ def tip_motion(plant: Plant, place: int) -> Tip:
     return u, th, u_rate, th_rate, rotor
 
 
-@inner_kernel
+@part_kernel
 def contact_of(plant: Plant, tip: Tip) -> Contact:
     """Give the contact of a motion of the tip."""
     u, th, u_rate, th_rate, rotor = tip
@@ -75,7 +75,7 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 
 
-@inner_kernel
+@part_kernel
 def contact_at(plant: Plant, place: int) -> Contact:
     """Give the contact at a place of the step."""
     return contact_of(plant, tip_motion(plant, place))
@@ -100,7 +100,7 @@ def contact_after(run: Run, s: float) -> Contact:
     return contact_at(run.plant, BETWEEN)
 
 
-@inner_kernel
+@part_kernel
 def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
     """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps."""
     _, _, u_rate, th_rate, rotor = tip_motion(run.plant, place)
@@ -108,13 +108,13 @@ def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
     return n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
 
 
-@inner_kernel
+@part_kernel
 def frame_of(step: Any) -> tuple[float, float, float, float]:
     """Give the directions that a HELD step keeps."""
     return step.frame[0], step.frame[1], step.frame[2], step.frame[3]
 
 
-@inner_kernel
+@part_kernel
 def begin(run: Run) -> None:
     """Split the state at the step's start into steady state and free motion.
 
@@ -206,7 +206,7 @@ def flow_to(run: Run, s: float) -> None:
         mode.v[BETWEEN] += v
 
 
-@inner_kernel
+@part_kernel
 def free_response(run: Run, level: int, first: int) -> None:
     """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
     plant, propagator = run.plant, run.propagator
@@ -241,7 +241,7 @@ def free_response(run: Run, level: int, first: int) -> None:
                 mode.q[i] += q
 
 
-@inner_kernel
+@part_kernel
 def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
@@ -259,7 +259,7 @@ def add_collocated(run: Run, level: int) -> None:
             mode.q[LAST] += response.answer_q[LAST, m] * push
 
 
-@inner_kernel
+@part_kernel
 def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
     """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
     step = run.step

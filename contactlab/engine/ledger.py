@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.energy import openness
 from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame
 from contactlab.engine.plant import Plant
@@ -21,14 +21,14 @@ from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, NODES, ST
 from contactlab.laws.base import FREE
 
 
-@inner_kernel
+@part_kernel
 def clear(out: Any) -> None:
     """Set all terms to zero."""
     out.drive_work, out.damping_loss, out.friction_loss, out.contact_loss = 0.0, 0.0, 0.0, 0.0
     out.load_work, out.normal_impulse, out.friction_impulse = 0.0, 0.0, 0.0
 
 
-@inner_kernel
+@part_kernel
 def add(out: Any, part: Any) -> None:
     """Add the terms of a part to others."""
     out.drive_work += part.drive_work
@@ -40,7 +40,7 @@ def add(out: Any, part: Any) -> None:
     out.friction_impulse += part.friction_impulse
 
 
-@inner_kernel
+@part_kernel
 def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     """Add the powers of drive, damping and load at a place, times a weight [s]."""
     drive = 0.0
@@ -63,7 +63,7 @@ def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     out.load_work += weight * load
 
 
-@inner_kernel
+@part_kernel
 def _add_contact(
     normal: float, friction: float, slip: float, loss: float, weight: float, out: Any
 ) -> None:
@@ -74,7 +74,7 @@ def _add_contact(
     out.friction_impulse += weight * friction
 
 
-@inner_kernel
+@part_kernel
 def increments_of_step(run: Run, out: Any) -> None:
     """Sum the terms over a whole step of a level, from what is known at its nodes."""
     state, step, rule = run.state, run.step, run.propagator.rule
@@ -114,7 +114,7 @@ def increments_until(run: Run, law: Law, s: float, out: Any) -> None:
         _add_contact(normal, friction, slip, loss, weight, out)
 
 
-@inner_kernel
+@part_kernel
 def energy_of_motion(plant: Plant, place: int) -> tuple[float, float]:
     """Give kinetic and strain energy [J] at a place."""
     kinetic = 0.0
@@ -126,7 +126,7 @@ def energy_of_motion(plant: Plant, place: int) -> tuple[float, float]:
     return kinetic, strain
 
 
-@inner_kernel
+@part_kernel
 def weigh(run: Run) -> None:
     """Note the work of drive and load after a step, and what the ledger leaves where nothing touches.
 

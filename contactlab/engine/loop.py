@@ -4,7 +4,7 @@ There is a loop for each family of laws, so that a run compiles only what it nee
 """
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiled import kernel, part_kernel
 from contactlab.engine.compliant import step_compliant, switch_friction
 from contactlab.engine.contacts import close_contact, open_contact
 from contactlab.engine.flight import step_flight
@@ -87,7 +87,7 @@ def advance_rigid(
         _act(run, records, event, 0)
 
 
-@inner_kernel
+@part_kernel
 def _opens_step(run: Run, records: Records, refinement: int) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state = run.state
@@ -107,7 +107,7 @@ def _opens_step(run: Run, records: Records, refinement: int) -> bool:
     return True
 
 
-@inner_kernel
+@part_kernel
 def _checked(run: Run, event: int) -> int:
     """Give the event of a step in contact; end the run where the law has not answered with numbers."""
     state = run.state
@@ -121,7 +121,7 @@ def _checked(run: Run, event: int) -> int:
     return event
 
 
-@inner_kernel
+@part_kernel
 def _act(run: Run, records: Records, event: int, refinement: int) -> None:
     """Open or close the contact after the event of a committed step."""
     if event == TOUCH:

@@ -19,7 +19,7 @@ from math import cos, exp, expm1, sin, sqrt
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiled import inner_kernel, kernel, part_kernel
 
 REACH = 0.25
 """Largest (c + sqrt k) d that the power series is asked for; the rest is doubled."""
@@ -55,7 +55,7 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
         d *= 2.0
 
 
-@inner_kernel
+@part_kernel
 def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
     """Sum the two highest integrals by power series, the others down the recurrence.
 
@@ -90,7 +90,7 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
         out[m - 1] = out[m - 1] - c * out[m] - k * out[m + 1]
 
 
-@inner_kernel
+@part_kernel
 def _double(k: float, c: float, d: float, top: int, out: Array) -> None:
     """Go from I(d) to I(2 d): flow the answer of the first half, add that of the second."""
     w = out[1]

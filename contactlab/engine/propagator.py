@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiled import inner_kernel, kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, one, record, table
@@ -169,7 +169,7 @@ class Workspace:
         return self._propagator
 
 
-@inner_kernel
+@part_kernel
 def step_length(propagator: Propagator, level: int) -> float:
     """Give the length of a level's step [s]."""
     return propagator.rule.longest * 0.5**level

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.contacts import EVENT_LIMIT
 from contactlab.engine.kinematics import Law, Run, contact_at, contact_of, tip_motion
 from contactlab.engine.ledger import (
@@ -46,7 +46,7 @@ STEP_LIMIT = 20_000
 of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
 
 
-@inner_kernel
+@part_kernel
 def commit(run: Run, law: Law, records: Records) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, step, plant = run.state, run.step, run.plant
@@ -88,7 +88,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
     weigh(run)
 
 
-@inner_kernel
+@part_kernel
 def _record_time(run: Run, records: Records) -> float:
     """Give the time of the next record [s]; the last one lies at the end of the run."""
     state = run.state
@@ -138,7 +138,7 @@ def _write_record(run: Run, law: Law, records: Records, s: float) -> None:
     state.recorded += 1
 
 
-@inner_kernel
+@part_kernel
 def _watch_pace(run: Run, s: float) -> None:
     """End a run that hardly moves the clock, after a step of s."""
     state = run.state
@@ -155,7 +155,7 @@ def _watch_pace(run: Run, s: float) -> None:
         state.ending = STALLED
 
 
-@inner_kernel
+@part_kernel
 def _watch(run: Run) -> None:
     """End a run whose state is no longer a motor's: not finite, or deep inside the rotor."""
     tip = tip_motion(run.plant, START)

@@ -15,7 +15,7 @@ impulse until the gap is open.
 
 from math import inf
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import (
     Law,
     Run,
@@ -111,7 +111,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
     return _answer(run, law, level, gap_rate, slip)
 
 
-@inner_kernel
+@part_kernel
 def _turn_frame(run: Run, place: int) -> float:
     """Set the directions of the step's contact from the displacements at a place; gives the gap [m]."""
     u, th, _, _, _ = tip_motion(run.plant, place)
@@ -121,7 +121,7 @@ def _turn_frame(run: Run, place: int) -> float:
     return gap
 
 
-@inner_kernel
+@part_kernel
 def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
     """Give the law's impulses in the step's directions, their mode, and whether they are the only ones.
 
@@ -157,7 +157,7 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
     return p_n, p_t, friction_mode, count
 
 
-@inner_kernel
+@part_kernel
 def _hold_forces(run: Run, normal: float, friction: float) -> None:
     """Hold forces [N] along the step's directions."""
     n_u, n_th, t_u, t_th = frame_of(run.step)
@@ -167,7 +167,7 @@ def _hold_forces(run: Run, normal: float, friction: float) -> None:
     hold(run.step.push_th, normal * n_th + friction * t_th)
 
 
-@inner_kernel
+@part_kernel
 def _project(run: Run) -> None:
     """Move the end's displacements onto the closed gap along its gradient, by the masses (eq. 57)."""
     gap = _turn_frame(run, LAST)
@@ -181,7 +181,7 @@ def _project(run: Run) -> None:
         mode.q[LAST] -= gap / gradient * (n_u * mode.row_u + n_th * mode.row_th)
 
 
-@inner_kernel
+@part_kernel
 def _shorten_to_release(run: Run, normal: float) -> None:
     """Shorten a step to where the normal force, linear from the step before, reaches zero.
 

@@ -104,6 +104,7 @@ def simulate(
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     check_kinds(motor, law)
+    law = law.on_rotor(motor.geometry.rotor_radius)
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, record_interval, contact_step, tolerance)

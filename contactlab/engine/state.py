@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.variables import CONTACTS, SERIES
 
 NODES: Final = 5
@@ -131,7 +131,7 @@ which `sliding` is what must keep its sign in slip: the slip, less what a spring
 keeps; linear systems; the stretches of a flight that wait to be searched."""
 
 
-@inner_kernel
+@part_kernel
 def fit(rule: Any, force: Any) -> None:
     """Lay the polynomial through the values at the nodes."""
     for d in range(NODES):
@@ -141,7 +141,7 @@ def fit(rule: Any, force: Any) -> None:
         force.coefficient[d] = total
 
 
-@inner_kernel
+@part_kernel
 def hold(force: Any, value: float) -> None:
     """Make the polynomial a constant, the value of the first node."""
     force.node[0] = value
@@ -159,7 +159,7 @@ def value_at(force: Any, x: float) -> float:
     return total
 
 
-@inner_kernel
+@part_kernel
 def slope_at(force: Any, x: float) -> float:
     """Give the derivative of a force polynomial at x = s/h."""
     total = 0.0

@@ -10,16 +10,15 @@ are two families, and the engine knows only these two:
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from types import MappingProxyType
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numba import types
 
 from contactlab.arrays import Array
 from contactlab.laws.declaration import Declared
-from contactlab.parameter import Parameter, parameters_of
 
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
@@ -81,20 +80,6 @@ class ContactLaw(Declared):
         """Give what the kernel receives, shape (parameter,), SI: the fields in their order, NaN for None."""
         values = [getattr(self, f.name) for f in fields(self)]  # type: ignore[arg-type]
         return np.array(values, dtype=np.float64)
-
-    def declared(self) -> dict[str, Parameter]:
-        """Give what the law says of its effective parameters, by the names of `describe`."""
-        said = parameters_of(type(self))
-        return {name: said[name] for name in self.describe() if name in said}
-
-    def changed(self, name: str, value: float) -> Self:
-        """Give the law with another value of one parameter.
-
-        Raises:
-            ValueError: the value is out of its range.
-        """
-        law: Any = self
-        return replace(law, **{name: value})  # type: ignore[no-any-return]
 
     def on_rotor(self, radius: float) -> Self:
         """Give the law with what follows from the radius of the rotor [m]; itself unless it says otherwise.

@@ -1,6 +1,6 @@
 """A compliant law composed of a normal force, a damping and a friction."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, final
 
@@ -14,7 +14,6 @@ from contactlab.laws.friction import Coulomb
 from contactlab.laws.friction.coulomb import cone_bound
 from contactlab.laws.normal import HertzPoint
 from contactlab.laws.part import Damping, Friction, NormalForce, Part
-from contactlab.parameter import Parameter, parameters_of
 
 GUARD = (np.nan,)
 """Stands behind the coefficients of each part: a kernel that reads past its own finds no number."""
@@ -65,29 +64,6 @@ class Composed(PenaltyLaw):
             self.damping.coefficients(self.normal),
             self.friction.coefficients(),
         )
-
-    def describe(self) -> dict[str, float]:
-        """Give the parts' parameters by their dotted names, SI."""
-        return {
-            f"{part.family}.{name}": value
-            for part in self.parts
-            for name, value in part.describe().items()
-        }
-
-    def declared(self) -> dict[str, Parameter]:
-        """Give what the parts say of their parameters, by the same names."""
-        return {
-            f"{part.family}.{name}": parameter
-            for part in self.parts
-            for name, parameter in parameters_of(type(part)).items()
-        }
-
-    def changed(self, name: str, value: float) -> "Composed":
-        """See `ContactLaw.changed`."""
-        family, _, parameter = name.partition(".")
-        part: Any = getattr(self, family)
-        changed: Any = {family: replace(part, **{parameter: value})}
-        return replace(self, **changed)
 
     def parameters(self) -> Array:
         """Give what the kernels read: the coefficients of the parts in their order, a guard behind each."""

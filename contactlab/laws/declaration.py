@@ -4,10 +4,10 @@ Refusals, configuration, options and listings all follow from this; nothing is w
 """
 
 from abc import ABC
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import cache
 from inspect import get_annotations, isabstract
-from typing import Any, ClassVar, final, get_args, get_type_hints
+from typing import Any, ClassVar, Self, final, get_args, get_type_hints
 
 from contactlab.checks import check_fields, shown
 from contactlab.parameter import Parameter, parameters_of
@@ -49,22 +49,42 @@ class Declared(ABC):
         refuse_unsound(type(self))
 
     def __post_init__(self) -> None:
-        kind: type = type(self)
-        refuse_unsound(kind)
+        refuse_unsound(type(self))
         check_fields(self, self.name)
-        given = {name: (getattr(self, name), said) for name, said in parameters_of(kind).items()}
-        faults = [
-            f"{self.name}: {name} is {value} {said.units}; it must be {said.range}."
-            for name, (value, said) in given.items()
-            if value is not None and not said.holds(value)
-        ]
-        if faults:
-            raise ValueError(" ".join(faults))
 
     def describe(self) -> dict[str, float]:
-        """Give the effective parameters by name, SI: the fields in their order, but those left open."""
-        given = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        return {name: value for name, value in given.items() if value is not None}
+        """Give the effective parameters by name, SI: the fields in their order, but those left open.
+
+        Those of a part have its field's name before a dot.
+        """
+        given: dict[str, float] = {}
+        for field in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if isinstance(value, Declared):
+                given |= {f"{field.name}.{name}": one for name, one in value.describe().items()}
+            elif value is not None:
+                given[field.name] = value
+        return given
+
+    def declared(self) -> dict[str, Parameter]:
+        """Give what is said of the effective parameters, by the names of `describe`."""
+        kind: type = type(self)
+        said = dict(parameters_of(kind))
+        for field in fields(self):  # type: ignore[arg-type]
+            if isinstance(part := getattr(self, field.name), Declared):
+                said |= {f"{field.name}.{name}": one for name, one in part.declared().items()}
+        return {name: said[name] for name in self.describe() if name in said}
+
+    def changed(self, name: str, value: float) -> Self:
+        """Give the law with another value of one parameter.
+
+        Raises:
+            ValueError: the value is out of its range.
+        """
+        own: Any = self
+        field, _, below = name.partition(".")
+        given: Any = getattr(own, field).changed(below, value) if below else value
+        return replace(own, **{field: given})  # type: ignore[no-any-return]
 
 
 @cache

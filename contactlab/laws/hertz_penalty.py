@@ -10,6 +10,12 @@ from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.normal.hertz import hertz_elastic
 from contactlab.parameter import Parameter
 
+PER_RADIUS = "A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius."
+STIFFNESS = Parameter("K", "N m-1.5", "contact stiffness", above=0.0, hint=PER_RADIUS)
+
+LEFT_OUT = "Leave it out where law.stiffness is given."
+TIP_RADIUS = Parameter("r", "m", "radius of the tip", above=0.0, hint=LEFT_OUT)
+
 
 @final
 @dataclass(frozen=True)
@@ -26,27 +32,9 @@ class HertzPenalty(PenaltyLaw):
     source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
     default_contact_step = 4e-6
 
-    stiffness: Annotated[
-        float | None,
-        Parameter(
-            "K",
-            "N m-1.5",
-            "contact stiffness",
-            above=0.0,
-            hint="A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius.",
-        ),
-    ] = 1e10
+    stiffness: Annotated[float | None, STIFFNESS] = 1e10
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-    tip_radius: Annotated[
-        float | None,
-        Parameter(
-            "r",
-            "m",
-            "radius of the tip",
-            above=0.0,
-            hint="Leave it out where law.stiffness is given.",
-        ),
-    ] = None
+    tip_radius: Annotated[float | None, TIP_RADIUS] = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, entry_points, version
+from operator import attrgetter
 from typing import Any, final
 
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -30,9 +31,6 @@ from contactlab.laws.part import Part
 from contactlab.laws.poisson import Poisson
 from contactlab.laws.stronge import Stronge
 from contactlab.suggestion import suggestion
-
-GROUP = "contactlab.laws"
-"""The group of entry points."""
 
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
@@ -83,7 +81,7 @@ def origins() -> tuple[Origin, ...]:
     own = [Origin(name, _entry(law), "contactlab", own_version) for name, law in LAWS.items()]
     given = sorted(
         (point.name, f"{point.module}:{point.attr}", point.dist.name, str(point.dist.version))
-        for point in entry_points(group=GROUP)
+        for point in entry_points(group="contactlab.laws")
         if point.dist is not None
     )
     count = Counter(name for name, *_ in given)
@@ -120,11 +118,8 @@ def law_class(name: str) -> type[ContactLaw]:
     if origin.package == "contactlab" and name in LAWS:
         return LAWS[name]
     module, _, attribute = origin.entry.partition(":")
-    found: Any
     try:
-        found = import_module(module)
-        for step in attribute.split("."):
-            found = getattr(found, step)
+        found: Any = attrgetter(attribute)(import_module(module))
     # Whatever a module of somebody else's does while it is imported, it is that law's fault alone.
     except (Exception, SystemExit) as error:
         fault = f"cannot be imported ({type(error).__name__}: {error})"
@@ -222,15 +217,12 @@ def _unusable(origin: Origin, fault: str) -> str:
 
 def _clash(name: str, package: str, count: int) -> str:
     """Say why an entry of another package cannot be a law, whatever it names; empty if it can."""
+    named = "it must have a name of its own"
     if name in LAWS:
-        fault = (
-            "takes the name of one of contactlab's own, which stays what it is; it must have a name "
-            "of its own"
-        )
+        fault = f"takes the name of one of contactlab's own, which stays what it is; {named}"
     elif count > 1:
         fault = (
-            "has the name of a law of another package, so that neither can be told by it; it must have "
-            "a name of its own"
+            f"has the name of a law of another package, so that neither can be told by it; {named}"
         )
     elif not name.isidentifier():
         fault = (

@@ -1,17 +1,27 @@
-"""What a dataset says of its contact law: metrics with thresholds, from the recorded numbers alone."""
+"""What a dataset says of its contact law: metrics with thresholds, from the recorded numbers alone.
 
-from contactlab.metrics.assessment import (
+The catalogues keep the order of the modules that are imported here, and of the functions in them.
+"""
+
+from contactlab.metrics import balances, constraints, convergence, response
+from contactlab.metrics.catalogue import (
+    FAIL,
     INVARIANTS,
     METRICS,
+    NOT_APPLICABLE,
+    PASS,
+    REPORTED,
     SENSITIVITIES,
     STEP_METRICS,
+    VERDICTS,
+    Metric,
     assess,
-    assess_steps,
-    assess_variants,
+    metric,
 )
-from contactlab.metrics.metric import FAIL, NOT_APPLICABLE, PASS, REPORTED, Metric
-from contactlab.metrics.reading import configuration_of, is_complete, read_run
-from contactlab.metrics.record import Record
+from contactlab.metrics.convergence import assess_steps, assess_variants
+from contactlab.metrics.reading import is_complete, read_run
+from contactlab.metrics.run import NotApplicableError, Run, needed
+from contactlab.results.netcdf import configuration_of
 
 __all__ = [
     "FAIL",
@@ -22,12 +32,20 @@ __all__ = [
     "REPORTED",
     "SENSITIVITIES",
     "STEP_METRICS",
+    "VERDICTS",
     "Metric",
-    "Record",
+    "NotApplicableError",
+    "Run",
     "assess",
     "assess_steps",
     "assess_variants",
+    "balances",
     "configuration_of",
+    "constraints",
+    "convergence",
     "is_complete",
+    "metric",
+    "needed",
     "read_run",
+    "response",
 ]

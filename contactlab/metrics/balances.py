@@ -1,113 +1,216 @@
-"""Whether the books of a run close: energy, angular momentum and impulses."""
+"""Whether a run agrees with itself: closed books, contacts with records, gap with motion.
+
+No law can break these. One that is open is a fault of the solver or of the file.
+"""
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.energy import LEDGER_LIMIT, SCALE, openness
-from contactlab.metrics.declared import corrects_displacements
-from contactlab.metrics.measure import Measure
-from contactlab.metrics.metric import ROUND_OFF, Metric
-from contactlab.metrics.record import Record, needed
+from contactlab.laws.base import FREE
+from contactlab.metrics.catalogue import ROUND_OFF, invariant
+from contactlab.metrics.run import Run, needed
+from contactlab.motor.geometry import contact_frame
 
-Array = NDArray[np.float64]
+RESOLVED: Final = 1e-12
+"""Share of the motor's energy below which a contact is a graze that round-off decides."""
+
+CLOCK: Final = 8.0
+"""Units in the last place of the time that two instants may differ by and still be one."""
 
 
-def _energy_residual(record: Record) -> float:
+@invariant(
+    f"max|r| / {SCALE}",
+    "energy that the ledger cannot account for, over the energy turned over",
+    bound=LEDGER_LIMIT,
+    reason="the contact's share of the drive work, what laws differ in, is a few per cent: a ledger "
+    "open by one per cent could hide it. A first-order law at its default step is open by a tenth of that "
+    "at most, a compliant law by far less",
+    source="first law of thermodynamics",
+)
+def energy_residual(run: Run) -> float:
     # From the terms, not from the recorded residual: the metric judges the numbers that are shown.
-    stored = _sum(record, "kinetic_energy", "strain_energy", "contact_energy")
-    spent = _sum(record, "damping_loss", "friction_loss", "contact_loss", "load_work")
-    work, load = record.series("drive_work"), record.series("load_work")
+    stored = _sum(run, "kinetic_energy", "strain_energy", "contact_energy")
+    spent = _sum(run, "damping_loss", "friction_loss", "contact_loss", "load_work")
+    work, load = run.series("drive_work"), run.series("load_work")
     residual = stored - stored[0] - (work - work[0]) + (spent - spent[0])
     by_drive, by_load = (float(np.abs(part - part[0]).max()) for part in (work, load))
     needed(max(by_drive, by_load, float(stored[0])) > 0.0)
     return openness(float(np.abs(residual).max()), by_drive, by_load, float(stored[0]))
 
 
-def _sum(record: Record, *names: str) -> Array:
-    return np.asarray(np.sum([record.series(name) for name in names], axis=0))
+def _sum(run: Run, *names: str) -> Array:
+    return np.asarray(np.sum([run.series(name) for name in names], axis=0))
 
 
-def _rotor_momentum(record: Record) -> float:
-    inertia, radius = record.setting("rotor", "inertia"), record.setting("rotor", "radius")
-    damping, torque = record.setting("rotor", "damping"), record.setting("rotor", "load_torque")
-    velocity, angle = record.series("rotor_velocity"), record.series("rotor_angle")
-    push = record.contacts("friction_impulse")
+@invariant(
+    "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|)",
+    "angular momentum of the rotor that friction impulses, load and damping do not explain",
+    bound=ROUND_OFF,
+    reason="action equals reaction at any step: both sides add up the same impulses, only round-off "
+    "(seven digits in single precision) is between them. A rigid law that projects corrects the angle too, "
+    "by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of its impulses, "
+    "where that is less than one",
+    source="Newton's third law; paper, eq. 48 with the radius",
+)
+def rotor_momentum(run: Run) -> float:
+    inertia, radius = run.setting("rotor", "inertia"), run.setting("rotor", "radius")
+    damping, torque = run.setting("rotor", "damping"), run.setting("rotor", "load_torque")
+    velocity, angle = run.series("rotor_velocity"), run.series("rotor_angle")
+    push = run.contacts("friction_impulse")
     given = radius * float(np.abs(push).sum())
     needed(given > 0.0)
-    load = float(torque * (record.time[-1] - record.time[0]))
+    load = float(torque * (run.time[-1] - run.time[0]))
     damped = float(damping * (angle[-1] - angle[0]))
     missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
     # A rigid law that puts displacements back onto the closed gap at the end of a step h has an angle that
     # follows the velocity to within h times what friction changes of it, R sum|p_t| / J. What damping
     # makes of that must stay below what is to be seen.
-    corrected = damping * record.contact_step / inertia if corrects_displacements(record) else 0.0
+    projects = getattr(run.law_classes.get(""), "projects", False)
+    corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
     # Where friction is the least of the terms, the others round off more than it weighs.
     scale = max(given, inertia * float(np.abs(velocity).max()), abs(load), abs(damped))
     return abs(missing) / max(scale, corrected * given / ROUND_OFF)
 
 
-def _impulse_balance(record: Record) -> float:
-    worst = 0.0
-    scale = float(np.abs(record.contacts("normal_impulse")).sum())
-    needed(scale > 0.0)
-    for force, impulse in (
-        ("normal_force", "normal_impulse"),
-        ("friction_force", "friction_impulse"),
-    ):
-        pushed = float(record.series(force)[1:] @ record.intervals)
-        worst = max(worst, abs(pushed - float(record.contacts(impulse).sum())))
-    return worst / scale
-
-
-MEASURES: Final[tuple[Measure[Record], ...]] = (
-    Measure(
-        Metric(
-            "energy_residual",
-            f"max|r| / {SCALE}",
-            "1",
-            "energy that the ledger cannot account for, over the energy turned over",
-            "<=",
-            LEDGER_LIMIT,
-            "the contact's share of the drive work, what laws differ in, is a few per cent: a ledger "
-            "open by one per cent could hide it. A first-order law at its default step is "
-            "open by a tenth of that at most, a compliant law by far less",
-            "first law of thermodynamics",
-        ),
-        _energy_residual,
-    ),
-    Measure(
-        Metric(
-            "rotor_momentum",
-            "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, "
-            "|C_r dalpha|)",
-            "1",
-            "angular momentum of the rotor that friction impulses, load and damping do not explain",
-            "<=",
-            ROUND_OFF,
-            "action equals reaction at any step: both sides add up the same impulses, only round-off "
-            "(seven digits in single precision) is between them. A rigid law that projects corrects the "
-            "angle too, by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of "
-            "its impulses, where that is less than one",
-            "Newton's third law; paper, eq. 48 with the radius",
-        ),
-        _rotor_momentum,
-    ),
-    Measure(
-        Metric(
-            "impulse_balance",
-            "max over n, t of |sum p - sum F dt| / sum|p_n|",
-            "1",
-            "impulses of the contacts against the recorded mean forces",
-            "<=",
-            ROUND_OFF,
-            "a recorded force is the mean of its interval, so that both are the same integral up to "
-            "round-off (seven digits in single precision)",
-            "definition of impulse and of mean force",
-        ),
-        _impulse_balance,
-    ),
+@invariant(
+    "max over n, t of |sum p - sum F dt| / sum|p_n|",
+    "impulses of the contacts against the recorded mean forces",
+    bound=ROUND_OFF,
+    reason="a recorded force is the mean of its interval, so that both are the same integral up to "
+    "round-off (seven digits in single precision)",
+    source="definition of impulse and of mean force",
 )
-"""Metrics of the books."""
+def impulse_balance(run: Run) -> float:
+    scale = float(np.abs(run.contacts("normal_impulse")).sum())
+    needed(scale > 0.0)
+    missing = (
+        float(run.series(f"{way}_force")[1:] @ run.intervals)
+        - float(run.contacts(f"{way}_impulse").sum())
+        for way in ("normal", "friction")
+    )
+    return max(map(abs, missing)) / scale
+
+
+@invariant(
+    "contacts with t_c <= 0 or t_s < end of the one before, over all",
+    "share of the contacts that have no length, or begin before the one before has ended",
+    bound=0.0,
+    reason="a contact takes time, and there is one tip",
+    source="definition of a contact",
+)
+def phantom_contacts(run: Run) -> float:
+    start, duration = run.contacts("start_time"), run.contacts("duration")
+    impulse = np.abs(run.contacts("normal_impulse"))
+    resolution = CLOCK * np.spacing(np.maximum(start + duration, run.time[-1]))
+    # The last contact may be one that the end of the run cuts at its first instant.
+    inside = start < run.time[-1] - resolution
+    empty = inside & ((duration < 0.0) | ((duration <= resolution) & (impulse == 0.0)))
+    overlap = start[1:] < (start + duration)[:-1] - resolution[1:]
+    return float(empty.sum() + overlap.sum()) / start.size
+
+
+@invariant(
+    "max(-g_dot_1, g_dot_0, 0) / max|g_dot|",
+    "largest gap rate of the wrong sign: closing at a release, or opening at a touch-down, over the "
+    "fastest rate of the gap",
+    bound=1e-3,
+    reason="a gap that opens does not close; a first-order law finds its release within a step, a "
+    "thousandth of a contact",
+    source="definition of touch-down and release",
+)
+def closing_release(run: Run) -> float:
+    approach, separation = run.contacts("approach_velocity"), run.contacts("separation_velocity")
+    closing = float(np.nanmax(np.append(-separation, 0.0)))
+    # A start in contact may be opening; any other contact begins by closing.
+    later = run.contacts("start_time") > 0.0
+    opening = float(np.max(np.append(approach[later], 0.0)))
+    # Of the whole motion: the rates of a tip that only grazes are round-off.
+    rates = np.abs(np.diff(run.series("gap")) / run.intervals)
+    scale = max(float(np.abs(approach).max()), float(rates.max()))
+    needed(scale > 0.0)
+    return max(closing, opening) / scale
+
+
+@invariant(
+    "max(-g, 0) without contact / A",
+    "deepest overlap of tip and rotor outside of every contact, over half the range of the tip's normal "
+    "motion",
+    bound=1e-3,
+    reason="where the bodies overlap there is contact; a first-order law's release is off by a step, in "
+    "which the gap changes by less than this",
+    source="0 <= g outside of contact",
+)
+def missed_contact(run: Run) -> float:
+    gap, free = run.series("gap"), run.series("contact_mode") == FREE
+    time = run.time
+    # A record at the very instant of a touch-down or a release may carry either mode.
+    if "start_time" in run.rows and run.rows["start_time"].size:
+        start = np.sort(run.contacts("start_time"))
+        end = np.sort(start + run.contacts("duration"))
+        near = CLOCK * np.spacing(time[-1])
+        begun = np.searchsorted(start, time + near, side="right")
+        ended = np.searchsorted(end, time - near, side="left")
+        free = free & (begun == ended)
+    return float(np.max(np.append(-gap[free], 0.0))) / _motion(run)
+
+
+@invariant(
+    "max(p_n / t_c - N_max, max N - max N_max, 0) / max(max N_max, 1e-12 E / A)",
+    "mean forces that exceed the peak which their contact states, over the largest peak; what is round-off "
+    "against the motor's energy is none",
+    bound=ROUND_OFF,
+    reason="no mean is above its maximum, but for round-off",
+    source="definition of a mean",
+)
+def peak_deficit(run: Run) -> float:
+    peak = run.contacts("peak_normal_force")
+    impulse, duration = run.contacts("normal_impulse"), run.contacts("duration")
+    # A force is round-off if its work over the tip's amplitude is none of the motor's energy.
+    energy = run.series("kinetic_energy") + run.series("strain_energy")
+    scale = max(float(np.abs(peak).max()), RESOLVED * float(energy.max()) / _motion(run))
+    mean = impulse[duration > 0.0] / duration[duration > 0.0]
+    over_mean = float(np.max(np.append(mean - peak[duration > 0.0], 0.0)))
+    over_records = float(run.series("normal_force").max()) - float(peak.max())
+    return max(over_mean, over_records, 0.0) / scale
+
+
+@invariant(
+    "max(-min g - max d_max, 0) / A",
+    "recorded overlap beyond the largest penetration that the contacts state, over half the range of the "
+    "tip's normal motion",
+    bound=1e-2,
+    reason="no record lies deeper than the deepest point; a rigid law states its depth once a step, and "
+    "an impact's step sinks by a part of approach times step, a few thousandths here",
+    source="definition of a maximum",
+)
+def depth_deficit(run: Run) -> float:
+    depth = -float(run.series("gap").min()) - float(run.contacts("max_penetration").max())
+    return max(depth, 0.0) / _motion(run)
+
+
+@invariant(
+    "max|g - g(u, theta)| / A",
+    "recorded gap against that of the recorded displacements, over half the range of the tip's normal "
+    "motion",
+    bound=ROUND_OFF,
+    reason="both are the same geometry, but for round-off",
+    source="paper, eqs. 35-37",
+)
+def gap_mismatch(run: Run) -> float:
+    keys = (("contact", "tip_length"), ("rotor", "radius"), ("contact", "clearance"))
+    lengths = [run.setting(*key) for key in keys]
+    u, slope = run.series("tip_normal_displacement"), run.series("tip_slope")
+    pairs = zip(u.tolist(), slope.tolist(), strict=True)
+    expected = np.array([contact_frame(rise, turn, *lengths)[0] for rise, turn in pairs])
+    return float(np.abs(run.series("gap") - expected).max()) / _motion(run)
+
+
+def _motion(run: Run) -> float:
+    """Give how far the tip goes in the normal direction [m], from the first record on."""
+    half = 0.5 * float(np.ptp(run.series("tip_normal_displacement")))
+    needed(half > 0.0)
+    return half

@@ -5,14 +5,12 @@ from math import sqrt
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.laws import hertz_stiffness
-from contactlab.metrics.declared import parameter_units
-from contactlab.metrics.record import NotApplicableError, Record, needed
-
-Array = NDArray[np.float64]
+from contactlab.metrics.run import NotApplicableError, Run, needed
+from contactlab.parameter import parameters_of
 
 HERTZ_UNITS: Final = "N m-1.5"
 """Unit of the stiffness of a point contact."""
@@ -21,36 +19,28 @@ DURATION: Final = 2.94
 """2 int_0^1 dx / sqrt(1 - x^(5/2)) (Johnson 1985, eq. 11.24): the duration in units of depth over speed."""
 
 
-def stiffness(record: Record) -> float:
-    """K of N = K depth^1.5 [N m^-3/2], where the law that ran declares one.
-
-    Raises:
-        NotApplicableError: it has none, or is not installed here.
-    """
-    for name, units in parameter_units(record).items():
-        value = record.law_parameters.get(name)
-        if units == HERTZ_UNITS and isinstance(value, int | float) and value > 0.0:
-            return float(value)
+def stiffness(run: Run) -> float:
+    """Give K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
+    for family, owner in run.law_classes.items():
+        for name, parameter in parameters_of(owner).items():
+            value = run.law_parameters.get(f"{family}.{name}".removeprefix("."))
+            if parameter.units == HERTZ_UNITS and isinstance(value, int | float) and value > 0.0:
+                return float(value)
     raise NotApplicableError
 
 
-def effective_mass(record: Record) -> float:
-    """Mass that a normal impact meets, 1/D_nn of the undeformed motor [kg].
-
-    Raises:
-        NotApplicableError: the configuration does not make a motor.
-    """
-    solver = record.configuration.get("solver")
+def effective_mass(run: Run) -> float:
+    """Give the mass that a normal impact meets, 1/D_nn of the undeformed motor [kg]."""
+    solver = run.configuration.get("solver")
     if not isinstance(solver, Mapping):
         raise NotApplicableError
     # The mass is the motor's: a law that is not installed here shall not stand in its way, nor a
     # tolerance that belongs to it.
     changes = {"law": {"name": "lagrange_stick"}, "solver": {**solver, "tolerance": None}}
     try:
-        motor = build({**record.configuration, **changes}).motor
+        modes = build({**run.configuration, **changes}).motor.modes
     except ConfigurationError as fault:
         raise NotApplicableError from fault
-    modes = motor.modes
     # At rest the normal is (0, -1) and the slope moves the tip end along the tangent alone.
     mobility = float(modes.tip_displacement @ modes.tip_displacement)
     needed(mobility > 0.0)
@@ -58,7 +48,7 @@ def effective_mass(record: Record) -> float:
 
 
 def hertz_duration(mass: float, stiffness: float, velocity: Array) -> Array:
-    """Duration of a free impact [s], T = 2.94 d/v with the depth d = (5/4 m v^2 / K)^(2/5).
+    """Give the duration of a free impact [s], T = 2.94 d/v with the depth d = (5/4 m v^2 / K)^(2/5).
 
     In one: T = 3.21 (m^2 / (K^2 v))^(1/5).
 
@@ -71,22 +61,19 @@ def hertz_duration(mass: float, stiffness: float, velocity: Array) -> Array:
     return np.asarray(DURATION * deepest / velocity)
 
 
-def tip_radius(record: Record) -> float:
-    """Radius of the tip [m]: as configured, or that of a spherical steel tip with the law's stiffness.
+def tip_radius(run: Run) -> float:
+    """Give the radius of the tip [m]: as configured, or of a spherical steel tip with the law's stiffness.
 
     K = 4/3 E* sqrt(R_e), R_e = [(1/r) (1/r + 1/R)]^(-1/2), solved for 1/r.
-
-    Raises:
-        NotApplicableError: neither is known.
     """
     try:
-        return record.setting("law", "tip_radius")
+        return run.setting("law", "tip_radius")
     except NotApplicableError:
         pass
-    radius = record.setting("rotor", "radius")
+    radius = run.setting("rotor", "radius")
     # K goes with sqrt(R_e): a relative radius of one metre gives the constant.
     flat = hertz_stiffness(1.0, float("inf"))
-    product = (flat / stiffness(record)) ** 4
+    product = (flat / stiffness(run)) ** 4
     curvature = 0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius)
     needed(curvature > 0.0)
     return 1.0 / curvature

@@ -1,9 +1,9 @@
 """What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
 
-from contactlab.motor.drive import Drive
+from contactlab.motor.drive import Drive, TwoMode
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Piezoceramic, Steel
+from contactlab.motor.materials import Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.modes import NormalModes
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.motor.patched_beam import PatchedBeam
@@ -18,8 +18,10 @@ __all__ = [
     "NormalModes",
     "PatchedBeam",
     "Piezoceramic",
+    "PiezoceramicDatasheet",
     "RitzMatrices",
     "RitzResonator",
     "Rotor",
     "Steel",
+    "TwoMode",
 ]

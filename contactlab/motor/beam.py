@@ -13,41 +13,39 @@ which is the same function with every term bounded. The scale is the textbook's,
 
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-Array = NDArray[np.float64]
+from contactlab.arrays import Array
+from contactlab.checks import check_fields
+from contactlab.parameter import Parameter
 
 MOST_SHAPES = 40
 """Shapes that are verified (orthogonality and boundary conditions to 1e-10)."""
+
+SHAPES = Parameter(
+    "n", "1", f"number of beam shapes, 1 to {MOST_SHAPES}", at_least=1, at_most=MOST_SHAPES
+)
 
 
 @final
 @dataclass(frozen=True)
 class ClampedBeam:
-    """The first `shapes` eigenshapes of a beam of the given length [m] that is clamped at both ends."""
+    """The first eigenshapes of a beam that is clamped at both ends."""
 
-    length: float
-    shapes: int
+    length: Annotated[float, Parameter("L", "m", "length between the clamps", above=0.0)]
+    shapes: Annotated[int, SHAPES]
 
     def __post_init__(self) -> None:
-        if not 1 <= self.shapes <= MOST_SHAPES:
-            raise ValueError(
-                f"The number of shapes is {self.shapes}; it must lie between 1 and {MOST_SHAPES}."
-            )
+        check_fields(self)
 
     @cached_property
     def wave_numbers(self) -> Array:
         """b_i [1/m], shape (shapes,): roots of cos(b L) cosh(b L) = 1."""
-        roots = []
-        for i in range(1, self.shapes + 1):
-            centre = (i + 0.5) * np.pi
-            roots.append(
-                brentq(_characteristic, centre - 0.5, centre + 0.5, xtol=1e-15, rtol=1e-15)
-            )
+        centres = [(i + 0.5) * np.pi for i in range(1, self.shapes + 1)]
+        roots = [brentq(_characteristic, c - 0.5, c + 0.5, xtol=1e-15, rtol=1e-15) for c in centres]
         return np.array(roots) / self.length
 
     def evaluate(self, position: Array | float, derivative: int = 0) -> Array:

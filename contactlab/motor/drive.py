@@ -1,14 +1,67 @@
 """Harmonic electrode voltages as phasors: U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t)."""
 
 from dataclasses import dataclass
-from typing import final
+from math import pi
+from typing import Annotated, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.checks import check_number, check_shape
+from contactlab.arrays import Array
+from contactlab.checks import check_fields, check_shape
+from contactlab.parameter import Parameter
 
-Array = NDArray[np.float64]
+MOST_VOLTAGE = 1e5
+"""Over patches of a millimetre; ceramics break down at some 1e3 V."""
+
+MOST_TIME_SCALES = 1e9
+"""Between the tones, and between a tone and a second, which a double tells apart within a run."""
+
+MOST_PHASE = 1e6
+"""Beyond it, a double has fewer than ten digits of the angle within a turn."""
+
+
+def _voltage(symbol: str, tone: str) -> Parameter:
+    meaning = f"amplitude of the {tone} tone"
+    return Parameter(symbol, "V", meaning, at_least=-MOST_VOLTAGE, at_most=MOST_VOLTAGE)
+
+
+@final
+@dataclass(frozen=True)
+class TwoMode:
+    """The paper's drive: both electrodes in phase at the first tone, in opposition at the second."""
+
+    voltage_1: Annotated[float, _voltage("U1", "first")] = 100.0
+    voltage_2: Annotated[float, _voltage("U2", "second")] = 100.0
+    frequency: Annotated[
+        float | None,
+        Parameter(
+            *("f1", "Hz", "frequency of the first tone"),
+            at_least=1.0 / MOST_TIME_SCALES,
+            at_most=MOST_TIME_SCALES,
+            hint="Leave it out for the first natural frequency.",
+        ),
+    ] = None
+    frequency_ratio: Annotated[
+        float,
+        Parameter(
+            *("f2/f1", "1", "frequency of the second tone over that of the first"),
+            at_least=1.0 / MOST_TIME_SCALES,
+            at_most=MOST_TIME_SCALES,
+        ),
+    ] = 2.0
+    phase: Annotated[
+        float,
+        Parameter(
+            *("phi", "rad", "phase of the first tone"),
+            at_least=-MOST_PHASE,
+            at_most=MOST_PHASE,
+            hint="Whole turns change nothing but the last digits.",
+        ),
+    ] = -pi / 5.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @final
@@ -27,13 +80,8 @@ class Drive:
 
     def __post_init__(self) -> None:
         check_shape("frequency", self.frequency, (-1,), "one number a tone")
-        check_shape(
-            "phasors",
-            self.phasors,
-            (2, self.frequency.size),
-            "a row for each of two electrodes and a column a tone",
-            "iufc",
-        )
+        meaning = "a row for each of two electrodes and a column a tone"
+        check_shape("phasors", self.phasors, (2, self.frequency.size), meaning, "iufc")
         if not np.all(self.frequency > 0.0):
             raise ValueError(f"The tones lie at {self.frequency} Hz; each must be positive.")
 
@@ -46,25 +94,12 @@ class Drive:
         frequency_ratio: float = 2.0,
         phase: float = 0.0,
     ) -> "Drive":
-        """The paper's drive (eqs. 1 and 2), with w2 = frequency_ratio w1.
+        """Give the paper's drive (eqs. 1 and 2), with w2 = frequency_ratio w1; see `TwoMode`.
 
-            U_A = U1 sin(w1 t + phase) + U2 sin(w2 t)
-            U_B = U1 sin(w1 t + phase) - U2 sin(w2 t)
-
-        Args:
-            voltage_1, voltage_2: amplitudes U1, U2 [V].
-            frequency: of the first tone [Hz].
-            frequency_ratio: second over first [1].
-            phase: of the first tone [rad].
+        U_A = U1 sin(w1 t + phase) + U2 sin(w2 t)
+        U_B = U1 sin(w1 t + phase) - U2 sin(w2 t)
         """
-        for name, value in {
-            "voltage_1": voltage_1,
-            "voltage_2": voltage_2,
-            "frequency": frequency,
-            "frequency_ratio": frequency_ratio,
-            "phase": phase,
-        }.items():
-            check_number(name, value)
+        TwoMode(voltage_1, voltage_2, frequency, frequency_ratio, phase)
         first = -1j * voltage_1 * np.exp(1j * phase)
         second = -1j * voltage_2
         return cls(

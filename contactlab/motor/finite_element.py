@@ -21,17 +21,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import ceil
-from typing import NamedTuple, final
+from typing import Annotated, NamedTuple, final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from contactlab.arrays import Array
 from contactlab.motor.hermite import HermiteBeam
 from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
 from contactlab.motor.patched_beam import PatchedBeam
-
-Array = NDArray[np.float64]
+from contactlab.parameter import Parameter
 
 MOST_KEPT_MODES = 40
 """Kept modes whose frequencies are verified to FREQUENCY_ERROR."""
@@ -103,27 +102,23 @@ class Discretisation(NamedTuple):
 class FiniteElementResonator(PatchedBeam):
     """The patched beam in converged normal modes.
 
-    Args:
-        kept_modes: number of normal modes, 1 to 40, each with a frequency converged to
-            FREQUENCY_ERROR or better.
-        static_correction: whether up to four pseudo-modes follow them that make the response of
-            the tip to constant forces and voltages exact. A pseudo-mode is no resonance.
-
-    The other arguments are those of `PatchedBeam`. `NormalModes.shape_coupling` has the couplings of
-    these modes, scaled to int psi^2 dx = L as the paper's beam shapes are; a mode's sign is that of
-    u + L theta at the tip.
+    A pseudo-mode is no resonance. `NormalModes.shape_coupling` has the couplings of these modes, scaled
+    to int psi^2 dx = L as the paper's beam shapes are; a mode's sign is that of u + L theta at the tip.
     """
 
-    kept_modes: int = 6
-    static_correction: bool = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 1 <= self.kept_modes <= MOST_KEPT_MODES:
-            raise ValueError(
-                f"The number of kept modes is {self.kept_modes}; it must lie between 1 and "
-                f"{MOST_KEPT_MODES}. The static correction stands for the modes beyond."
-            )
+    kept_modes: Annotated[
+        int,
+        Parameter(
+            *("n", "1", f"number of normal modes, 1 to {MOST_KEPT_MODES}"),
+            at_least=1,
+            at_most=MOST_KEPT_MODES,
+            hint="The static correction stands for the modes beyond.",
+        ),
+    ] = 6
+    static_correction: Annotated[
+        bool,
+        Parameter("", "1", "whether up to four pseudo-modes stand for the modes left out"),
+    ] = True
 
     def _solve(self) -> NormalModes:
         """Compute kept modes and pseudo-modes, in ascending order of frequency."""

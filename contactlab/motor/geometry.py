@@ -13,35 +13,26 @@ The tip end is L = (-L_tip sin th, L_tip cos th + u); the rotor's centre lies at
 
 from dataclasses import dataclass
 from math import cos, sin, sqrt
-from typing import final
+from typing import Annotated, final
 
 from contactlab.checks import check_fields
 from contactlab.compiled import kernel
+from contactlab.parameter import Parameter
 
 
 @final
 @dataclass(frozen=True)
 class ContactGeometry:
-    """Lengths of the contact.
+    """Lengths of the contact; a negative clearance, for compliant laws only, presses the tip on the rotor."""
 
-    Args:
-        tip_length: L_tip from the beam to the tip end [m].
-        rotor_radius: R [m].
-        clearance: gap of the undeformed motor [m]; negative, for compliant laws only, is a motor that
-            is pressed together at rest.
-    """
-
-    tip_length: float = 19e-3
-    rotor_radius: float = 25e-3
-    clearance: float = 1e-6
+    tip_length: Annotated[
+        float, Parameter("L_tip", "m", "from the beam's centre line to the tip end", above=0.0)
+    ] = 19e-3
+    rotor_radius: Annotated[float, Parameter("R", "m", "radius", above=0.0)] = 25e-3
+    clearance: Annotated[float, Parameter("g_0", "m", "gap at rest")] = 1e-6
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if not (self.tip_length > 0.0 and self.rotor_radius > 0.0):
-            raise ValueError(
-                f"The tip is {self.tip_length} m long and the rotor's radius {self.rotor_radius} m; both "
-                "must be positive."
-            )
 
 
 @kernel

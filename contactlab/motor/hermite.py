@@ -21,9 +21,8 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contactlab.arrays import Array
 
 
 @final

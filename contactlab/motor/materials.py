@@ -6,38 +6,38 @@ the thickness (Andersen, Blanke and Helbo 2001, eqs. 13 and 33).
 """
 
 from dataclasses import dataclass
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.checks import check_fields
-
-Array = NDArray[np.float64]
+from contactlab.parameter import Parameter
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """F/m, CODATA 2018."""
 
+_DENSITY = Parameter("rho_p", "kg m-3", "density", above=0.0)
+_PERMITTIVITY = Parameter(
+    "eps33^S", "F m-1", "clamped permittivity through the thickness", above=0.0
+)
+
 
 def bending_vector(poisson_ratio: float) -> Array:
-    """Strain of a fibre under unit curvature at unit height, b = [0, -1, nu, 0, 0, 0] (eq. 33)."""
+    """Give the strain of a fibre under unit curvature at unit height, b = [0, -1, nu, 0, 0, 0] (eq. 33)."""
     return np.array([0.0, -1.0, poisson_ratio, 0.0, 0.0, 0.0])
 
 
 @final
 @dataclass(frozen=True)
 class Steel:
-    """An isotropic beam material.
+    """An isotropic beam material."""
 
-    Args:
-        youngs_modulus: E [Pa].
-        poisson_ratio: nu [1].
-        density: rho_s [kg/m^3].
-    """
-
-    youngs_modulus: float = 210e9
-    poisson_ratio: float = 0.3
-    density: float = 7850.0
+    youngs_modulus: Annotated[float, Parameter("E", "Pa", "Young's modulus", above=0.0)] = 210e9
+    poisson_ratio: Annotated[
+        float, Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
+    ] = 0.3
+    density: Annotated[float, Parameter("rho_s", "kg m-3", "density", above=0.0)] = 7850.0
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -57,45 +57,59 @@ class Steel:
 @final
 @dataclass(frozen=True)
 class Piezoceramic:
-    """A piezoceramic layer poled through its thickness.
+    """A piezoceramic layer poled through its thickness, by modulus and coupling in bending.
 
-    Args:
-        bending_modulus: c_p = b c^E b' [Pa] (eq. 30).
-        bending_coupling: e_p = nu_p e33 - e31 [C/m^2] (eq. 31).
-        density: rho_p [kg/m^3].
-        permittivity: clamped permittivity through the thickness, eps33^S [F/m] (eq. 32).
-
-    The defaults are PZ26 with modulus and coupling identified from the couplings and
-    frequencies of Table 1; `from_datasheet` gives the catalogue's values.
+    The modulus is b c^E b' (eq. 30), the coupling nu_p e33 - e31 (eq. 31). The defaults are PZ26 with
+    both identified from the couplings and frequencies of Table 1; `from_datasheet` gives the
+    catalogue's values.
     """
 
-    bending_modulus: float = 94.295e9
-    bending_coupling: float = 9.196
-    density: float = 7700.0
-    permittivity: float = 700.0 * VACUUM_PERMITTIVITY
+    bending_modulus: Annotated[float, Parameter("c_p", "Pa", "bending modulus", above=0.0)] = (
+        94.295e9
+    )
+    bending_coupling: Annotated[float, Parameter("e_p", "C m-2", "bending coupling")] = 9.196
+    density: Annotated[float, _DENSITY] = 7700.0
+    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
 
     def __post_init__(self) -> None:
         check_fields(self)
 
     @classmethod
-    def from_datasheet(
-        cls,
-        c11: float = 168e9,
-        c12: float = 110e9,
-        c13: float = 99.9e9,
-        c33: float = 123e9,
-        e31: float = -2.8,
-        e33: float = 14.7,
-        poisson_ratio: float = 0.334,
-        density: float = 7700.0,
-        permittivity: float = 700.0 * VACUUM_PERMITTIVITY,
-    ) -> "Piezoceramic":
-        """PZ26 from its elastic [Pa] and piezoelectric [C/m^2] constants, transversely isotropic about x3.
+    def from_datasheet(cls, **constants: float) -> "Piezoceramic":
+        """Give the layer of a material whose constants are those of `PiezoceramicDatasheet`."""
+        return PiezoceramicDatasheet(**constants).in_bending()
 
-        c12 enters no bending quantity of a beam that is free to strain across its width; it is
-        part of the tensor and kept with it.
-        """
-        normal = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]])
-        b = bending_vector(poisson_ratio)[:3]
-        coupling = b @ np.array([e31, e31, e33])
-        return cls(float(b @ normal @ b), float(coupling), density, permittivity)
+
+@final
+@dataclass(frozen=True)
+class PiezoceramicDatasheet:
+    """The constants of a piezoceramic, transversely isotropic about x3, in which it is poled; those of PZ26.
+
+    c12 enters no bending quantity of a beam that is free to strain across its width; it is part of
+    the tensor and kept with it.
+    """
+
+    c11: Annotated[float, Parameter("c11^E", "Pa", "elastic constant", above=0.0)] = 168e9
+    c12: Annotated[float, Parameter("c12^E", "Pa", "elastic constant")] = 110e9
+    c13: Annotated[float, Parameter("c13^E", "Pa", "elastic constant")] = 99.9e9
+    c33: Annotated[float, Parameter("c33^E", "Pa", "elastic constant", above=0.0)] = 123e9
+    e31: Annotated[float, Parameter("e31", "C m-2", "piezoelectric constant")] = -2.8
+    e33: Annotated[float, Parameter("e33", "C m-2", "piezoelectric constant")] = 14.7
+    poisson_ratio: Annotated[
+        float,
+        Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam"),
+    ] = 0.334
+    density: Annotated[float, _DENSITY] = 7700.0
+    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def in_bending(self) -> Piezoceramic:
+        """Give what bending needs of it (eqs. 30 and 31)."""
+        c11, c12, c13 = self.c11, self.c12, self.c13
+        normal = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, self.c33]])
+        b = bending_vector(self.poisson_ratio)[:3]
+        coupling = b @ np.array([self.e31, self.e31, self.e33])
+        modulus = float(b @ normal @ b)
+        return Piezoceramic(modulus, float(coupling), self.density, self.permittivity)

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.checks import check_shape
-
-Array = NDArray[np.float64]
 
 RESOLVED = 1e-9
 """Smallest eigenvalue over the largest that is still known.

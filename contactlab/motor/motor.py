@@ -1,43 +1,41 @@
 """A motor: normal modes of a resonator, a drive, a contact geometry and a rotor."""
 
 from dataclasses import dataclass, field
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.checks import check_fields, check_shape
-from contactlab.motor import NormalModes
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-
-Array = NDArray[np.float64]
+from contactlab.motor.modes import NormalModes
+from contactlab.parameter import Parameter
 
 
 @final
 @dataclass(frozen=True)
 class Rotor:
-    """A rigid rotor, J Omegadot = -R F - C_r Omega - tau.
+    """A rigid rotor, J Omegadot = -R F - C_r Omega - tau."""
 
-    Args:
-        inertia: J [kg m^2].
-        damping: viscous damping C_r [N m s/rad].
-        load_torque: tau [N m], towards negative rotation: brakes where Omega is positive.
-        initial_velocity: Omega(0) [rad/s].
-    """
-
-    inertia: float = 4.8e-5
-    damping: float = 0.0
-    load_torque: float = 0.0
-    initial_velocity: float = 0.0
+    inertia: Annotated[float, Parameter("J", "kg m2", "moment of inertia", above=0.0)] = 4.8e-5
+    damping: Annotated[
+        float,
+        Parameter("C_r", "N m s rad-1", "viscous damping", at_least=0.0, hint="0 switches it off."),
+    ] = 0.0
+    load_torque: Annotated[
+        float,
+        Parameter(
+            *("tau", "N m", "load torque, towards negative rotation"),
+            hint="It acts towards negative rotation: a positive one brakes positive rotation.",
+        ),
+    ] = 0.0
+    initial_velocity: Annotated[
+        float, Parameter("Omega(0)", "rad s-1", "angular velocity at the start")
+    ] = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if not self.inertia > 0.0 or not self.damping >= 0.0:
-            raise ValueError(
-                f"The rotor has an inertia of {self.inertia} kg m^2 and a damping of {self.damping} "
-                "N m s/rad; the inertia must be positive and the damping not negative."
-            )
 
 
 @final

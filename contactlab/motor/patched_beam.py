@@ -9,6 +9,7 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -16,44 +17,68 @@ from threadpoolctl import threadpool_limits
 from contactlab.checks import check_fields
 from contactlab.motor.materials import Piezoceramic, Steel
 from contactlab.motor.modes import UNRESOLVED, NormalModes
+from contactlab.parameter import Parameter
 
 
 @dataclass(frozen=True)
 class PatchedBeam(ABC):
     """A clamped beam with two mirrored pairs of piezoceramic patches and a rigid tip at its centre.
 
-    Args:
-        length: L [m].
-        width: w_s [m].
-        beam_thickness: t_s [m].
-        patch_thickness: t_p of one layer [m].
-        patch_start, patch_end: a_11, a_12 [m]; the second set is the mirror image, [L - a_12, L - a_11].
-        tip_mass: M_tip [kg].
-        tip_inertia: I_tip about the tip's foot [kg m^2].
-        steel, piezoceramic: the materials.
-        mass_damping: alpha [1/s]; C = alpha M + beta K.
-        stiffness_damping: beta [s].
-
-    Not modelled: rotary inertia and shear of the layers, and adhesive between them.
+    A layer is bonded to either side; the second set is the mirror image, [L - a_12, L - a_11], and
+    C = alpha M + beta K. Not modelled: rotary inertia and shear of the layers, and adhesive between them.
     """
 
-    length: float = 57e-3
-    width: float = 16e-3
-    beam_thickness: float = 1e-3
-    patch_thickness: float = 1e-3
-    patch_start: float = 0.914e-3
-    patch_end: float = 10.146e-3
-    tip_mass: float = 1.181e-3
-    tip_inertia: float = 1.321e-7
+    length: Annotated[float, Parameter("L", "m", "length between the clamps", above=0.0)] = 57e-3
+    width: Annotated[float, Parameter("w_s", "m", "width of beam and patches", above=0.0)] = 16e-3
+    beam_thickness: Annotated[float, Parameter("t_s", "m", "thickness of the beam", above=0.0)] = (
+        1e-3
+    )
+    patch_thickness: Annotated[
+        float, Parameter("t_p", "m", "thickness of one patch layer", above=0.0)
+    ] = 1e-3
+    patch_start: Annotated[
+        float,
+        Parameter(
+            *("a_11", "m", "where the patches begin, from the clamp"),
+            at_least=0.0,
+            hint="0 is the clamp.",
+        ),
+    ] = 0.914e-3
+    patch_end: Annotated[
+        float,
+        Parameter(
+            *("a_12", "m", "where they end, at most half the beam"),
+            above=0.0,
+            hint="It is measured from the same clamp.",
+        ),
+    ] = 10.146e-3
+    tip_mass: Annotated[
+        float,
+        Parameter("M_tip", "kg", "mass of the tip", at_least=0.0, hint="0 is a beam without tip."),
+    ] = 1.181e-3
+    tip_inertia: Annotated[
+        float,
+        Parameter(
+            *("I_tip", "kg m2", "inertia of the tip about its foot"),
+            at_least=0.0,
+            hint="0 is a point mass.",
+        ),
+    ] = 1.321e-7
     steel: Steel = field(default_factory=Steel)
     piezoceramic: Piezoceramic = field(default_factory=Piezoceramic)
-    mass_damping: float = 7.5
-    stiffness_damping: float = 2e-5
+    mass_damping: Annotated[
+        float,
+        Parameter("alpha", "s-1", "damping per mass", at_least=0.0, hint="0 switches it off."),
+    ] = 7.5
+    stiffness_damping: Annotated[
+        float,
+        Parameter("beta", "s", "damping per stiffness", at_least=0.0, hint="0 switches it off."),
+    ] = 2e-5
 
     def __post_init__(self) -> None:
         check_fields(self)
         half = 0.5 * self.length
-        if not 0.0 <= self.patch_start < self.patch_end <= half:
+        if not self.patch_start < self.patch_end <= half:
             raise ValueError(
                 f"The patches lie at {self.patch_start} to {self.patch_end} m; they must satisfy "
                 f"0 <= start < end <= {half} m, half the beam, or they leave it or overlap their mirror."

@@ -6,17 +6,15 @@ Source: Andersen, Blanke and Helbo (2001), eqs. 19-34; what of the print is corr
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from contactlab.motor.beam import ClampedBeam
+from contactlab.arrays import Array
+from contactlab.motor.beam import SHAPES, ClampedBeam
 from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
 from contactlab.motor.patched_beam import PatchedBeam
-
-Array = NDArray[np.float64]
 
 
 @final
@@ -64,14 +62,11 @@ class RitzMatrices:
 class RitzResonator(PatchedBeam):
     """The patched beam in the paper's basis: eigenshapes of the bare, clamped beam.
 
-    Args:
-        shapes: number of beam shapes, 1 to 40. Four are the paper's; the frequencies of the
-            patched beam converge slowly because smooth shapes cannot bend sharply at a patch edge.
-
-    The other arguments are those of `PatchedBeam`.
+    Four shapes are the paper's; the frequencies of the patched beam converge slowly because smooth
+    shapes cannot bend sharply at a patch edge.
     """
 
-    shapes: int = 4
+    shapes: Annotated[int, SHAPES] = 4
 
     @cached_property
     def beam(self) -> ClampedBeam:

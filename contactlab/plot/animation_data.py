@@ -9,14 +9,14 @@ the marks of the rotor.
 
 from dataclasses import dataclass
 from math import floor, log10
-from typing import Any, Final, final
+from typing import Final, final
 
 import numpy as np
 import xarray
-import yaml
 from numpy.typing import NDArray
 
 from contactlab.plot.overview_data import COARSE, contact_spans, drawable, drive_period
+from contactlab.results.netcdf import configuration_of
 
 Array = NDArray[np.float64]
 
@@ -26,14 +26,19 @@ FREE, SLIP, STICK = 0, 1, 2
 REACH: Final = 0.1
 """How far the drawn vibration may reach, in parts of the smaller of tip length and rotor radius."""
 
+_RECORDED: Final = (
+    "tip_tangential_displacement", "gap", "tip_slope", "rotor_angle", "rotor_velocity",
+    "normal_force", "friction_force",
+)  # fmt: skip
+
 NEEDED: Final = {
-    "/": (
-        "time", "tip_tangential_displacement", "tip_slope", "gap", "rotor_angle", "rotor_velocity",
-        "normal_force", "friction_force", "contact_mode", "natural_frequency",
-    ),
+    "/": ("time", *_RECORDED, "contact_mode", "natural_frequency"),
     "/contacts": ("start_time", "duration", "stick_duration"),
-}  # fmt: skip
+}
 """Variables of the groups of a dataset without which there is no animation."""
+
+LITTLE: Final = 1e-9
+"""Pace of the clock that counts time in contact, where there is none."""
 
 
 class UnfitRunError(ValueError):
@@ -43,14 +48,7 @@ class UnfitRunError(ValueError):
 @final
 @dataclass(frozen=True)
 class Run:
-    """A recorded run as far as an animation needs it.
-
-    Args:
-        root: time series.
-        contacts: a row each.
-        tip_length, radius: of tip and rotor [m].
-        period: of the drive [s].
-    """
+    """A recorded run as far as an animation needs it: lengths of tip and rotor [m], drive period [s]."""
 
     root: xarray.Dataset
     contacts: xarray.Dataset
@@ -60,7 +58,7 @@ class Run:
 
     @property
     def time(self) -> Array:
-        """Times of the records [s]."""
+        """Give the times of the records [s]."""
         return np.asarray(self.root["time"].values, dtype=float)
 
     @property
@@ -70,10 +68,7 @@ class Run:
 
 
 def run_of(tree: xarray.DataTree) -> Run:
-    """Take a dataset apart.
-
-    Args:
-        tree: as from `contactlab.results.netcdf.to_datatree`, complete or not.
+    """Take a dataset apart, of a complete run or not.
 
     Raises:
         UnfitRunError: something is missing, or there is no motion in it.
@@ -89,8 +84,8 @@ def run_of(tree: xarray.DataTree) -> Run:
         raise UnfitRunError(f"has {time.size} record in time, and a motion takes at least 2")
     if not np.all(np.diff(time) > 0.0):
         raise UnfitRunError("has times that do not increase")
+    configuration = configuration_of(tree)
     try:
-        configuration: dict[str, Any] = yaml.safe_load(root.attrs["configuration"])
         run = Run(
             root=root,
             contacts=tree.children["contacts"].to_dataset(inherit=False),
@@ -98,7 +93,7 @@ def run_of(tree: xarray.DataTree) -> Run:
             radius=float(configuration["rotor"]["radius"]),
             period=drive_period(root, configuration),
         )
-    except (KeyError, TypeError, ValueError, ZeroDivisionError, yaml.YAMLError) as fault:
+    except (LookupError, TypeError, ValueError, AttributeError) as fault:
         raise UnfitRunError(
             "lacks contact.tip_length, rotor.radius or drive.frequency in its attribute configuration"
         ) from fault
@@ -117,9 +112,8 @@ class Film:
     Args:
         run: what is shown.
         start, end: of the part that is shown [s]; frame k stands at the end of the k-th of equal
-            intervals between them.
+            intervals between them, at `time`.
         magnification: M.
-        time: of the frames [s].
         tangential, gap, slope, angle, velocity: of the tip end [m], the tip [rad] and the rotor
             [rad, rad/s] at these times.
         normal, friction: force on the tip [N], mean since the frame before, so that no impact falls
@@ -153,7 +147,7 @@ class Film:
         return float(np.nanmax(np.hypot(self.normal, self.friction), initial=0.0)) or 1.0
 
     def tip_end(self, tangential: Array, gap: Array) -> Array:
-        """Where tip ends are drawn [m], shape (point, 2)."""
+        """Give the points where tip ends are drawn [m], shape (point, 2)."""
         angle = self.magnification * tangential / self.run.radius
         height = self.magnification * gap
         # 1 - cos without cancellation.
@@ -165,94 +159,78 @@ class Film:
             )
         )
 
-    def force_on_rotor(self, frame: int) -> Array:
-        """The force on the rotor in the axes of the picture [N], shape (2,)."""
+    def axes_of_contact(self, frame: int) -> tuple[Array, Array]:
+        """Give the normal at the tip, from the rotor's centre, and the tangent in the picture."""
         angle = self.magnification * self.tangential[frame] / self.run.radius
-        normal, tangent = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
-        force = -self.normal[frame] * np.array(normal) - self.friction[frame] * np.array(tangent)
-        return np.asarray(force, dtype=float)
+        sine, cosine = np.sin(angle), np.cos(angle)
+        return np.array((sine, -cosine)), np.array((cosine, sine))
+
+    def force_on_rotor(self, frame: int) -> Array:
+        """Give the force on the rotor in the axes of the picture [N], shape (2,)."""
+        normal, tangent = self.axes_of_contact(frame)
+        return np.asarray(-self.normal[frame] * normal - self.friction[frame] * tangent)
 
     def contact_spans(self) -> dict[str, Array]:
-        """Times of slip and stick that are shown [s]; see `contactlab.plot.overview_data`."""
+        """Give the times of slip and stick that are shown, from the start of the film [s]."""
         spans = contact_spans(self.run.root, self.run.contacts)
-        clipped = {mode: np.clip(times, self.start, self.end) for mode, times in spans.items()}
+        clipped = {
+            mode: np.clip(times, self.start, self.end) - self.start for mode, times in spans.items()
+        }
         return {mode: times[times[:, 1] > times[:, 0]] for mode, times in clipped.items()}
 
 
 def film_of(run: Run, start: float, end: float, frames: int) -> Film:
-    """Choose what the frames of an animation show.
-
-    Args:
-        run: what is shown.
-        start, end: of the part that is shown, within the run [s].
-        frames: how many.
+    """Choose what a number of frames show of a run, from start to end [s].
 
     Raises:
         UnfitRunError: this part has diverged.
     """
-    edges = np.linspace(start, end, frames + 1)
-    time = run.time
+    edges, time = np.linspace(start, end, frames + 1), run.time
     size = min(run.tip_length, run.radius)
     inside = slice(np.searchsorted(time, start), np.searchsorted(time, end) + 1)
-
-    def recorded(name: str) -> Array:
-        return drawable(np.asarray(run.root[name].values, dtype=float))
-
-    def displacement(name: str) -> Array:
+    values = {name: drawable(np.asarray(run.root[name].values, dtype=float)) for name in _RECORDED}
+    reach = 0.0
+    for name in ("tip_tangential_displacement", "gap"):
         # What is larger than the motor itself has diverged.
-        values = recorded(name)
-        return np.where(np.abs(values) < size, values, np.nan)
-
-    extents = [
-        np.abs(displacement(name)[inside]) for name in ("tip_tangential_displacement", "gap")
-    ]
-    if not all(np.isfinite(values).any() for values in extents):
-        raise UnfitRunError(
-            f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
-        )
-    reach = max(float(np.nanmax(values)) for values in extents)
-
-    def at_frames(name: str) -> Array:
-        return np.interp(edges[1:], time, recorded(name))
-
+        values[name] = np.where(np.abs(values[name]) < size, values[name], np.nan)
+        if not np.isfinite(values[name][inside]).any():
+            raise UnfitRunError(
+                f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
+            )
+        reach = max(reach, float(np.nanmax(np.abs(values[name][inside]))))
     spans = contact_spans(run.root, run.contacts)
-    # Recorded forces are means over an interval, of which a contact may have been a part only: the
-    # impulse belongs to that part, and where there was none to all of the interval.
-    interval = np.clip(np.searchsorted(time, edges) - 1, 0, time.size - 2)
-    touching = _time_spent(time, spans["slip"]) + _time_spent(time, spans["stick"])
-    gone = (
-        _time_spent(edges, spans["slip"]) + _time_spent(edges, spans["stick"]) - touching[interval]
-    )
-    part, whole = np.diff(touching)[interval], np.diff(time)[interval]
-    share = (edges - time[interval]) / whole
-    share[part > 1e-9 * whole] = (gone / np.maximum(part, 1e-300))[part > 1e-9 * whole]
+
+    def clock(times: Array) -> Array:
+        # Recorded forces are means over an interval, of which a contact may have been a part only: the
+        # impulse belongs to that part, and where there was none to all of the interval.
+        return LITTLE * times + sum(_time_spent(times, those) for those in spans.values())
 
     def means(name: str) -> Array:
-        pushes = recorded(name)[1:] * np.diff(time)
-        before = np.concatenate(([0.0], np.cumsum(pushes)))[interval]
-        mean = np.diff(before + pushes[interval] * np.clip(share, 0.0, 1.0)) / np.diff(edges)
+        impulse = np.concatenate(([0.0], np.cumsum(values[name][1:] * np.diff(time))))
+        mean = np.diff(np.interp(clock(edges), clock(time), impulse)) / np.diff(edges)
         # What is left of a difference of sums is no force.
-        return np.where(np.abs(mean) > 1e-9 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
+        return np.where(np.abs(mean) > 1e-6 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
 
+    at_frames = {name: np.interp(edges[1:], time, those) for name, those in values.items()}
     return Film(
         run=run,
         start=start,
         end=end,
         magnification=_magnification(reach, size),
         time=edges[1:],
-        tangential=np.interp(edges[1:], time, displacement("tip_tangential_displacement")),
-        gap=np.interp(edges[1:], time, displacement("gap")),
-        slope=at_frames("tip_slope"),
-        angle=at_frames("rotor_angle"),
-        velocity=at_frames("rotor_velocity"),
+        tangential=at_frames["tip_tangential_displacement"],
+        gap=at_frames["gap"],
+        slope=at_frames["tip_slope"],
+        angle=at_frames["rotor_angle"],
+        velocity=at_frames["rotor_velocity"],
         normal=means("normal_force"),
         friction=means("friction_force"),
-        mode=_modes(edges, run),
+        mode=_modes(edges, run, spans),
     )
 
 
 def _magnification(reach: float, size: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture."""
+    """Find the largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture."""
     if reach <= 0.0:
         return 1.0
     largest = REACH * size / reach
@@ -260,9 +238,8 @@ def _magnification(reach: float, size: float) -> float:
     return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= largest * (1.0 + 1e-9))
 
 
-def _modes(edges: Array, run: Run) -> NDArray[np.int8]:
-    """The contact mode of every interval between edges."""
-    spans = contact_spans(run.root, run.contacts)
+def _modes(edges: Array, run: Run, spans: dict[str, Array]) -> NDArray[np.int8]:
+    """Give the contact mode of every interval between edges."""
     lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
     # A contact of no duration is one all the same.
     starts = np.searchsorted(run.contacts["start_time"].values, edges, side="right")
@@ -272,7 +249,7 @@ def _modes(edges: Array, run: Run) -> NDArray[np.int8]:
 
 
 def _time_spent(time: Array, spans: Array) -> Array:
-    """How much of disjoint, ascending spans lies before a time."""
+    """Say how much of disjoint, ascending spans lies before a time."""
     if not spans.size:
         return np.zeros_like(time)
     lengths = spans[:, 1] - spans[:, 0]

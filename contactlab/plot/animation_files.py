@@ -1,15 +1,19 @@
-"""An animation as a file, GIF or MP4, that stands under its name only when whole."""
+"""An animation as a file, GIF or MP4, that stands under its name only when whole.
+
+matplotlib's own writers are not used: they choose colours for every frame, so that what stands still
+flickers, and they round the time of a frame, so that the film is too short.
+"""
 
 import errno
 import subprocess
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from contactlab.plot.animation import Animation
 from contactlab.results.files import whole_file
 
 Pixels = NDArray[np.uint8]
@@ -17,30 +21,15 @@ Watch = Callable[[Iterable[int]], Iterable[int]]
 """Passes the numbers of the frames on and watches them go by."""
 
 
-class Frames(Protocol):
-    """Frames that can be asked for in any order."""
-
-    def __len__(self) -> int: ...
-
-    @property
-    def samples(self) -> Sequence[int]:
-        """Frames that have all colours."""
-        ...
-
-    def frame(self, number: int) -> Pixels:
-        """Red, green and blue, shape (height, width, 3)."""
-        ...
-
-
 class NoEncoderError(RuntimeError):
     """There is nothing to encode videos with; the message is a sentence."""
 
 
-def write_gif(frames: Frames, fps: float, path: Path, watch: Watch = iter) -> None:
+def write_gif(animation: Animation, fps: float, path: Path, watch: Watch = iter) -> None:
     """Write a GIF that repeats for ever. The same frames give the same bytes.
 
     Args:
-        frames: what it shows.
+        animation: what it shows.
         fps: frames a second, at most 50; viewers slow down shorter ones.
         path: in a folder that exists.
         watch: progress.
@@ -48,10 +37,10 @@ def write_gif(frames: Frames, fps: float, path: Path, watch: Watch = iter) -> No
     Raises:
         OSError: the folder is missing, not writable or full.
     """
-    palette = _Palette(frames)
+    palette = _Palette(animation)
     # The format counts hundredths of a second; rounding the sum keeps the pace on average.
-    ends = np.round(100.0 * np.arange(len(frames) + 1) / fps).astype(int)
-    images = (palette.image(frames.frame(n)) for n in watch(range(len(frames))))
+    ends = np.round(100.0 * np.arange(len(animation) + 1) / fps).astype(int)
+    images = (palette.image(animation.frame(n)) for n in watch(range(len(animation))))
     with whole_file(path) as partial:
         next(images).save(
             partial,
@@ -70,19 +59,17 @@ class _Palette:
     Pillow's own choice of the nearest colour rounds, and makes white a grey.
     """
 
-    def __init__(self, frames: Frames) -> None:
-        packed = np.concatenate([_packed(frames.frame(n)).ravel() for n in frames.samples])
+    def __init__(self, animation: Animation) -> None:
+        packed = np.concatenate([_packed(animation.frame(n)).ravel() for n in animation.samples])
         colours, counts = np.unique(packed, return_counts=True)
-        commonest = colours[np.argsort(-counts, kind="stable")[:256]]
-        self._colours = np.column_stack([commonest >> shift & 255 for shift in (16, 8, 0)])
+        self._colours = _apart(colours[np.argsort(-counts, kind="stable")[:256]])
         self._nearest = np.full(1 << 24, -1, dtype=np.int16)
 
     def image(self, pixels: Pixels) -> Image.Image:
-        """A frame in these colours."""
+        """Give a frame in these colours."""
         packed = _packed(pixels)
         new = np.unique(packed[self._nearest[packed] < 0])
-        apart = np.column_stack([new >> shift & 255 for shift in (16, 8, 0)])
-        distances = ((apart[:, None, :] - self._colours) ** 2).sum(axis=2)
+        distances = ((_apart(new)[:, None, :] - self._colours) ** 2).sum(axis=2)
         self._nearest[new] = distances.argmin(axis=1)
         image = Image.fromarray(self._nearest[packed].astype(np.uint8))
         image.putpalette(self._colours.ravel().tolist())
@@ -90,13 +77,18 @@ class _Palette:
 
 
 def _packed(pixels: Pixels) -> NDArray[np.int64]:
-    """Every colour as one number."""
+    """Give every colour as one number."""
     red, green, blue = np.moveaxis(pixels.astype(np.int64), -1, 0)
     return np.asarray(red << 16 | green << 8 | blue)
 
 
+def _apart(packed: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Give red, green and blue of such numbers, shape (colour, 3)."""
+    return np.column_stack([packed >> shift & 255 for shift in (16, 8, 0)])
+
+
 def encoder() -> str:
-    """The video encoder that comes with the package imageio-ffmpeg.
+    """Find the video encoder that comes with the package imageio-ffmpeg.
 
     Raises:
         NoEncoderError: it is not installed.
@@ -113,20 +105,14 @@ def encoder() -> str:
         ) from fault
 
 
-def write_mp4(frames: Frames, fps: float, path: Path, watch: Watch = iter) -> None:
-    """Write an MP4 (H.264), which every browser plays.
-
-    Args:
-        frames: what it shows, width and height even.
-        fps: frames a second.
-        path: in a folder that exists.
-        watch: progress.
+def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter) -> None:
+    """Write an MP4 (H.264), which every browser plays; arguments as of `write_gif`.
 
     Raises:
         NoEncoderError: there is no encoder.
         OSError: the folder is missing, not writable or full.
     """
-    height, width, _ = frames.frame(0).shape
+    height, width, _ = animation.frame(0).shape
     options = (
         f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps:g} -i pipe:0 "
         "-an -c:v libx264 -pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact "
@@ -135,18 +121,14 @@ def write_mp4(frames: Frames, fps: float, path: Path, watch: Watch = iter) -> No
     program = encoder()
     with whole_file(path) as partial:
         command = [program, *options.split(), str(partial.absolute())]
-        _feed(command, (frames.frame(n).tobytes() for n in watch(range(len(frames)))))
+        _feed(command, (animation.frame(n).tobytes() for n in watch(range(len(animation)))))
 
 
 def _feed(command: list[str], images: Iterator[bytes]) -> None:
     """Start the encoder and give it the images; it ends with the body, whatever happens."""
+    # Ctrl-C is for us: in a session of its own the encoder does not die first and look like a fault.
     with subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        # Ctrl-C is for us: the encoder must not die first and look like a fault.
-        start_new_session=True,
+        command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
     ) as process:
         assert process.stdin is not None
         try:

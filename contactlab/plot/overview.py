@@ -5,12 +5,12 @@ surface, and gap and normal force over the last drive periods with the contact m
 matplotlib's objects are used, so that nothing of a caller's own figures or settings changes.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import xarray
-import yaml
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -24,49 +24,38 @@ from contactlab.plot.overview_data import (
     contact_spans,
     drawable,
     envelope,
+    extent,
     last_periods,
-    middle,
-    span,
+    steps,
 )
+from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
-from contactlab.results.netcdf import reached_end
-from contactlab.results.prefixes import prefixed, prefixed_unit
+from contactlab.results.netcdf import configuration_of, reached_end
+from contactlab.results.summary import prefixed, prefixed_unit
 
 Array = NDArray[np.float64]
 
-COLOURS: Final = {"slip": "#E69F00", "stick": "#0072B2", "rotor": "#D9D9D9", "fault": "#D55E00"}
-"""After Okabe and Ito, distinct for every kind of colour vision and as greys."""
-
-STYLE: Final[dict[Any, Any]] = {
+DENSE: Final[dict[Any, Any]] = STYLE | {
     "figure.dpi": 300,
     "savefig.dpi": 300,
     "savefig.bbox": None,
     "text.usetex": False,
     "font.family": "DejaVu Sans",
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.major.width": 0.6,
     "xtick.major.pad": 4.5,
     "ytick.major.width": 0.6,
     "lines.linewidth": 0.9,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
     "patch.linewidth": 0.9,
 }
+"""The style of pictures with several panels close to each other."""
+
+SHADE: Final = {"slip": 0.4, "stick": 0.55}
+"""Opacity; stick is the darker one in a black and white print too."""
 
 _SIZE: Final = (7.1, 5.9)
 """Inches; the width of two columns of a journal."""
-
-_SHADE: Final = {"slip": 0.4, "stick": 0.55}
-"""Opacity; stick is the darker one in a black and white print too."""
 
 
 def overview(tree: xarray.DataTree, path: Path) -> None:
@@ -80,25 +69,22 @@ def overview(tree: xarray.DataTree, path: Path) -> None:
         OSError: the folder is missing, not writable or full.
     """
     figure = draw_overview(tree)
-    with rc_context(STYLE), whole_file(path) as partial:
+    with rc_context(DENSE), whole_file(path) as partial:
         # Without the default metadata the picture does not depend on matplotlib's version string.
         figure.savefig(partial, format="png", metadata={"Software": None})
 
 
 def draw_overview(tree: xarray.DataTree) -> Figure:
-    """Draw a run; `overview` without the file.
-
-    Args:
-        tree: a run as from `contactlab.results.netcdf.to_datatree`, complete or not.
+    """Draw a run, complete or not: `overview` without the file.
 
     Returns:
         A figure with the axes velocity, path, gap and force, in this order.
     """
     root = tree.to_dataset()
     contacts = tree.children["contacts"].to_dataset(inherit=False)
-    configuration = yaml.safe_load(root.attrs["configuration"])
+    configuration = configuration_of(tree)
     window = last_periods(root, contacts, configuration)
-    with rc_context(STYLE):
+    with rc_context(DENSE):
         figure = Figure(figsize=_SIZE)
         FigureCanvasAgg(figure)
         rows = figure.add_gridspec(
@@ -125,9 +111,45 @@ def draw_overview(tree: xarray.DataTree) -> Figure:
     return figure
 
 
+def shade(axes: Axes, spans: Mapping[str, Array], start: float, end: float, unit: float) -> None:
+    """Shade the times of slip and of stick over the whole height of a panel.
+
+    Args:
+        axes: the panel, whose time is zero at zero.
+        spans: starts and ends by mode, see `contact_spans` [s].
+        start, end: of the panel [s].
+        unit: of its axis [s].
+    """
+    for mode, times in spans.items():
+        left = np.maximum(times[:, 0], start)
+        # A contact that is shorter than a pixel must still be seen.
+        width = np.maximum(times[:, 1] - left, (end - start) / COLUMNS)
+        axes.broken_barh(
+            [(a, b) for a, b in np.column_stack((left, width)) / unit],
+            (0.0, 1.0),
+            transform=axes.get_xaxis_transform(),
+            color=COLOURS[mode],
+            alpha=SHADE[mode],
+            linewidth=0.0,
+            label=mode,
+            zorder=0,
+        )
+
+
+def explain_shades(axes: Axes, height: float) -> None:
+    """Put the legend of the shades over the right end of a panel, at a height in parts of it."""
+    axes.legend(
+        handles=[
+            Patch(facecolor=COLOURS[mode], linewidth=0.0, alpha=opacity, label=mode)
+            for mode, opacity in SHADE.items()
+        ],
+        loc="lower right", bbox_to_anchor=(1.0, height), ncols=2, borderpad=0.0, borderaxespad=0.0,
+    )  # fmt: skip
+
+
 def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
-    """One factual line over the picture."""
-    time, velocity = float(root["time"][-1]), float(root["rotor_velocity"][-1])
+    """Draw one factual line over the picture."""
+    time, velocity = float(np.ptp(root["time"].values)), float(root["rotor_velocity"][-1])
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
     text = (
@@ -144,7 +166,7 @@ def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
 
 
 def _draw_velocity(axes: Axes, root: xarray.Dataset) -> None:
-    """Rotor velocity over the whole run."""
+    """Draw the rotor's velocity over the whole run."""
     time = root["time"].values
     unit, scale = prefixed_unit(float(time[-1] - time[0]), "s")
     line = envelope(time / scale, drawable(root["rotor_velocity"].values))
@@ -155,8 +177,8 @@ def _draw_velocity(axes: Axes, root: xarray.Dataset) -> None:
     axes.set_ylabel("rotor velocity (rad/s)")
 
 
-def _draw_path(axes: Axes, window: Window, configuration: dict[str, Any]) -> None:
-    """Path of the tip end and the rotor's surface, both from the tip end's place at rest.
+def _draw_path(axes: Axes, window: Window, configuration: Mapping[str, Any]) -> None:
+    """Draw the path of the tip end and the rotor's surface, both from the tip end's place at rest.
 
     x = -L_tip sin th, y = u + L_tip (cos th - 1); rotor: (0, clearance + R) + R (sin, -cos).
     """
@@ -168,8 +190,8 @@ def _draw_path(axes: Axes, window: Window, configuration: dict[str, Any]) -> Non
     y = drawable(series["tip_normal_displacement"].values - contact["tip_length"] * versine)
     surface = float(contact["clearance"])
     # A distant rotor would shrink the path to a dot.
-    size = max(span(x), span(y))
-    near = size == 0.0 or abs(surface - middle(y)) <= 4.0 * size
+    size = max(extent(x)[1], extent(y)[1])
+    near = size == 0.0 or abs(surface - extent(y)[0]) <= 4.0 * size
 
     unit, scale = prefixed_unit(max(size, surface if near else 0.0), "m", smallest=0.1)
     axes.plot(x / scale, y / scale, **_line(window))
@@ -194,9 +216,8 @@ def _draw_path(axes: Axes, window: Window, configuration: dict[str, Any]) -> Non
 
 
 def _draw_rotor(axes: Axes, surface: float, radius: float) -> None:
-    """The part of the rotor that lies within the limits of a panel, in the panel's unit."""
-    left, right = axes.get_xlim()
-    angle = np.arcsin(np.clip(np.linspace(left, right, 101) / radius, -1.0, 1.0))
+    """Draw the part of the rotor that lies within the limits of a panel, in the panel's unit."""
+    angle = np.arcsin(np.clip(np.linspace(*axes.get_xlim(), 101) / radius, -1.0, 1.0))
     x, y = radius * np.sin(angle), surface + 2.0 * radius * np.sin(0.5 * angle) ** 2
     top = np.maximum(y, axes.get_ylim()[1])
     axes.fill_between(x, y, top, color=COLOURS["rotor"], linewidth=0.0, zorder=0)
@@ -204,7 +225,7 @@ def _draw_rotor(axes: Axes, surface: float, radius: float) -> None:
 
 
 def _draw_gap(axes: Axes, window: Window) -> None:
-    """Gap over the last drive periods, and the legend of the shades."""
+    """Draw the gap over the last drive periods, and the legend of the shades."""
     time = (window.series["time"].values - window.end) / window.unit[1]
     gap = drawable(window.series["gap"].values)
     unit, scale = prefixed_unit(float(np.nanmax(np.abs(gap), initial=0.0)), "m", smallest=0.1)
@@ -214,29 +235,19 @@ def _draw_gap(axes: Axes, window: Window) -> None:
     axes.set_ylabel(f"gap ({unit})")
     axes.tick_params(labelbottom=False)
     if window.contacts.sizes["contact"]:
-        axes.legend(
-            handles=[
-                Patch(facecolor=COLOURS[mode], linewidth=0.0, alpha=_SHADE[mode], label=mode)
-                for mode in ("slip", "stick")
-            ],
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.03),
-            ncols=2,
-            borderpad=0.0,
-            borderaxespad=0.0,
-        )
+        explain_shades(axes, 1.03)
 
 
 def _draw_force(axes: Axes, window: Window) -> None:
-    """Normal force over the last drive periods: means over the record intervals, so steps."""
+    """Draw the normal force over the last drive periods: means over the record intervals, so steps."""
     unit, scale = window.unit
     edges = (window.series["time"].values - window.end) / scale
-    force = drawable(window.series["normal_force"].values)[1:]
+    force = window.series["normal_force"].values[1:]
     _shade(axes, window)
-    axes.plot(*envelope(np.repeat(edges, 2)[1:-1], np.repeat(force, 2)), color="black")
+    axes.plot(*steps(edges, force), color="black")
     if window.start < window.end:
         axes.set_xlim((window.start - window.end) / scale, 0.0)
-    largest = np.nanmax(force, initial=0.0)
+    largest = np.nanmax(drawable(force), initial=0.0)
     axes.set_ylim(0.0, 1.08 * largest if largest > 0.0 else 1.0)
     if not window.contacts.sizes["contact"]:
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", color="0.35")
@@ -245,36 +256,22 @@ def _draw_force(axes: Axes, window: Window) -> None:
 
 
 def _line(window: Window) -> dict[str, Any]:
-    """How a motion is drawn: as a line, or as points where a line would invent it."""
+    """Say how a motion is drawn: as a line, or as points where a line would invent it."""
     points = {"linestyle": "none", "marker": "o", "markersize": 2.5}
     return {"color": "black", **(points if window.coarse else {})}
 
 
 def _shade(axes: Axes, window: Window) -> None:
-    """Shade the times of slip and of stick over the whole height of a panel."""
-    _, scale = window.unit
-    for mode, spans in contact_spans(window.series, window.contacts).items():
-        start = np.maximum(spans[:, 0], window.start)
-        # A contact that is shorter than a pixel must still be seen.
-        width = np.maximum(spans[:, 1] - start, (window.end - window.start) / COLUMNS)
-        ranges = np.column_stack((start - window.end, width)) / scale
-        axes.broken_barh(
-            [(left, across) for left, across in ranges],
-            (0.0, 1.0),
-            transform=axes.get_xaxis_transform(),
-            color=COLOURS[mode],
-            alpha=_SHADE[mode],
-            linewidth=0.0,
-            label=mode,
-            zorder=0,
-        )
+    """Shade a panel whose time is zero at the end of the run."""
+    spans = {k: v - window.end for k, v in contact_spans(window.series, window.contacts).items()}
+    shade(axes, spans, window.start - window.end, 0.0, window.unit[1])
 
 
 def _set_equal_limits(axes: Axes, x: Array, y: Array) -> None:
-    """Limits around points with the same scale both ways, without changing the panel's shape."""
+    """Set limits around points with the same scale both ways, without changing the panel's shape."""
     width, height = np.multiply(axes.get_position().size, _SIZE)
     box = width / height
-    half = 0.56 * max(span(x) / box, span(y))
-    half = half if half > 0.0 else 1.0
-    axes.set_xlim(middle(x) - half * box, middle(x) + half * box)
-    axes.set_ylim(middle(y) - half, middle(y) + half)
+    (across, wide), (up, high) = extent(x), extent(y)
+    half = 0.56 * max(wide / box, high) or 1.0
+    axes.set_xlim(across - half * box, across + half * box)
+    axes.set_ylim(up - half, up + half)

@@ -1,5 +1,6 @@
 """Recorded data made ready to be drawn; nothing here knows matplotlib."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, final
 
@@ -7,7 +8,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from contactlab.results.prefixes import prefixed_unit
+from contactlab.results.summary import prefixed_unit
 
 Array = NDArray[np.float64]
 
@@ -49,15 +50,9 @@ class Window:
 
 
 def last_periods(
-    root: xarray.Dataset, contacts: xarray.Dataset, configuration: dict[str, Any]
+    root: xarray.Dataset, contacts: xarray.Dataset, configuration: Mapping[str, Any]
 ) -> Window:
-    """The last `PERIODS` drive periods of a run, or all of a shorter one.
-
-    Args:
-        root: time series and natural frequencies of a run.
-        contacts: its contacts.
-        configuration: its configuration.
-    """
+    """Choose the last `PERIODS` drive periods of a run, or all of a shorter one, from its three parts."""
     period = drive_period(root, configuration)
     time = root["time"].values
     end = float(time[-1])
@@ -75,21 +70,16 @@ def last_periods(
     )
 
 
-def drive_period(root: xarray.Dataset, configuration: dict[str, Any]) -> float:
-    """Period of the first tone [s]; a drive without a frequency has the first natural frequency.
-
-    Args:
-        root: with the natural frequencies.
-        configuration: of the run.
-    """
-    frequency = configuration["drive"]["frequency"]
-    if frequency is None:
-        frequency = root["natural_frequency"].values[0]
-    return 1.0 / float(frequency)
+def drive_period(root: xarray.Dataset, configuration: Mapping[str, Any]) -> float:
+    """Give the period of the first tone [s], or else of the first natural frequency; endless without both."""
+    frequency = (
+        configuration.get("drive", {}).get("frequency") or root["natural_frequency"].values[0]
+    )
+    return 1.0 / float(frequency) if frequency else np.inf
 
 
 def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str, Array]:
-    """Times of slip and stick.
+    """Find the times of slip and stick.
 
     A contact begins and ends when its row says so; inside, the mode changes half-way between two
     records that differ. A contact without a record inside takes the mode of its larger part.
@@ -129,25 +119,21 @@ def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str,
     return spans
 
 
-def span(values: Array) -> float:
-    """Largest minus smallest value that can be drawn."""
-    return float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
-
-
-def middle(values: Array) -> float:
-    """Half-way between the smallest and the largest value that can be drawn."""
+def extent(values: Array) -> tuple[float, float]:
+    """Give the middle and the width of the values that can be drawn; zeros where none can."""
     if not np.isfinite(values).any():
-        return 0.0
-    return 0.5 * float(np.nanmax(values) + np.nanmin(values))
+        return 0.0, 0.0
+    least, most = float(np.nanmin(values)), float(np.nanmax(values))
+    return 0.5 * (most + least), most - least
 
 
 def drawable(values: Array) -> Array:
-    """Values with a gap where a diverged run has nothing that could be drawn."""
+    """Leave a gap where a diverged run has nothing that could be drawn."""
     return np.where(np.abs(values) < LARGEST, values, np.nan)
 
 
 def envelope(x: Array, y: Array) -> tuple[Array, Array]:
-    """A line that looks the same on `COLUMNS` pixel columns, in four points a column.
+    """Give a line that looks the same on `COLUMNS` pixel columns, in four points a column.
 
     Every column keeps its first and its last point and spans its smallest to its largest value,
     so no peak is lost and no slope is drawn that is not there.
@@ -166,3 +152,8 @@ def envelope(x: Array, y: Array) -> tuple[Array, Array]:
         np.column_stack((x[first], centre, centre, x[last])).ravel(),
         np.column_stack((y[first], lowest, highest, y[last])).ravel(),
     )
+
+
+def steps(edges: Array, means: Array) -> tuple[Array, Array]:
+    """Give the line of means over intervals: horizontal over each, vertical between two."""
+    return envelope(np.repeat(edges, 2)[1:-1], np.repeat(drawable(means), 2))

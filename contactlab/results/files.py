@@ -1,14 +1,35 @@
-"""Files that stand under their name only when whole."""
+"""Files that stand under their name only when whole, and whether a run's file is still what the run left.
+
+A temporary file's name tells which process of which machine writes it, so that what a killed process has
+left can be removed.
+"""
 
 import errno
+import json
 import os
+import platform
+import re
+import secrets
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from hashlib import file_digest
+from functools import cache
+from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Final
 
-from contactlab.results.partials import partial_of, remove_left
+DATASET: Final = "run.nc"
+STATE: Final = "state.json"
+LOG: Final = "run.log"
+"""The files of a run's folder; the log is there for a run that raised an exception."""
+
+FOREIGN_AFTER: Final = 7 * 24 * 3600.0
+"""Seconds without a change after which a file of another machine, whose processes cannot be asked, is taken
+for left: what is being written changes all the time."""
+
+_PARTIAL: Final = re.compile(
+    r"\..+\.((?P<machine>[0-9a-f]{8})-(?P<process>\d+)-)?[0-9a-f]{8}\.partial"
+)
 
 _WITHOUT_LINKS: Final = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
 """How a file system tells that a file cannot have two names."""
@@ -40,7 +61,8 @@ def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
             str(path.parent),
         )
     remove_left(path.parent)
-    partial = partial_of(path)
+    token = f"{_machine()}-{os.getpid()}-{secrets.token_hex(4)}"
+    partial = path.with_name(f".{path.name}.{token}.partial")
     try:
         yield partial
         _synchronise(partial)
@@ -70,8 +92,11 @@ def whole_netcdf(path: Path) -> Iterator[Path]:
         except (OSError, RuntimeError) as fault:
             if isinstance(fault, RuntimeError) and not str(fault).startswith("NetCDF"):
                 raise
-            if cause := _cause_of_failure(partial):
-                raise cause from fault
+            # The system tells the cause where a little more cannot be written either.
+            with partial.open("ab") as stream:
+                stream.write(bytes(2**20))
+                stream.flush()
+                os.fsync(stream.fileno())
             if isinstance(fault, OSError):
                 raise
             raise OSError(errno.EIO, f"the netCDF library says: {fault}") from fault
@@ -84,7 +109,7 @@ def told(error: OSError) -> str:
 
 
 def digest_of_file(path: Path) -> str:
-    """Digest of a file as it lies on the disk, 64 hexadecimal digits, as `sha256sum` gives it.
+    """Give the digest of a file as it lies on the disk, 64 hexadecimal digits, as `sha256sum` does.
 
     Raises:
         OSError: it cannot be read.
@@ -93,16 +118,72 @@ def digest_of_file(path: Path) -> str:
         return file_digest(stream, "sha256").hexdigest()
 
 
-def _cause_of_failure(partial: Path) -> OSError | None:
-    """What the system says where a little more cannot be written to a file either."""
+def told_digest(folder: Path) -> str:
+    """Give the digest of the dataset that the run's state tells; empty where none does."""
     try:
-        with partial.open("ab") as stream:
-            stream.write(bytes(2**20))
-            stream.flush()
-            os.fsync(stream.fileno())
-    except OSError as cause:
-        return cause
-    return None
+        found = json.loads((folder / STATE).read_text(encoding="utf-8"))["digest"]
+    # Somebody else's file of that name may be anything.
+    except (OSError, ValueError, TypeError, LookupError):
+        return ""
+    return found if isinstance(found, str) else ""
+
+
+def damage(dataset: Path) -> str:
+    """Say why a dataset is not the one that its run left; nothing where it is, and where nothing tells.
+
+    To be asked before the dataset is opened: the libraries take damaged numbers for numbers, and may hang.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    digest = told_digest(dataset.parent) if dataset.name == DATASET else ""
+    if not digest or digest == digest_of_file(dataset):
+        return ""
+    return (
+        f"'{dataset}' is not as its run left it, by the digest in {STATE} beside it; it is damaged or "
+        f"was replaced. Run it again, or remove {STATE} if the change is yours."
+    )
+
+
+def remove_left(folder: Path) -> None:
+    """Remove the temporary files in a folder whose processes have ended; what cannot be removed stays."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if (named := _PARTIAL.fullmatch(entry.name)) and _is_left(Path(entry.path), named):
+                Path(entry.path).unlink(missing_ok=True)
+
+
+def _is_left(path: Path, named: re.Match[str]) -> bool:
+    if named["machine"] == _machine() and not _lives(int(named["process"])):
+        return True
+    with suppress(OSError):
+        return time.time() - path.stat().st_mtime > FOREIGN_AFTER
+    return False
+
+
+@cache
+def _machine() -> str:
+    """Tell apart what numbers processes: this start of this machine, and in a container the container."""
+    try:
+        start = Path("/proc/sys/kernel/random/boot_id").read_text()
+        named = f"{start}{Path('/proc/self/ns/pid').readlink()}"
+    except OSError:
+        named = platform.node()
+    return sha256(named.encode()).hexdigest()[:8]
+
+
+def _lives(process: int) -> bool:
+    """Tell whether a process of this machine runs; where that cannot be asked, it may."""
+    # On Windows the same call would end the process.
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True
+    return True
 
 
 def _link(partial: Path, path: Path) -> None:

@@ -1,13 +1,15 @@
-"""A trajectory as an xarray tree and as a netCDF-4 file that stands under its name only when whole.
+"""A run as an xarray tree and as a netCDF-4 file that stands under its name only when whole.
 
 The root holds the time series and the resonator's quantities, the group `contacts` one row a
-contact; names, dimensions and units are those of `contactlab.variables`. The attributes say what
+contact; names, dimensions and units are those of `contactlab.variables`. The group `state` holds what
+the engine needs to go on where the run ended, to the last bit. The attributes say what
 ran and with which code. Nothing in the file depends on when, where or on which machine it was
 written, so the same run leaves the same bytes.
 """
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +19,9 @@ import xarray
 import yaml
 
 from contactlab import variables
+from contactlab.laws import ContactLaw
 from contactlab.laws.registry import provenance
+from contactlab.motor import Motor
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.trajectory import Ending, Trajectory
@@ -31,68 +35,94 @@ REFERENCES: Final = (
 _CHUNK: Final = 2**17
 """Values in a chunk, 1 MiB: one chunk for an ordinary run, and slices of a long one stay cheap."""
 
+TITLE: Final = "Standing-wave piezoelectric motor with the contact law "
+"""What the title of a run begins with; that of its law follows."""
 
-def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object]) -> xarray.DataTree:
-    """A run as an xarray tree.
+
+def to_datatree(
+    trajectory: Trajectory, configuration: Mapping[str, object] | None = None
+) -> xarray.DataTree:
+    """Give a run as an xarray tree, whose arrays are those of the trajectory.
 
     Args:
         trajectory: what the simulation gave back.
-        configuration: the resolved configuration as plain, nested dictionaries, numbers in SI.
+        configuration: the resolved configuration as plain, nested dictionaries, numbers in SI; without
+            one, `settings_of` says what ran.
 
     Returns:
-        The time series and the resonator's quantities at the root and the group `contacts`. The
-        attribute `complete` is 1 for a run that reached its end with a closed ledger and 0 otherwise.
+        The time series and the resonator's quantities at the root and the groups `contacts` and `state`,
+        see the module. The attribute `complete` is 1 for a run that reached its end with a closed ledger
+        and 0 otherwise.
     """
     modes = trajectory.motor.modes
-    resonator = {
+    # A rigid body's mode has no damping ratio.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        damping_ratio = modes.damping_ratio
+    values: dict[str, np.ndarray] = {
+        variables.TIME.name: trajectory.time,
+        **trajectory.series,
+        variables.CONTACT_MODE.name: np.asarray(trajectory.contact_mode, dtype=np.int8),
         "natural_frequency": modes.natural_frequency,
-        "damping_ratio": modes.damping_ratio,
+        "damping_ratio": damping_ratio,
         "electromechanical_coupling": modes.shape_coupling,
     }
-    mode = np.asarray(trajectory.contact_mode, dtype=np.int8)
     root = xarray.Dataset(
-        _columns(variables.SERIES, trajectory.series)
-        | _columns((variables.CONTACT_MODE,), {variables.CONTACT_MODE.name: mode})
-        | _columns(variables.RESONATOR, resonator),
-        coords=_columns((variables.TIME,), {variables.TIME.name: trajectory.time}),
-        attrs=_attributes(trajectory, configuration),
+        _columns((*variables.SERIES, variables.CONTACT_MODE, *variables.RESONATOR), values),
+        coords=_columns((variables.TIME,), values),
+        attrs=_attributes(
+            trajectory, configuration or settings_of(trajectory.motor, trajectory.law)
+        ),
     )
     contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
-    return xarray.DataTree.from_dict({"/": root, "/contacts": contacts})
+    groups = {"/": root, "/contacts": contacts}
+    if state := getattr(trajectory, "state", None):
+        groups["/state"] = xarray.Dataset({k: _as_variable(k, v) for k, v in state.items()})
+    return xarray.DataTree.from_dict(groups)
 
 
-def write(
-    trajectory: Trajectory, configuration: Mapping[str, object], path: Path
-) -> xarray.DataTree:
-    """Write a run to a netCDF-4 file, whole or not at all.
+def _as_variable(name: str, value: object) -> xarray.Variable:
+    """Give an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
+    values = np.asarray(value)
+    values = values.astype(np.int8) if values.dtype.kind == "b" else values
+    axes = [f"{name}_{axis}" for axis in range(values.ndim)]
+    return xarray.Variable(axes, values, {"long_name": f"{name} where the run ended"})
 
-    A run that is not complete is written too, with `complete = 0`.
 
-    Args:
-        trajectory: what the simulation gave back.
-        configuration: the resolved configuration as plain, nested dictionaries, numbers in SI.
-        path: the file's name, in a folder that exists.
+def state_of(tree: xarray.DataTree) -> dict[str, Any]:
+    """Give the state that a run ended in, as the engine takes it; empty where none was recorded."""
+    group = tree.children.get("state")
+    return {} if group is None else {str(k): v.values[()] for k, v in group.data_vars.items()}
 
-    Returns:
-        The tree that was written.
 
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
-    tree = to_datatree(trajectory, configuration)
-    write_tree(tree, path)
-    return tree
+def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
+    """Give the numbers of a motor and a law by the keys of a configuration, where there is none."""
+    parameters, geometry = law.describe(), motor.geometry
+    settings: dict[str, dict[str, Any]] = {
+        "law": {"name": law.name, **parameters},
+        "contact": {"tip_length": geometry.tip_length, "clearance": geometry.clearance},
+        "rotor": {"radius": geometry.rotor_radius, **asdict(motor.rotor)},
+    }
+    if motor.drive.frequency.size:
+        settings["drive"] = {"frequency": motor.drive.frequency[0]}
+    if (friction := parameters.get("friction_coefficient")) is not None:
+        settings["contact"]["friction_coefficient"] = friction
+    # Plain numbers, whatever a motor was made from.
+    plain: dict[str, Any] = json.loads(json.dumps(settings, default=float))
+    return plain
+
+
+def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
+    """Give the configuration that a dataset tells; empty where it tells none."""
+    try:
+        found = yaml.safe_load(str(tree.attrs.get("configuration", "")))
+    # Besides its own errors YAML raises those of impossible dates.
+    except (yaml.YAMLError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def write_tree(tree: xarray.DataTree, path: Path) -> str:
-    """Write what `to_datatree` gives to a netCDF-4 file, whole or not at all.
-
-    Args:
-        tree: the run.
-        path: the file's name, in a folder that exists.
-
-    Returns:
-        Digest of the file, see `contactlab.results.files.digest_of_file`.
+    """Write what `to_datatree` gives to a netCDF-4 file, whole or not at all, and give its digest.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -103,11 +133,7 @@ def write_tree(tree: xarray.DataTree, path: Path) -> str:
 
 
 def reached_end(attributes: Mapping[Any, Any]) -> bool:
-    """Whether the run of a dataset reached its end; one of one's own need not say so.
-
-    Args:
-        attributes: of its root.
-    """
+    """Tell by a dataset's attributes whether its run reached its end; one of one's own need not say so."""
     unbalanced = attributes.get("ending") == Ending.UNBALANCED.name.lower()
     return bool(attributes.get("complete", 1)) or unbalanced
 
@@ -115,12 +141,12 @@ def reached_end(attributes: Mapping[Any, Any]) -> bool:
 def _columns(
     table: Iterable[Variable], values: Mapping[str, np.ndarray]
 ) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, object]]]:
-    """Dimensions, values and CF attributes of every variable of a table."""
+    """Give dimensions, values and CF attributes of every variable of a table."""
     return {entry.name: (entry.dims, values[entry.name], cf_attributes(entry)) for entry in table}
 
 
 def cf_attributes(variable: Variable) -> dict[str, object]:
-    """The CF attributes of a variable, and its symbol."""
+    """Give the CF attributes of a variable, and its symbol."""
     attributes: dict[str, object] = {
         "units": variable.units,
         "long_name": variable.long_name,
@@ -136,13 +162,13 @@ def cf_attributes(variable: Variable) -> dict[str, object]:
 
 
 def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> dict[str, object]:
-    """The attributes of the root, `complete` last."""
+    """Give the attributes of the root, `complete` last."""
     law = trajectory.law
     code = versions()
     revision, dirty = checkout_state()
     return {
         "Conventions": "CF-1.11",
-        "title": f"Standing-wave piezoelectric motor with the contact law {law.title}",
+        "title": TITLE + law.title,
         "source": f"contactlab {code['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {law.source}.",
         "law": law.name,

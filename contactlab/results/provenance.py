@@ -3,7 +3,6 @@
 import os
 import platform
 import subprocess
-from collections.abc import Iterator
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -19,7 +18,7 @@ PACKAGES: Final = ("contactlab", "numpy", "scipy", "numba", "xarray", "netCDF4")
 _SOURCES: Final = ("contactlab/", "conf/")
 """Folders of a checkout in which a file that git does not know can still change a run."""
 
-_AFTER_A_RUN: Final = ("comparison", "plausibility", "sweep", "testing")
+_AFTER_A_RUN: Final = ("comparison", "metrics", "sweeps", "testing")
 """Subpackages that see a run only when its numbers are made, and that no run depends on."""
 
 _GIT_TIMEOUT: Final = 10.0
@@ -27,7 +26,7 @@ _GIT_TIMEOUT: Final = 10.0
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of Python and of `PACKAGES`, by attribute name such as `numpy_version`."""
+    """Give the versions of Python and of `PACKAGES`, by attribute name such as `numpy_version`."""
     found = {"contactlab_version": UNKNOWN, "python_version": platform.python_version()}
     for package in PACKAGES:
         try:
@@ -39,7 +38,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def code_digest() -> str:
-    """Digest of the sources of this package that a run's numbers depend on, 64 hexadecimal digits.
+    """Give the digest of the sources of this package that a run's numbers depend on, 64 hexadecimal digits.
 
     A version names a release, and a commit what was committed; this names the code as it lies on the
     disk, in a checkout with changes too.
@@ -48,29 +47,19 @@ def code_digest() -> str:
 
 
 def digest_of(package: Path) -> str:
-    """Digest of the sources of a package, whatever machine they lie on.
-
-    Args:
-        package: its folder.
-    """
+    """Give the digest of the sources in a package's folder, whatever machine it lies on."""
     digest = sha256()
-    for name, file in sorted(
-        (path.relative_to(package).as_posix(), path) for path in _sources(package)
-    ):
-        # Line ends differ between systems, and say nothing.
-        digest.update(f"{name}\0".encode() + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+    files = {file.relative_to(package): file for file in package.rglob("*.py")}
+    for name, file in sorted((name.as_posix(), file) for name, file in files.items()):
+        if name.partition("/")[0] not in _AFTER_A_RUN:
+            # Line ends differ between systems, and say nothing.
+            digest.update(f"{name}\0".encode() + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()
-
-
-def _sources(package: Path) -> Iterator[Path]:
-    for path in package.rglob("*.py"):
-        if path.relative_to(package).parts[0] not in _AFTER_A_RUN:
-            yield path
 
 
 @cache
 def checkout_state() -> tuple[str, int | str]:
-    """Revision and dirty flag of the checkout that this package runs from.
+    """Give revision and dirty flag of the checkout that this package runs from.
 
     Asked once a process, since the code in memory does not change afterwards either.
     """
@@ -78,7 +67,7 @@ def checkout_state() -> tuple[str, int | str]:
 
 
 def git_state(root: Path) -> tuple[str, int | str]:
-    """Revision of the checkout at `root` and whether it differs from that revision.
+    """Give the revision of a checkout and tell whether it differs from that revision.
 
     Dirty means a change to any tracked file, or an unknown file among the sources. Results that
     lie about elsewhere in the checkout are no change of the code.
@@ -107,17 +96,12 @@ def git_state(root: Path) -> tuple[str, int | str]:
         ).stdout.decode(errors="replace")
     except (OSError, subprocess.SubprocessError):
         return UNKNOWN, UNKNOWN
-    return _parse_status(status)
-
-
-def _parse_status(status: str) -> tuple[str, int | str]:
-    """Commit and dirty flag from the output of `git status --porcelain=v2 --branch -z`."""
-    commit, dirty = UNKNOWN, 0
+    commit, dirty = UNKNOWN, False
     for line in status.split("\0"):
         if line.startswith("# branch.oid "):
             commit = line.removeprefix("# branch.oid ")
         elif line.startswith("? "):
             dirty |= line.removeprefix("? ").startswith(_SOURCES)
-        elif line.startswith(("1 ", "2 ", "u ")):
-            dirty = 1
+        else:
+            dirty |= line.startswith(("1 ", "2 ", "u "))
     return (UNKNOWN, UNKNOWN) if commit in {UNKNOWN, "(initial)"} else (commit, int(dirty))

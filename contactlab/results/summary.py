@@ -1,93 +1,116 @@
-"""A run in a few lines of text."""
+"""A run in a few lines of text, and its numbers in units that are handy to read."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+import xarray
 
-from contactlab.results.prefixes import prefixed
-from contactlab.trajectory import Trajectory
+from contactlab.results.netcdf import TITLE, configuration_of, reached_end
 
 
-def summarise(trajectory: Trajectory, wall_time: float) -> str:
-    """The numbers of a run that one looks at first, a line each.
+def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
+    """Give the numbers of a run that one looks at first, a line each.
 
     Args:
-        trajectory: what the simulation gave back; a run cut short is summed up to where it came.
-        wall_time: what the simulation alone took [s].
+        tree: a run as `contactlab.results.netcdf.to_datatree` gives it; one that was cut short is summed up
+            to where it came.
+        wall_time: what the simulation alone took [s], where that is known.
 
     Returns:
         Lines of a label and its value, aligned, without a newline at the end; plain ASCII, which
         every terminal and every log can show.
     """
-    simulated = float(trajectory.time[-1])
+    lines = summary_of(tree, wall_time)
+    width = max(map(len, lines)) + 2
+    return "\n".join(f"{label:<{width}}{value}" for label, value in lines.items())
+
+
+def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[str, str]:
+    """Give the values of `summarise` by their labels."""
+    attributes, root = tree.attrs, tree.to_dataset()
+    contacts = tree.children["contacts"].to_dataset(inherit=False)
+    start, end = root["time"].values[[0, -1]].tolist()
     # Plus nothing: a rotor at rest has no sign.
-    velocity = float(trajectory.series["rotor_velocity"][-1]) + 0.0
-    peak = float(np.max(trajectory.contacts["peak_normal_force"], initial=0.0))
+    velocity = float(root["rotor_velocity"][-1]) + 0.0
+    peak = float(np.max(contacts["peak_normal_force"].values, initial=0.0))
     lines = {
-        "law": _law(trajectory),
-        "contacts": _contacts(trajectory),
-        "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(simulated, 's')}",
+        "law": _law(attributes),
+        "contacts": _contacts(tree, contacts),
+        "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
         "peak normal force": f"{peak:.4g} N",
-        **_load(trajectory),
-        "normal impulse": f"{np.sum(trajectory.contacts['normal_impulse']):.6g} N s in all",
-        "ledger residual": _residual(trajectory),
-        "speed": _speed(simulated, wall_time),
     }
-    if wedged := trajectory.statistics.get("wedged_steps", 0):
+    if root["load_work"].values.any():
+        work = float(root["load_work"][-1])
+        what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
+        lines["load"] = f"{what}: {abs(work):.4g} J"
+    impulse = float(np.sum(contacts["normal_impulse"].values))
+    lines["normal impulse"] = f"{impulse:.6g} N s in all"
+    lines["ledger residual"] = _residual(root)
+    if wall_time is not None:
+        pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
+        lines["speed"] = (
+            f"{prefixed(end - start, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
+        )
+    if wedged := json.loads(attributes["solver_statistics"]).get("wedged_steps", 0):
         lines["Painleve's paradox"] = (
             f"{wedged} steps in contact with several solutions: what slid was released, what stuck was held"
         )
-    if not trajectory.complete:
-        label = trajectory.ending.name.lower() if trajectory.ending.reached_end else "incomplete"
-        lines[label] = trajectory.message or trajectory.ending.name.lower()
-    width = max(map(len, lines)) + 2
-    text = "\n".join(f"{label:<{width}}{value}" for label, value in lines.items())
-    return text.replace("µ", "u")
+    if not attributes["complete"]:
+        label = attributes["ending"] if reached_end(attributes) else "incomplete"
+        lines[label] = attributes["message"] or attributes["ending"]
+    return {label: value.replace("µ", "u") for label, value in lines.items()}
 
 
-def _law(trajectory: Trajectory) -> str:
-    """The law's name and its effective parameters."""
-    parameters = (f"{name} {value:.6g}" for name, value in trajectory.law.describe().items())
-    step = prefixed(trajectory.contact_step, "s")
-    return f"{trajectory.law.title} ({', '.join([*parameters, f'contact step {step}'])})"
+def prefixed_unit(size: float, symbol: str, smallest: float = 1.0) -> tuple[str, float]:
+    """Find the unit in which a quantity is a handy number, from the unit itself down to its nano-part.
+
+    Args:
+        size: of the quantity in the unit without a prefix.
+        symbol: of the unit without a prefix.
+        smallest: number that the quantity shall have at least.
+
+    Returns:
+        The symbol with its prefix, and its size in the unit without one.
+    """
+    for prefix, scale in (("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
+        # A hair below counts, so that a round-off does not turn 1 ms into 1000 µs.
+        if size >= 0.999 * smallest * scale:
+            return f"{prefix}{symbol}", scale
+    return f"n{symbol}", 1e-9
 
 
-def _contacts(trajectory: Trajectory) -> str:
-    """How many contacts there were, and how long they lasted and stuck."""
-    count = trajectory.contacts["duration"].size
-    if not count:
-        return f"none: {_out_of_reach(trajectory)}"
-    touching = prefixed(float(np.sum(trajectory.contacts["duration"])), "s")
-    sticking = prefixed(float(np.sum(trajectory.contacts["stick_duration"])), "s")
-    return f"{count}, {touching} in contact, {sticking} of it sticking"
+def prefixed(size: float, symbol: str) -> str:
+    """Write a quantity to four digits with a handy unit, e.g. `248.3 µs`; zero keeps the plain unit."""
+    unit, scale = prefixed_unit(abs(size), symbol) if size else (symbol, 1.0)
+    return f"{size / scale:.4g} {unit}"
 
 
-def _load(trajectory: Trajectory) -> dict[str, str]:
-    """A line on the load where there is one: whether it brakes the motor or drives it."""
-    if trajectory.motor.rotor.load_torque == 0.0:
-        return {}
-    work = float(trajectory.series["load_work"][-1])
-    what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
-    return {"load": f"{what}: {abs(work):.4g} J"}
+def _law(attributes: Mapping[Any, Any]) -> str:
+    """Give the law's name and its effective parameters."""
+    parameters = json.loads(attributes["law_parameters"])
+    told = [f"{name} {value:.6g}" for name, value in parameters.items()]
+    told.append(f"contact step {prefixed(float(attributes['contact_step']), 's')}")
+    return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(told)})"
 
 
-def _out_of_reach(trajectory: Trajectory) -> str:
-    """How far the tip came of the way to the rotor, by the records."""
-    clearance = trajectory.motor.geometry.clearance
-    closest = float(np.min(trajectory.series["gap"]))
+def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
+    """Say how many contacts there were and how long they lasted and stuck, or how far away the tip stayed."""
+    if count := contacts.sizes["contact"]:
+        touching = prefixed(float(np.sum(contacts["duration"].values)), "s")
+        sticking = prefixed(float(np.sum(contacts["stick_duration"].values)), "s")
+        return f"{count}, {touching} in contact, {sticking} of it sticking"
+    clearance = float(configuration_of(tree)["contact"]["clearance"])
+    bridged = prefixed(clearance - float(np.min(tree.to_dataset()["gap"].values)), "m")
     return (
-        f"of the clearance, {prefixed(clearance, 'm')}, the tip bridged at most "
-        f"{prefixed(clearance - closest, 'm')}. Lower contact.clearance or raise the drive's voltages."
+        f"none: of the clearance, {prefixed(clearance, 'm')}, the tip bridged at most {bridged}. "
+        "Lower contact.clearance or raise the drive's voltages."
     )
 
 
-def _residual(trajectory: Trajectory) -> str:
-    """The energy that the ledger cannot account for, and its share of the work of the drive."""
-    residual = float(trajectory.series["energy_residual"][-1])
-    work = abs(float(trajectory.series["drive_work"][-1]))
+def _residual(root: xarray.Dataset) -> str:
+    """Give the energy that the ledger cannot account for, and its share of the work of the drive."""
+    residual, work = float(root["energy_residual"][-1]), abs(float(root["drive_work"][-1]))
     share = f"{abs(residual) / work:.2g} of the drive work" if work > 0.0 else "no drive work"
     return f"{residual:.2g} J, {share}"
-
-
-def _speed(simulated: float, wall_time: float) -> str:
-    """How fast the simulation was against the motor itself."""
-    pace = f", {simulated / wall_time:.3g} times real time" if wall_time > 0.0 else ""
-    return f"{prefixed(simulated, 's')} of motor in {prefixed(wall_time, 's')}{pace}"

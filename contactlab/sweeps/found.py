@@ -10,8 +10,7 @@ from typing import Any, Final, final
 
 from contactlab.config.faults import one_line
 from contactlab.metrics import assess, configuration_of, is_complete, read_run
-from contactlab.results.partials import remove_left
-from contactlab.results.run_folder import DATASET, STATE
+from contactlab.results.files import DATASET, STATE, remove_left
 from contactlab.sweeps.cells import REASONS
 from contactlab.sweeps.job import RUNNING, Job, State, read_state
 from contactlab.sweeps.roster import ROSTER, read_roster

@@ -14,9 +14,8 @@ from typing import Any, final
 
 from contactlab.config import Setup
 from contactlab.laws.registry import provenance
-from contactlab.results.files import digest_of_file, whole_file
+from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, versions
-from contactlab.results.run_folder import DATASET, STATE
 
 RUNNING, COMPLETE, FAILED, REFUSED = "running", "complete", "failed", "refused"
 INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"

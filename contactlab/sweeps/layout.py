@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import validate
-from contactlab.config.keys import units_of
 from contactlab.config.nesting import flat
+from contactlab.config.schema import units_of
 from contactlab.sweeps.cells import Axis
 from contactlab.sweeps.found import FoundRun
 

@@ -17,7 +17,7 @@ from contactlab.engine import simulate
 from contactlab.engine.callback import is_of_a_signal
 from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
-from contactlab.metrics import METRICS, Record, assess
+from contactlab.metrics import METRICS, Run, assess
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.status import Status, status_of
 from contactlab.trajectory import Trajectory
@@ -184,7 +184,7 @@ def _run(
         )
         if not run.ending.reached_end:
             return None, status_of(run.ending), run.message
-        found = assess(Record.of_trajectory(run, setup.configuration), wanted.metrics)
+        found = assess(Run.of_trajectory(run, setup.configuration), wanted.metrics)
     except ConfigurationError as error:
         return None, Status.REFUSED, " ".join(error.faults)
     except LawError as error:

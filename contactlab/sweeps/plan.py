@@ -11,7 +11,7 @@ from typing import Any, Final, final
 from contactlab import metrics
 from contactlab.config import Setup, build, validate
 from contactlab.config.nesting import Value
-from contactlab.config.section import Section
+from contactlab.config.schema import Section
 from contactlab.laws import law_class
 from contactlab.results.provenance import digest_of
 from contactlab.sweeps.cells import Axis

@@ -9,8 +9,8 @@ import numpy as np
 
 from contactlab import variables
 from contactlab.metrics import read_run
+from contactlab.results.files import DATASET
 from contactlab.results.netcdf import cf_attributes
-from contactlab.results.run_folder import DATASET
 from contactlab.sweeps.faults import CollectingError
 from contactlab.sweeps.found import FoundRun
 from contactlab.sweeps.layout import Layout

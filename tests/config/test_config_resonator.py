@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from support.conf_files import altered, composed, options
 
-from contactlab.config import build, schema
-from contactlab.config.faults import ConfigurationError
-from contactlab.motor import FiniteElementResonator, beam, finite_element
+from contactlab.config import ConfigurationError, build
+from contactlab.motor import FiniteElementResonator
 
 
 def faults(changes: dict[str, object], resonator: str) -> list[str]:
@@ -32,14 +31,6 @@ def test_finite_elements_build_the_converged_motor() -> None:
         resonator="finite_element",
     )
     assert build(bare).motor.modes.stiffness.size == 2
-
-
-def test_most_shapes_is_what_the_beam_vouches_for() -> None:
-    assert schema.MOST_SHAPES == beam.MOST_SHAPES
-
-
-def test_most_kept_modes_is_what_the_finite_elements_vouch_for() -> None:
-    assert schema.MOST_KEPT_MODES == finite_element.MOST_KEPT_MODES
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from support.motors import default_resonator, every_law, hertz, run
 
 from contactlab.engine.plant import plant_of
-from contactlab.engine.tables import Tables, tables_for
+from contactlab.engine.propagator import Propagator, propagator_for
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.motor.motor import Motor
 from contactlab.testing.flights import Flight, double_well, drive_through, flight_of
@@ -22,18 +22,18 @@ CURVATURE = 2e3
 laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 
 
-def ladder(motor: Motor, law: ContactLaw) -> Tables:
-    return tables_for(
+def ladder(motor: Motor, law: ContactLaw) -> Propagator:
+    return propagator_for(
         plant_of(motor), law.default_contact_step, 1.0, exact=isinstance(law, MultiplierLaw)
     )
 
 
 def step_ends(motor: Motor, law: ContactLaw, duration: float) -> Array:
     """Ends of the steps of a flight from rest: they double up to the longest."""
-    tables = ladder(motor, law)
-    steps = 0.5 ** np.arange(tables.fresh_level, 0, -1.0)
-    lengths = np.append(steps, np.ones(int(duration / tables.longest) + 1))
-    return np.append(0.0, tables.longest * np.cumsum(lengths))
+    propagator = ladder(motor, law)
+    steps = 0.5 ** np.arange(propagator.rule.fresh_level, 0, -1.0)
+    lengths = np.append(steps, np.ones(int(duration / propagator.rule.longest) + 1))
+    return np.append(0.0, propagator.rule.longest * np.cumsum(lengths))
 
 
 def middle_of_step(law: ContactLaw, number: int) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from contactlab.laws.base import SLIP, MultiplierKernel
 from contactlab.motor import NormalModes
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.results.netcdf import to_datatree
 from contactlab.results.summary import summarise
 from contactlab.testing.plants import silent_drive
 from contactlab.trajectory import Ending, Trajectory
@@ -116,7 +117,7 @@ def test_slip_alone_has_no_answer_to_an_approach_and_the_run_says_so() -> None:
     # It stops at the touch-down: nothing has gone into the rotor.
     assert found.contacts["start_time"].size == 1
     assert found.time[-1] <= found.contacts["start_time"][0]
-    assert "incomplete" in summarise(found, 1.0)
+    assert "incomplete" in summarise(to_datatree(found), 1.0)
 
 
 @pytest.mark.parametrize(("spin", "mu"), [(40.0, 1.0), (-40.0, 0.3)])
@@ -148,12 +149,14 @@ def test_a_strut_that_jams_holds_a_rotor_and_the_run_counts_its_steps() -> None:
     assert held.contact_mode[-1] == 2
     assert abs(held.series["rotor_velocity"][-1]) < 1e-12
     assert held.statistics["wedged_steps"] > 90
-    assert f"{held.statistics['wedged_steps']} steps in contact" in summarise(held, 1.0)
+    assert f"{held.statistics['wedged_steps']} steps in contact" in summarise(
+        to_datatree(held), 1.0
+    )
     # With too little friction it opens, and there is nothing to tell.
     released = run(wedged, LagrangeStick(0.3))
     assert released.contact_mode[-1] == 0
     assert released.statistics["wedged_steps"] == 0
-    assert "Painleve" not in summarise(released, 1.0)
+    assert "Painleve" not in summarise(to_datatree(released), 1.0)
 
 
 def test_a_law_that_does_not_answer_an_approach_is_told_so() -> None:

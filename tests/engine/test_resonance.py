@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from support.motors import case_a, default_motor, hertz, run, total
 
-from contactlab.engine.oscillator import impulse_integrals
+from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import NEARLY_RESONANT, plant_of
-from contactlab.engine.resonance import answer_from_rest
 from contactlab.laws import LagrangeStick
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
@@ -61,9 +60,9 @@ def test_the_answer_from_rest_is_that_of_the_power_series(
 def test_only_a_nearly_resonant_pair_has_no_steady_state_split_off() -> None:
     assert plant_of(case_a()).near.shape == (0, 2)
     plant = plant_of(resonant(10.0))
-    assert plant.near.tolist() == [[0, 0]]
-    assert plant.steady_re[0, 0] == plant.steady_im[0, 0] == 0.0
-    assert np.all(np.hypot(plant.steady_re, plant.steady_im)[1:-1] > 0.0)
+    assert plant.near.tolist() == [(0, 0)]
+    assert plant.phasors.steady_re[0, 0] == plant.phasors.steady_im[0, 0] == 0.0
+    assert np.all(np.hypot(plant.phasors.steady_re, plant.phasors.steady_im)[1:-1] > 0.0)
     # Just outside of the margin the steady state is split off as ever.
     rate = float(resonant(10.0).modes.natural_frequency[0])
     shifted = default_motor(
@@ -113,11 +112,11 @@ def test_the_vibration_grows_as_the_beat_does() -> None:
     for index in (1, 17, 50):
         time = float(trajectory.time[index])
         expected = 0.0
-        for j in range(plant.stiffness.size - 1):
+        for j in range(plant.modes.stiffness.size - 1):
             re, im, _, _ = answer_from_rest(
-                plant.stiffness[j], plant.damping[j], plant.omega[0], time
+                plant.modes.stiffness[j], plant.modes.damping[j], plant.tones.omega[0], time
             )
-            force = complex(plant.force_re[j, 0], plant.force_im[j, 0])
-            expected += plant.row_u[j] * (force * complex(re, im)).real
+            force = complex(plant.phasors.force_re[j, 0], plant.phasors.force_im[j, 0])
+            expected += plant.modes.row_u[j] * (force * complex(re, im)).real
         found = float(trajectory.series["tip_normal_displacement"][index])
         assert found == pytest.approx(expected, rel=1e-10, abs=1e-18)

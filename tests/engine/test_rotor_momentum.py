@@ -8,7 +8,7 @@ import pytest
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LagrangeStick
 from contactlab.laws.base import ContactLaw
-from contactlab.metrics import METRICS, Record, assess
+from contactlab.metrics import METRICS, Run, assess
 from contactlab.testing.plants import paper_motor
 
 
@@ -22,7 +22,7 @@ def momentum(law: ContactLaw, damping: float, torque: float, passed_on: float = 
     run = dataclasses.replace(run, contacts={**run.contacts, "friction_impulse": told})
     radius = motor.geometry.rotor_radius
     facts = {"rotor": {"radius": radius, **dataclasses.asdict(rotor)}}
-    return assess(Record.of_trajectory(run, facts), ["rotor_momentum"])["rotor_momentum"]
+    return assess(Run.of_trajectory(run, facts), ["rotor_momentum"])["rotor_momentum"]
 
 
 @pytest.mark.parametrize("law", [HertzPenalty(), LagrangeStick()], ids=lambda law: law.name)

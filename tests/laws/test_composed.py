@@ -35,10 +35,8 @@ def fitted_order(sizes: list[float], errors: list[float]) -> float:
 
 def test_hertz_penalty_is_a_composition_to_the_last_bit() -> None:
     law = HertzPenalty(2e9, 0.4)
-    named, composed = (
-        motor_run(law),
-        motor_run(Composed(HertzPoint(law.stiffness), friction=Coulomb(law.friction_coefficient))),
-    )
+    composition = Composed(HertzPoint(2e9), friction=Coulomb(0.4))
+    named, composed = motor_run(law), motor_run(composition)
     for name, values in named.series.items():
         np.testing.assert_array_equal(values, composed.series[name])
 
@@ -95,9 +93,9 @@ def test_loss_number_is_smooth_where_its_rule_changes(edge: float) -> None:
     [
         (lambda: LankaraniNikravesh(0.5), "restitution is 0.5; it must be at least 0.66296"),
         (lambda: HuntCrossley(0.3), "restitution is 0.3; it must be at least 0.48774"),
-        (lambda: Flores(0.0), "restitution is 0.0 1; it must be above 0"),
-        (lambda: Mindlin(0.3, -1.0), "stiffness_ratio is -1.0 1; it must be above 0"),
-        (lambda: LuGre(0.3, 0.5), "static_ratio is 0.5 1; it must be at least 1"),
+        (lambda: Flores(0.0), "restitution is 0.0; it must be greater than 0"),
+        (lambda: Mindlin(0.3, -1.0), "stiffness_ratio is -1.0; it must be greater than 0"),
+        (lambda: LuGre(0.3, 0.5), "static_ratio is 0.5; it must be at least 1"),
         (lambda: ElastoPlastic(breakaway_ratio=1.0), "breakaway_ratio is 1.0 1; it must be"),
     ],
 )

@@ -14,10 +14,8 @@ from contactlab.laws import LAWS, LawError, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, EVEN, RATE_DEPENDENT, SLIP
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
-from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.normal import NORMAL_FORCES
-from contactlab.laws.part import ElasticKernel, Friction, NormalForce
 from contactlab.parameter import Parameter
 from contactlab.testing.contract import check
 from contactlab.testing.plants import block, paper_motor
@@ -33,13 +31,13 @@ STIFFNESS = Parameter("K", "N m-1.5", "contact stiffness", above=0.0)
 class Made(PenaltyLaw):
     """Hertz by the functions of a test; kind, memory and parity are those of a subclass."""
 
-    name: ClassVar[str] = "made"
-    equation: ClassVar[str] = "N = K d^1.5"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "made"
+    equation = "N = K d^1.5"
+    source = "this test"
+    default_contact_step = 4e-6
     function: ClassVar[Callable[..., Any]]
     friction: ClassVar[Callable[..., Any] | None] = None
-    length: ClassVar[int] = 1
+    length = 1
 
     stiffness: Annotated[float, STIFFNESS] = 1e10
 
@@ -69,25 +67,25 @@ def short_run(law: Any) -> Any:
 
 
 @kernel
-def honest(gap: float, gap_rate: float, slip: float, approach: float, p: Array) -> Forces:
+def honest(gap, gap_rate, slip, impact_speed, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, 0.3 * normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def negative(gap: float, gap_rate: float, slip: float, approach: float, p: Array) -> Forces:
+def negative(gap, gap_rate, slip, impact_speed, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, -0.3 * normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def without_number(gap: float, gap_rate: float, slip: float, approach: float, p: Array) -> Forces:
+def without_number(gap, gap_rate, slip, impact_speed, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, 0.3 * normal, nan, 0.0
 
 
 @kernel
-def past_the_end(gap: float, gap_rate: float, slip: float, approach: float, p: Array) -> Forces:
+def past_the_end(gap, gap_rate, slip, impact_speed, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[3] * normal, -0.4 * normal * gap, 0.0
 
@@ -98,16 +96,14 @@ def coefficient(p: Array) -> float:
 
 
 @kernel
-def hidden_past_the_end(
-    gap: float, gap_rate: float, slip: float, approach: float, p: Array
-) -> Forces:
+def hidden_past_the_end(gap, gap_rate, slip, impact_speed, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     # What is no number does not come through a comparison.
     return normal, 0.5 * normal if coefficient(p) > 0.3 else 0.0, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def before_the_start(gap: float, gap_rate: float, slip: float, approach: float, p: Array) -> Forces:
+def before_the_start(gap, gap_rate, slip, impact_speed, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[-3] * normal, -0.4 * normal * gap, 0.0
 
@@ -118,16 +114,12 @@ def interpreted_past_the_end(*arguments: Any) -> Any:
 
 
 @kernel
-def spring(
-    gap: float, gap_rate: float, slip: float, normal: float, memory: float, p: Array
-) -> Forces:
-    return -1e6 * memory, slip, 0.5e6 * memory * memory, 1e6
+def spring(gap, gap_rate, slip, normal, z, p):
+    return -1e6 * z, slip, 0.5e6 * z * z, 1e6
 
 
 @kernel
-def boundless(
-    gap: float, gap_rate: float, slip: float, normal: float, memory: float, p: Array
-) -> Forces:
+def boundless(gap, gap_rate, slip, normal, z, p):
     return -normal * slip / abs(slip), 0.0, 0.0, 0.0
 
 
@@ -194,44 +186,17 @@ def test_a_law_that_contradicts_itself_is_refused(law: PenaltyLaw, words: str) -
 
 
 @kernel
-def nowhere(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: Array,
-) -> tuple[float, float, int]:
+def nowhere(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     return -normal_rate / d_nn, 0.0, 7
 
 
 @kernel
-def endless(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: Array,
-) -> tuple[float, float, int]:
+def endless(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     return 0.1 / d_nn, -1e-3 * slip / abs(slip), SLIP
 
 
 @kernel
-def halfway(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: Array,
-) -> tuple[float, float, int]:
+def halfway(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     return -0.5 * normal_rate / d_nn, 0.0, SLIP
 
 
@@ -246,10 +211,10 @@ def halfway(
 def test_a_rigid_law_that_cannot_be_is_refused(function: Any, words: str) -> None:
     @dataclass(frozen=True)
     class Rigid(MultiplierLaw):
-        name: ClassVar[str] = "rigid"
-        equation: ClassVar[str] = "g = 0"
-        source: ClassVar[str] = "this test"
-        default_contact_step: ClassVar[float] = 5e-8
+        name = "rigid"
+        equation = "g = 0"
+        source = "this test"
+        default_contact_step = 5e-8
 
         @property
         def solve(self) -> Any:
@@ -260,7 +225,7 @@ def test_a_rigid_law_that_cannot_be_is_refused(function: Any, words: str) -> Non
 
 
 @kernel
-def thin_layer(gap: float, gap_rate: float, slip: float, approach: float, p: Array) -> Forces:
+def thin_layer(gap, gap_rate, slip, impact_speed, p):
     # N = -P log(1 - d/h): no number from the depth h on.
     load, thickness = 1e2, 1e-5
     left = 1.0 + gap / thickness
@@ -269,9 +234,7 @@ def thin_layer(gap: float, gap_rate: float, slip: float, approach: float, p: Arr
     return normal, 0.3 * normal, energy, 0.0
 
 
-def interpreted_layer(
-    gap: float, gap_rate: float, slip: float, approach: float, p: Array
-) -> Forces:
+def interpreted_layer(gap, gap_rate, slip, impact_speed, p):
     # It raises from the depth h on, as Python does.
     left = 1.0 + gap / 1e-5
     state: dict[str, Any] = {"log": log(left), "text": [f"{gap}"]}
@@ -303,97 +266,11 @@ def test_every_law_of_the_package_is_taken(law: Any) -> None:
 
 
 @kernel
-def polynomial(depth: float, p: Array, at: int) -> Forces:
-    """N = k d (1 + a x + b x^2 + c x^3), x = d/h."""
-    k, a, b, c, h = p[at], p[at + 1], p[at + 2], p[at + 3], p[at + 4]
-    x = depth / h
-    force = k * depth * (1.0 + x * (a + x * (b + x * c)))
-    energy = k * depth**2 * (0.5 + x * (a / 3.0 + x * (b / 4.0 + x * c / 5.0)))
-    stiffness = k * (1.0 + x * (2.0 * a + x * (3.0 * b + x * 4.0 * c)))
-    slope = k / h * (2.0 * a + x * (6.0 * b + x * 12.0 * c))
-    return force, energy, stiffness, slope
-
-
-@dataclass(frozen=True)
-class Polynomial(NormalForce):
-    """An elastic force of five parameters."""
-
-    name: ClassVar[str] = "polynomial"
-    equation: ClassVar[str] = "N = k d (1 + a x + b x^2 + c x^3), x = d/h"
-    source: ClassVar[str] = "this test"
-
-    k: Annotated[float, Parameter("k", "N m-1", "stiffness", above=0.0)] = 1e7
-    a: Annotated[float, Parameter("a", "1", "first", at_least=0.0)] = 0.1
-    b: Annotated[float, Parameter("b", "1", "second", at_least=0.0)] = 0.2
-    c: Annotated[float, Parameter("c", "1", "third", at_least=0.0)] = 0.3
-    h: Annotated[float, Parameter("h", "m", "depth", above=0.0)] = 1e-6
-
-    @property
-    def elastic(self) -> ElasticKernel:
-        return polynomial
-
-
-@dataclass(frozen=True)
-class Forgetful(Polynomial):
-    """Gives one coefficient too few."""
-
-    def coefficients(self) -> tuple[float, ...]:
-        return super().coefficients()[:-1]
-
-
-@dataclass(frozen=True)
-class Short(Friction):
-    """Set-valued friction that leaves out mu_s / mu, which its cone reads."""
-
-    name: ClassVar[str] = "short"
-    equation: ClassVar[str] = "|F| <= mu N"
-    source: ClassVar[str] = "this test"
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-
-    def coefficients(self) -> tuple[float, ...]:
-        return (self.friction_coefficient,)
-
-
-@pytest.mark.parametrize("damping", DAMPINGS.values(), ids=DAMPINGS)
-@pytest.mark.parametrize("friction", FRICTIONS.values(), ids=FRICTIONS)
-def test_a_part_has_as_many_coefficients_as_it_wants(damping: Any, friction: Any) -> None:
-    law = Composed(Polynomial(), damping(), friction())
-    assert all(claim.holds for claim in check(Bench(law), "parts_keep_apart"))
-    assert law.force(-1e-6, 0.0, 0.0, 0.0, law.parameters())[0] == pytest.approx(16.0, rel=1e-14)
-
-
-def test_a_part_that_is_overwritten_by_another_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    law = Composed(Polynomial(), DAMPINGS["flores"]())
-    whole = law.parameters()
-    overwritten = whole.copy()
-    overwritten[4] = whole[6]
-    monkeypatch.setattr(Composed, "parameters", lambda _: overwritten.copy())
-    bench = Bench(law)
-    assert all(claim.holds for claim in check(bench, "kernel_is_consistent"))
-    assert not all(claim.holds for claim in check(bench, "parts_keep_apart"))
-
-
-def test_a_part_that_reads_what_is_anothers_is_refused() -> None:
-    law = Composed(Forgetful(), DAMPINGS["flores"]())
-    with pytest.raises(LawError, match="A part may have read beyond its own coefficients"):
-        short_run(law)
-    assert not all(claim.holds for claim in check(Bench(law), "parts_keep_apart"))
-
-
-def test_a_part_that_reads_past_the_end_is_refused() -> None:
-    with pytest.raises(LawError, match="reads parameters that there are not"):
-        short_run(Composed(friction=Short()))
-
-
-@kernel
-def ageing(
-    gap: float, gap_rate: float, slip: float, normal: float, memory: float, p: Array
-) -> Forces:
+def ageing(gap, gap_rate, slip, normal, z, p):
     """The longer contact lasts without slip, the more it drags; its age [s] is the same in a mirror."""
     share = slip / np.sqrt(slip * slip + 1e-6)
-    strength = 1.0 + 0.2 * memory / (memory + 1e-5)
-    return -0.3 * normal * share * strength, 1.0 - 1e4 * abs(slip) * memory, 0.0, 0.0
+    strength = 1.0 + 0.2 * z / (z + 1e-5)
+    return -0.3 * normal * share * strength, 1.0 - 1e4 * abs(slip) * z, 0.0, 0.0
 
 
 @pytest.mark.parametrize("parity", [EVEN, -EVEN])

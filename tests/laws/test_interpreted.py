@@ -37,15 +37,15 @@ def bound(normal, parameters):
 
 @dataclass(frozen=True)
 class Spring(PenaltyLaw):
-    name: ClassVar[str] = "spring"
-    equation: ClassVar[str] = "N = k d"
-    source: ClassVar[str] = "a test"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "spring"
+    equation = "N = k d"
+    source = "a test"
+    default_contact_step = 4e-6
     stiffness: float = 1e7
 
     @property
     def force(self):
-        def spring(gap, gap_rate, slip, approach, parameters):
+        def spring(gap, gap_rate, slip, impact_speed, parameters):
             normal = parameters[0] * max(-gap, 0.0)
             return normal, bound(normal, parameters), -0.5 * normal * gap, 0.0
         return spring
@@ -53,7 +53,7 @@ class Spring(PenaltyLaw):
 class Writing(Spring):
     @property
     def force(self):
-        def spring(gap, gap_rate, slip, approach, parameters):
+        def spring(gap, gap_rate, slip, impact_speed, parameters):
             parameters[0] *= 0.5
             return 0.0, 0.0, 0.0, 0.0
         return spring

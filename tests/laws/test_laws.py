@@ -1,6 +1,7 @@
 """The kernels of the three laws alone: cone, no tension, impacts in closed form, energy."""
 
-from math import inf, pi, sqrt
+from math import inf, nan, pi, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from contactlab.engine import simulate
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick, hertz_stiffness
 from contactlab.laws.base import SLIP, STICK
+from contactlab.testing.plants import paper_motor
 
 Answer = tuple[float, float, int]
 Delassus = tuple[float, float, float]
@@ -66,7 +69,7 @@ def test_every_law_is_listed_by_its_own_name() -> None:
 
 @settings(deadline=None)
 @given(st.floats(0.0, 1e-3), rate, rate)
-def test_hertz_never_pulls(gap: float, gap_rate: float, slip: float) -> None:
+def test_hertz_never_pulls(gap, gap_rate, slip):
     law = HertzPenalty(STIFFNESS, 0.3)
     assert law.force(gap, gap_rate, slip, 0.1, law.parameters()) == (0.0, 0.0, 0.0, 0.0)
 
@@ -263,8 +266,27 @@ def test_without_friction_both_multiplier_laws_are_one(
     assert p_n == pytest.approx(slip_law(0.0, normal, tangential, tangential, d)[0], rel=1e-9)
 
 
+def test_the_stiffness_of_a_hertz_law_follows_from_its_tip_and_the_rotor() -> None:
+    law = HertzPenalty(stiffness=None, tip_radius=5e-3)
+    assert law.describe() == {"friction_coefficient": 0.3, "tip_radius": 5e-3}
+    assert law.on_rotor(25e-3) == HertzPenalty(hertz_stiffness(5e-3, 25e-3))
+    assert HertzPenalty(2e9).on_rotor(25e-3) == HertzPenalty(2e9)
+    motor = paper_motor()
+    found = simulate(motor, law, duration=1e-4, record_interval=1e-6)
+    known = law.on_rotor(motor.geometry.rotor_radius)
+    assert found.law == known
+    expected = simulate(motor, known, duration=1e-4, record_interval=1e-6)
+    np.testing.assert_array_equal(found.series["gap"], expected.series["gap"])
+
+
+@pytest.mark.parametrize("given", [{"stiffness": None}, {"tip_radius": 5e-3}])
+def test_stiffness_and_tip_radius_are_not_given_both_nor_neither(given: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="exactly one of them must be a number"):
+        HertzPenalty(**given)
+
+
 def test_a_law_describes_every_parameter_by_name() -> None:
     law = HertzPenalty(stiffness=2e9, friction_coefficient=0.1)
     assert law.describe() == {"stiffness": 2e9, "friction_coefficient": 0.1}
-    assert law.parameters().tolist() == [2e9, 0.1]
+    np.testing.assert_array_equal(law.parameters(), [2e9, 0.1, nan])
     assert LagrangeStick(0.4).describe() == {"friction_coefficient": 0.4}

@@ -1,7 +1,7 @@
 """Friction that remembers: what is kept within a contact, what ends with it, and where its energy is."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
 from contactlab.laws.normal import Linear
-from contactlab.laws.part import Friction, StateKernel
+from contactlab.laws.part import Friction
 from contactlab.testing.claim import PROPERTIES
 from contactlab.testing.contract import check
 from contactlab.testing.plants import block, paper_motor
@@ -87,15 +87,7 @@ def test_records_do_not_change_the_motion(friction: Friction) -> None:
 
 
 @kernel
-def hiding_state(
-    normal: float,
-    stiffness: float,
-    stiffness_rate: float,
-    slip: float,
-    memory: float,
-    parameters: np.ndarray,
-    at: int,
-) -> tuple[float, float, float, float]:
+def hiding_state(normal, stiffness, stiffness_rate, slip, memory, parameters, at):
     """Mindlin's spring without its energy."""
     force, rate, _, tangential = mindlin_state(
         normal, stiffness, stiffness_rate, slip, memory, parameters, at
@@ -107,21 +99,19 @@ def hiding_state(
 class Hiding(Friction):
     """A spring that holds energy and does not say so: what it gives back looks like a gain."""
 
-    name: ClassVar[str] = "hiding"
-    equation: ClassVar[str] = "Mindlin's"
-    source: ClassVar[str] = "this test"
-    friction_kind: ClassVar[int] = ELASTOPLASTIC
-    exact_stick: ClassVar[bool] = False
-    internal_variables: ClassVar[tuple[str, ...]] = ("stretch of the spring [m]",)
+    name = "hiding"
+    equation = "Mindlin's"
+    source = "this test"
+    friction_kind = ELASTOPLASTIC
+    exact_stick = False
+    internal_variables = ("stretch of the spring [m]",)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
 
     def coefficients(self) -> tuple[float, ...]:
         return self.friction_coefficient, 1.0, 0.82
 
-    @property
-    def state(self) -> StateKernel:
-        return hiding_state
+    state = staticmethod(hiding_state)
 
 
 def test_a_spring_that_hides_its_energy_fails_where_it_cheats() -> None:

@@ -1,7 +1,8 @@
 """A law that a user writes outside the package runs like one of its own."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from pathlib import Path
+from typing import Annotated, Any, final
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import SLIP
 from contactlab.motor import RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
@@ -19,9 +20,7 @@ DAMPING = 5.0
 
 
 @kernel
-def spring_and_dashpot(
-    gap: float, gap_rate: float, slip: float, approach: float, parameters: np.ndarray
-) -> tuple[float, float, float, float]:
+def spring_and_dashpot(gap, gap_rate, slip, impact_speed, parameters):
     stiffness, damping = parameters[0], parameters[1]
     normal = max(-stiffness * gap - damping * gap_rate, 0.0)
     elastic = -stiffness * gap
@@ -33,30 +32,19 @@ def spring_and_dashpot(
 class SpringAndDashpot(PenaltyLaw):
     """N = max(k d + c ddot, 0), without friction."""
 
-    name: ClassVar[str] = "spring_and_dashpot"
-    equation: ClassVar[str] = "N = max(k d + c ddot, 0)"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "spring_and_dashpot"
+    equation = "N = max(k d + c ddot, 0)"
+    source = "this test"
+    default_contact_step = 4e-6
 
     stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
     damping: Annotated[float, Parameter("c", "N s m-1", "contact damping", at_least=0.0)]
 
-    @property
-    def force(self) -> PenaltyKernel:
-        return spring_and_dashpot
+    force = staticmethod(spring_and_dashpot)
 
 
 @kernel
-def frictionless(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    parameters: np.ndarray,
-) -> tuple[float, float, int]:
+def frictionless(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     return -normal_rate / d_nn, 0.0, SLIP
 
 
@@ -65,24 +53,22 @@ def frictionless(
 class Frictionless(MultiplierLaw):
     """g = 0, no friction."""
 
-    name: ClassVar[str] = "frictionless"
-    equation: ClassVar[str] = "g = 0, N >= 0, F = 0"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 1e-7
+    name = "frictionless"
+    equation = "g = 0, N >= 0, F = 0"
+    source = "this test"
+    default_contact_step = 1e-7
 
-    @property
-    def solve(self) -> MultiplierKernel:
-        return frictionless
+    solve = staticmethod(frictionless)
 
 
 @dataclass(frozen=True)
 class OfNoFamily(ContactLaw):
     """Neither compliant nor rigid."""
 
-    name: ClassVar[str] = "of_no_family"
-    equation: ClassVar[str] = "none"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 1e-7
+    name = "of_no_family"
+    equation = "none"
+    source = "this test"
+    default_contact_step = 1e-7
 
 
 @pytest.fixture(scope="module")
@@ -122,3 +108,17 @@ def test_a_rigid_law_of_ones_own_leaves_the_rotor_alone(motor: Motor) -> None:
 def test_a_law_of_neither_family_is_refused(motor: Motor) -> None:
     with pytest.raises(TypeError, match="neither a PenaltyLaw nor a MultiplierLaw"):
         simulate(motor, OfNoFamily(), duration=1e-4, record_interval=1e-5)
+
+
+def test_the_law_that_readme_writes_in_a_script_runs(motor: Motor) -> None:
+    readme = Path(__file__).resolve().parents[2] / "README.md"
+    (code,) = [
+        block.partition("```")[0]
+        for block in readme.read_text(encoding="utf-8").split("```python\n")
+        if "class Spring(PenaltyLaw)" in block.partition("```")[0]
+    ]
+    names: dict[str, Any] = {"__name__": "script"}
+    exec(code, names)
+    found = simulate(motor, names["Spring"](2e7), duration=1e-3, record_interval=1e-6)
+    assert found.complete
+    assert len(found.contacts["start_time"]) > 1

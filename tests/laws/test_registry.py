@@ -3,17 +3,28 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import pytest
 from support.command_line import Command
 
 from contactlab import laws
-from contactlab.config.units import from_cf, to_si
-from contactlab.laws import HertzPenalty, PenaltyLaw, law_class, law_names, origin_of
+from contactlab.config.quantity import to_si
+from contactlab.laws import (
+    Composed,
+    HertzPenalty,
+    Linear,
+    LuGre,
+    Newton,
+    PenaltyLaw,
+    law,
+    law_class,
+    law_names,
+    origin_of,
+)
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, members_of
 from contactlab.laws.registry import LAWS, PARTS, build_law
-from contactlab.parameter import Parameter, parameters_of
+from contactlab.parameter import Parameter, from_cf, parameters_of
 
 
 def test_every_law_of_the_package_is_found_by_its_name() -> None:
@@ -51,6 +62,43 @@ def test_an_unknown_law_is_told_with_those_there_are() -> None:
         _ = laws.Glue
 
 
+def test_a_law_is_made_by_name_and_its_parts_too() -> None:
+    assert law("newton", restitution=0.4) == Newton(restitution=0.4)
+    assert law("composed", normal="linear", friction=LuGre(0.2)) == Composed(
+        Linear(), friction=LuGre(0.2)
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "kind", "words"),
+    [
+        ("newto", {}, ValueError, "There is no law 'newto'; it must be .* Did you mean newton?"),
+        (3, {}, TypeError, "The name of the law is 3; it must be a text"),
+        (
+            "newton",
+            {"restituton": 1.0},
+            TypeError,
+            "no parameter 'restituton'. Did you mean restit",
+        ),
+        ("lagrange_slip", {"e": 1.0}, TypeError, "no parameter 'e'. It has friction_coefficient."),
+        ("newton", {"restitution": 2.0}, ValueError, "restitution is 2.0; it must be at least 0"),
+        ("newton", {"restitution": "a"}, TypeError, "restitution is 'a'; it must be a number"),
+        (
+            "composed",
+            {"friction": "lugr"},
+            ValueError,
+            "no friction 'lugr'; .* Did you mean lugre?",
+        ),
+        ("composed", {"friction": Linear()}, TypeError, "it must be a Friction"),
+    ],
+)
+def test_what_no_law_can_be_made_from_is_told(
+    name: Any, parameters: dict[str, Any], kind: type[Exception], words: str
+) -> None:
+    with pytest.raises(kind, match=words):
+        law(name, **parameters)
+
+
 def is_known(unit: str) -> bool:
     """Whether a text in the unit is converted."""
     spelled = f"{unit[2:]}^-1" if unit.startswith("1/") else unit
@@ -82,13 +130,13 @@ def test_every_declared_unit_is_known() -> None:
 
 def test_every_parameter_of_a_law_and_part_has_a_default() -> None:
     for owner in [*LAWS.values(), *(part for table in PARTS.values() for part in table.values())]:
-        assert all(member.default is not None for member in members_of(owner))
+        assert not any(member.required for member in members_of(owner))
 
 
 def test_a_field_without_declaration_is_told() -> None:
     @dataclass(frozen=True)
     class Undeclared(HertzPenalty):  # type: ignore[misc]
-        name: ClassVar[str] = "undeclared"
+        name = "undeclared"
         friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.1
         loss: Annotated[float, "none"] = 1.0
 
@@ -141,16 +189,14 @@ def test_the_listing_says_what_is_a_bound_and_what_a_mirror_does(
 class Whole(PenaltyLaw):
     """A law with a whole number among its parameters."""
 
-    name: ClassVar[str] = "whole"
-    equation: ClassVar[str] = "N = k d^n"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "whole"
+    equation = "N = k d^n"
+    source = "this test"
+    default_contact_step = 4e-6
 
     power: Annotated[int, Parameter("n", "1", "power", at_least=1.0)] = 2
 
-    @property
-    def force(self) -> Any:
-        return None
+    force = staticmethod(None)
 
 
 def test_a_whole_number_of_a_law_is_made_from_a_key() -> None:

@@ -188,7 +188,7 @@ def test_modes_do_not_depend_on_the_number_of_threads(basis: PatchedBeam) -> Non
 
 @pytest.mark.parametrize("kept", [0, 41])
 def test_more_modes_than_are_verified_are_refused(kept: int) -> None:
-    with pytest.raises(ValueError, match=f"is {kept}; it must lie between 1 and 40"):
+    with pytest.raises(ValueError, match=f"is {kept}; it must be at least 1 and at most 40"):
         FiniteElementResonator(kept_modes=kept)
 
 

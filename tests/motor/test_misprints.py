@@ -21,9 +21,11 @@ Array = np.ndarray
 def contact_rows(motor: Motor, u: float, th: float) -> tuple[Array, Array]:
     """Normal and tangential row of resonator and rotor, mass-orthonormal coordinates [kg^-1/2]."""
     plant = plant_of(motor)
-    _, n_u, n_th, t_u, t_th = contact_frame(u, th, plant.tip_length, plant.radius, plant.clearance)
-    normal = n_u * plant.row_u + n_th * plant.row_th
-    return normal, t_u * plant.row_u + t_th * plant.row_th + plant.row_r
+    _, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, plant.geometry.tip_length, plant.geometry.radius, plant.geometry.clearance
+    )
+    normal = n_u * plant.modes.row_u + n_th * plant.modes.row_th
+    return normal, t_u * plant.modes.row_u + t_th * plant.modes.row_th + plant.modes.row_r
 
 
 def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
@@ -51,7 +53,9 @@ def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
 def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
     mu, gap_rate = 0.3, -0.05
     plant = plant_of(case_a())
-    _, n_u, n_th, t_u, t_th = contact_frame(0.0, 1e-4, plant.tip_length, plant.radius, 1e-6)
+    _, n_u, n_th, t_u, t_th = contact_frame(
+        0.0, 1e-4, plant.geometry.tip_length, plant.geometry.radius, 1e-6
+    )
     d_nn, d_nt, d_tt = delassus(plant, n_u, n_th, t_u, t_th)
     law = LagrangeSlip(mu)
 

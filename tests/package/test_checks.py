@@ -185,9 +185,15 @@ def test_what_is_of_the_wrong_kind_is_refused(make: Make, words: str) -> None:
         ),
         (lambda: Motor(MODES, DRIVE, preload=np.zeros(2)), "preload has shape (2,); it must have"),
         (lambda: Drive(np.ones(2), np.ones((2, 3))), "phasors has shape (2, 3); it must have"),
-        (lambda: Rotor(inertia=0.0), "the inertia must be positive"),
+        (
+            lambda: Rotor(inertia=0.0),
+            "Rotor: inertia is 0.0 kg m^2; it must be greater than 0 kg m^2. The default is",
+        ),
         (lambda: Rotor(damping=np.nan), "Rotor: damping is nan; it must be finite"),
-        (lambda: ContactGeometry(rotor_radius=-1.0), "both must be positive"),
+        (
+            lambda: ContactGeometry(rotor_radius=-1.0),
+            "rotor_radius is -1.0 m; it must be greater than 0 m",
+        ),
     ],
 )
 def test_what_has_the_wrong_shape_or_range_is_refused(make: Make, words: str) -> None:

@@ -15,11 +15,9 @@ from support.command_line import Command, left_behind
 from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_trajectory
 
 from contactlab.cli import animate
-from contactlab.plot.animation import LONGEST, Animation, arrow_outline
+from contactlab.plot.animation import COLOUR, LONGEST, Animation, arrow_outline
 from contactlab.plot.animation_data import FREE, SLIP, STICK, Film, UnfitRunError, film_of, run_of
-from contactlab.plot.animation_trace import COLOUR
-from contactlab.results import netcdf
-from contactlab.results.netcdf import to_datatree
+from contactlab.results.netcdf import to_datatree, write_tree
 
 PERIOD = 1.0 / FREQUENCY
 HAS_ENCODER = importlib.util.find_spec("imageio_ffmpeg") is not None
@@ -33,7 +31,7 @@ def film(frames: int = 100, tree: xarray.DataTree | None = None, end: float = 5e
 @pytest.fixture
 def run_file(tmp_path: Path) -> Path:
     path = tmp_path / "run.nc"
-    netcdf.write(synthetic_trajectory(), CONFIGURATION, path)
+    write_tree(to_datatree(synthetic_trajectory(), CONFIGURATION), path)
     return path
 
 

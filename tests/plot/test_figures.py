@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from support.synthetic import CONFIGURATION, CONTACT_DURATION, synthetic_trajectory
 
-from contactlab.plot.overview import COLOURS, draw_overview, overview
+from contactlab.plot.overview import draw_overview, overview
+from contactlab.plot.style import COLOURS
 from contactlab.results.netcdf import to_datatree
 from contactlab.trajectory import Ending
 

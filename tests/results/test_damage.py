@@ -11,7 +11,7 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import read_run
 from contactlab.results.files import digest_of_file
-from contactlab.results.netcdf import write
+from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.sweeps import collect
 from contactlab.sweeps.faults import CollectingError
 from contactlab.sweeps.job import is_done
@@ -53,7 +53,7 @@ def test_a_number_that_was_changed_in_place_reaches_no_metric(tmp_path: Path) ->
 def test_a_run_in_the_place_of_another_is_told(tmp_path: Path) -> None:
     file = left_run(tmp_path / "run")
     other = synthetic_trajectory(duration=4e-3)
-    write(other, CONFIGURATION, file)
+    write_tree(to_datatree(other, CONFIGURATION), file)
     with pytest.raises(ValueError, match="was replaced"):
         read_run(file)
 

@@ -14,7 +14,7 @@ import yaml
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.results import netcdf
-from contactlab.results.netcdf import to_datatree, write
+from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.trajectory import Ending, Trajectory
 
 # Spelt out again, not taken from the package: this table is what readers of the files rely on.
@@ -56,6 +56,13 @@ CONTACTS = {
 }
 
 
+def write(trajectory: Trajectory, path: Path) -> xarray.DataTree:
+    """Write a run and give its tree."""
+    tree = to_datatree(trajectory, CONFIGURATION)
+    write_tree(tree, path)
+    return tree
+
+
 @pytest.fixture(scope="module")
 def trajectory() -> Trajectory:
     """A run of 5 ms with 16 contacts."""
@@ -66,7 +73,7 @@ def trajectory() -> Trajectory:
 def path(trajectory: Trajectory, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The run's file."""
     path = tmp_path_factory.mktemp("run") / "run.nc"
-    write(trajectory, CONFIGURATION, path)
+    write(trajectory, path)
     return path
 
 
@@ -110,7 +117,7 @@ def test_every_bit_survives_the_file(path: Path, trajectory: Trajectory) -> None
 
 
 def test_the_tree_given_back_is_the_one_in_the_file(tmp_path: Path, trajectory: Trajectory) -> None:
-    written = write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+    written = write(trajectory, tmp_path / "run.nc")
     with xarray.open_datatree(tmp_path / "run.nc") as read:
         assert read.identical(written)
 
@@ -177,7 +184,7 @@ def test_complete_is_the_last_attribute_and_one(path: Path) -> None:
 @pytest.mark.parametrize("ending", set(Ending) - {Ending.COMPLETE})
 def test_a_run_cut_short_is_kept_and_marked(tmp_path: Path, ending: Ending) -> None:
     trajectory = synthetic_trajectory(2e-3, ending=ending, message="It stopped at 2 ms.")
-    write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+    write(trajectory, tmp_path / "run.nc")
     with xarray.open_dataset(tmp_path / "run.nc") as root:
         assert root.attrs["complete"] == 0
         assert root.attrs["ending"] == ending.name.lower()
@@ -186,7 +193,7 @@ def test_a_run_cut_short_is_kept_and_marked(tmp_path: Path, ending: Ending) -> N
 
 
 def test_a_run_without_contact_has_an_empty_group(tmp_path: Path) -> None:
-    write(synthetic_trajectory(contact=False), CONFIGURATION, tmp_path / "run.nc")
+    write(synthetic_trajectory(contact=False), tmp_path / "run.nc")
     with xarray.open_datatree(tmp_path / "run.nc") as tree:
         assert tree["contacts"].sizes["contact"] == 0
         assert set(tree["contacts"].data_vars) == set(CONTACTS)
@@ -195,7 +202,7 @@ def test_a_run_without_contact_has_an_empty_group(tmp_path: Path) -> None:
 def test_a_run_longer_than_a_chunk_survives(tmp_path: Path) -> None:
     trajectory = synthetic_trajectory(duration=14e-3, interval=1e-7)
     assert trajectory.time.size > netcdf._CHUNK
-    written = write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+    written = write(trajectory, tmp_path / "run.nc")
     with xarray.open_datatree(tmp_path / "run.nc") as read:
         assert read.identical(written)
 
@@ -205,7 +212,7 @@ def test_values_that_are_no_numbers_survive(tmp_path: Path) -> None:
     gap = whole.series["gap"].copy()
     gap[-2:] = np.nan, np.inf
     trajectory = dataclasses.replace(whole, series=whole.series | {"gap": gap})
-    write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+    write(trajectory, tmp_path / "run.nc")
     with xarray.open_dataset(tmp_path / "run.nc") as root:
         np.testing.assert_array_equal(root["gap"], gap)
 
@@ -213,7 +220,7 @@ def test_values_that_are_no_numbers_survive(tmp_path: Path) -> None:
 def test_the_same_run_leaves_the_same_bytes(tmp_path: Path) -> None:
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
-        write(synthetic_trajectory(), CONFIGURATION, tmp_path / name / "run.nc")
+        write(synthetic_trajectory(), tmp_path / name / "run.nc")
     first, second = ((tmp_path / name / "run.nc").read_bytes() for name in ("first", "second"))
     assert first == second
 
@@ -245,7 +252,7 @@ def test_a_writing_that_stops_half_way_leaves_nothing(
 
     monkeypatch.setattr(netcdf, "_write_variable", stop_at_the_contacts)
     with pytest.raises(type(reason)):
-        write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+        write(trajectory, tmp_path / "run.nc")
     assert len(names) > len(ROOT)
     assert not list(tmp_path.iterdir())
 
@@ -258,16 +265,16 @@ def test_a_file_that_cannot_grow_raises_a_sentence_and_leaves_nothing(
     resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, hard))
     try:
         with pytest.raises(OSError, match=r"'run\.nc' cannot be written .* has space left"):
-            write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+            write(trajectory, tmp_path / "run.nc")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert not list(tmp_path.iterdir())
-    write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+    write(trajectory, tmp_path / "run.nc")
 
 
 def test_a_missing_folder_raises_a_sentence(tmp_path: Path, trajectory: Trajectory) -> None:
     with pytest.raises(OSError, match="its folder does not exist"):
-        write(trajectory, CONFIGURATION, tmp_path / "nowhere" / "run.nc")
+        write(trajectory, tmp_path / "nowhere" / "run.nc")
 
 
 @pytest.mark.skipif(
@@ -278,7 +285,7 @@ def test_an_unwritable_folder_raises_a_sentence(tmp_path: Path, trajectory: Traj
     tmp_path.chmod(0o500)
     try:
         with pytest.raises(PermissionError, match="choose a folder that is writable"):
-            write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+            write(trajectory, tmp_path / "run.nc")
     finally:
         tmp_path.chmod(0o700)
     assert not list(tmp_path.iterdir())
@@ -290,7 +297,7 @@ def test_a_folder_that_refuses_the_file_raises_a_sentence(
     # A folder takes a file's place, for users who may write anywhere.
     (tmp_path / "run.nc").mkdir()
     with pytest.raises(OSError, match=r"'run\.nc' cannot be written"):
-        write(trajectory, CONFIGURATION, tmp_path / "run.nc")
+        write(trajectory, tmp_path / "run.nc")
     assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
 
 

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.results import files, partials
-from contactlab.results.files import whole_file, whole_netcdf
-from contactlab.results.partials import remove_left
+from contactlab.results import files
+from contactlab.results.files import remove_left, whole_file, whole_netcdf
 
 
 def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:
@@ -151,7 +150,7 @@ def test_what_a_killed_process_left_goes_with_the_next_file(tmp_path: Path) -> N
 
 
 def test_what_somebody_may_be_writing_stays(tmp_path: Path) -> None:
-    mine = partials._machine()
+    mine = files._machine()
     kept = [
         left_by(os.getpid(), mine, tmp_path),
         left_by(os.getppid(), mine, tmp_path),
@@ -170,7 +169,7 @@ def test_what_another_machine_has_not_touched_for_days_goes(tmp_path: Path) -> N
     old, older = left_by(1, "00000000", tmp_path), tmp_path / ".run.nc.0123abcd.partial"
     older.write_text("of an earlier version")
     for path in (old, older):
-        os.utime(path, (0.0, time.time() - partials.FOREIGN_AFTER - 10.0))
+        os.utime(path, (0.0, time.time() - files.FOREIGN_AFTER - 10.0))
     fresh = left_by(2, "00000000", tmp_path)
     remove_left(tmp_path)
     assert list(tmp_path.iterdir()) == [fresh]

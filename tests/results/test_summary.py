@@ -1,16 +1,16 @@
-"""The text at the end of a run says what the trajectory holds."""
+"""The text at the end of a run says what the run holds, in units that are handy to read."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 from support.motors import default_motor
-from support.synthetic import synthetic_trajectory
+from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
-from contactlab.results.prefixes import prefixed
-from contactlab.results.summary import summarise
+from contactlab.results.netcdf import to_datatree
+from contactlab.results.summary import prefixed, prefixed_unit, summarise
 from contactlab.trajectory import Ending
 
 
@@ -21,7 +21,9 @@ def lines_of(text: str) -> dict[str, str]:
 
 
 def test_every_number_is_that_of_the_trajectory() -> None:
-    lines = lines_of(summarise(synthetic_trajectory(), wall_time=1.25e-3))
+    lines = lines_of(
+        summarise(to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1.25e-3)
+    )
     assert lines == {
         "law": "hertz_penalty (stiffness 1e+10, friction_coefficient 0.3, contact step 2 us)",
         "contacts": "16, 960 us in contact, 240 us of it sticking",
@@ -34,7 +36,7 @@ def test_every_number_is_that_of_the_trajectory() -> None:
 
 
 def test_values_are_aligned_and_plain() -> None:
-    text = summarise(synthetic_trajectory(), wall_time=1.25e-3)
+    text = summarise(to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1.25e-3)
     lines = text.splitlines()
     column = lines[0].index("hertz_penalty")
     assert all(line[column - 1] == " " != line[column] for line in lines)
@@ -43,7 +45,7 @@ def test_values_are_aligned_and_plain() -> None:
 
 def test_a_run_without_contact_says_so() -> None:
     trajectory = synthetic_trajectory(contact=False)
-    lines = lines_of(summarise(trajectory, wall_time=1e-3))
+    lines = lines_of(summarise(to_datatree(trajectory, CONFIGURATION), wall_time=1e-3))
     way = trajectory.motor.geometry.clearance - float(trajectory.series["gap"].min())
     assert lines["contacts"] == (
         f"none: of the clearance, 1 um, the tip bridged at most {prefixed(way, 'm')}. "
@@ -54,19 +56,21 @@ def test_a_run_without_contact_says_so() -> None:
 
 def test_a_run_cut_short_ends_with_its_reason() -> None:
     trajectory = synthetic_trajectory(ending=Ending.DIVERGED, message="The gap is no number.")
-    lines = summarise(trajectory, wall_time=1e-3).splitlines()
+    lines = summarise(to_datatree(trajectory, CONFIGURATION), wall_time=1e-3).splitlines()
     assert lines[-1].split(maxsplit=1) == ["incomplete", "The gap is no number."]
 
 
 def test_a_run_with_an_open_ledger_is_not_called_incomplete() -> None:
     trajectory = synthetic_trajectory(ending=Ending.UNBALANCED, message="The ledger is open.")
-    lines = summarise(trajectory, wall_time=1e-3).splitlines()
+    lines = summarise(to_datatree(trajectory, CONFIGURATION), wall_time=1e-3).splitlines()
     assert lines[-1].split(maxsplit=1) == ["unbalanced", "The ledger is open."]
     assert not any(line.startswith("incomplete") for line in lines)
 
 
 def test_a_complete_run_has_no_reason() -> None:
-    assert "incomplete" not in summarise(synthetic_trajectory(), wall_time=1e-3)
+    assert "incomplete" not in summarise(
+        to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1e-3
+    )
 
 
 @pytest.mark.parametrize("torque", [1e-3, -1e-3])
@@ -80,7 +84,10 @@ def test_a_load_brakes_one_direction_and_drives_the_other(torque: float) -> None
     work = torque * run.series["rotor_angle"][-1]
     assert run.series["load_work"][-1] == pytest.approx(work)
     what = "drives the motor and works on it" if torque > 0.0 else "brakes the motor and takes"
-    assert lines_of(summarise(run, wall_time=1e-3))["load"] == f"{what}: {abs(work):.4g} J"
+    assert (
+        lines_of(summarise(to_datatree(run), wall_time=1e-3))["load"]
+        == f"{what}: {abs(work):.4g} J"
+    )
 
 
 @pytest.mark.parametrize("records", [1, 2])
@@ -92,6 +99,28 @@ def test_a_run_of_hardly_any_record_divides_by_nothing(records: int) -> None:
         series={name: np.zeros(records) for name in whole.series},
         contact_mode=whole.contact_mode[:records],
     )
-    lines = lines_of(summarise(trajectory, wall_time=0.0))
+    lines = lines_of(summarise(to_datatree(trajectory, CONFIGURATION), wall_time=0.0))
     assert lines["ledger residual"] == "0 J, no drive work"
     assert "real time" not in lines["speed"]
+
+
+@pytest.mark.parametrize(
+    ("size", "text"),
+    [
+        (2.0, "2 s"),
+        (5e-3, "5 ms"),
+        (1e-3, "1 ms"),
+        (0.9999999e-3, "1 ms"),
+        (248.31e-6, "248.3 µs"),
+        (3e-9, "3 ns"),
+        (-2e-3, "-2 ms"),
+        (0.0, "0 s"),
+    ],
+)
+def test_a_time_is_read_in_its_own_unit(size: float, text: str) -> None:
+    assert prefixed(size, "s") == text
+
+
+def test_a_smaller_number_is_kept_in_the_larger_unit_on_request() -> None:
+    assert prefixed_unit(0.5e-6, "m", smallest=0.1) == ("µm", 1e-6)
+    assert prefixed_unit(0.5e-6, "m") == ("nm", 1e-9)

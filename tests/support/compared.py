@@ -26,7 +26,7 @@ def leave(folder: Path, law: str, **changes: object) -> Path:
         tolerance=setup.tolerance,
     )
     folder.mkdir(parents=True, exist_ok=True)
-    netcdf.write(trajectory, setup.configuration, folder / "run.nc")
+    netcdf.write_tree(netcdf.to_datatree(trajectory, setup.configuration), folder / "run.nc")
     return folder
 
 

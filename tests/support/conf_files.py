@@ -1,11 +1,11 @@
-"""The configuration, composed without Hydra: the files and the options of laws that need none."""
+"""The configuration, composed without Hydra: the files and the options that need none."""
 
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from contactlab.config import law_defaults
+from contactlab.config import groups
 
 CONF = Path(__file__).resolve().parents[2] / "conf"
 
@@ -13,7 +13,7 @@ CONF = Path(__file__).resolve().parents[2] / "conf"
 def options(group: str) -> list[str]:
     """Names of a group's options."""
     files = [path.stem for path in (CONF / group).glob("*.yaml")]
-    others = law_defaults.options(group) if group in law_defaults.groups() else []
+    others = groups.groups().get(group, [])
     return sorted({*files, *others})
 
 
@@ -23,7 +23,7 @@ def chosen(group: str, option: str, choices: dict[str, str]) -> dict[str, Any]:
     keys: dict[str, Any] = (
         yaml.safe_load(path.read_text(encoding="utf-8"))
         if path.exists()
-        else law_defaults.content(group, option)
+        else groups.content(group, option)
     )
     for entry in keys.pop("defaults", []):
         if isinstance(entry, dict):
@@ -36,14 +36,14 @@ def chosen(group: str, option: str, choices: dict[str, str]) -> dict[str, Any]:
 def composed(**choices: str) -> dict[str, Any]:
     """The default configuration with some groups chosen otherwise."""
     defaults = yaml.safe_load((CONF / "config.yaml").read_text(encoding="utf-8"))["defaults"]
-    groups = {
+    usual = {
         group: option
         for entry in defaults
         if isinstance(entry, dict)
         for group, option in entry.items()
         if option is not None and not group.startswith("override ")
     }
-    given = groups | choices
+    given = usual | choices
     return {
         group: chosen(group, option, given) for group, option in given.items() if "/" not in group
     }

@@ -105,17 +105,25 @@ class HuntCrossley(Hysteretic):
         return float(elastic * max(1.0 + parameters[at] * depth_rate, 0.0))
 
 
-@kernel
-def speed_damped(elastic, depth_rate, impact_speed, parameters, at):
-    """Normal force [N]; D and v_min stand in the parameters. See `Damping.damped`."""
-    factor = parameters[at] / max(impact_speed, parameters[at + 1])
-    return float(elastic * max(1.0 + factor * depth_rate, 0.0))
+@dataclass(frozen=True)
+class SpeedHysteresis(Hysteretic):
+    """A loss by the speed v of each impact, which v_min bounds from below."""
+
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
+    least_speed: Annotated[float, LEAST_SPEED] = 1e-3
+
+    @staticmethod
+    @kernel
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
+        """See `Damping.damped`."""
+        factor = parameters[at] / max(impact_speed, parameters[at + 1])
+        return float(elastic * max(1.0 + factor * depth_rate, 0.0))
 
 
 @final
 @dataclass(frozen=True)
-class LankaraniNikravesh(Hysteretic):
-    """A loss by the speed v of each impact, which v_min bounds from below: one restitution at all speeds.
+class LankaraniNikravesh(SpeedHysteresis):
+    """A loss by the speed of each impact: one restitution at all speeds.
 
     The published D = 3/4 (1 - e_n^2) reaches 3/4 at most and leaves at least e = 0.663. Above that the
     model, so solved, is `flores`.
@@ -126,16 +134,11 @@ class LankaraniNikravesh(Hysteretic):
     source = "Lankarani and Nikravesh (1990), J. Mech. Des. 112, 369"
     largest = 0.75
 
-    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
-    least_speed: Annotated[float, LEAST_SPEED] = 1e-3
-
-    damped = staticmethod(speed_damped)
-
 
 @final
 @dataclass(frozen=True)
-class Flores(Hysteretic):
-    """A loss by the speed v of each impact, which v_min bounds from below, for soft bodies as well.
+class Flores(SpeedHysteresis):
+    """A loss by the speed of each impact, for soft bodies as well.
 
     The published D = 8 (1 - e_n)/(5 e_n) reaches any, and e_n is then not what is achieved.
     """
@@ -143,8 +146,3 @@ class Flores(Hysteretic):
     name = "flores"
     equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
     source = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
-
-    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
-    least_speed: Annotated[float, LEAST_SPEED] = 1e-3
-
-    damped = staticmethod(speed_damped)

@@ -17,6 +17,7 @@ BRISTLE_DAMPING = Parameter("sigma_1", "s m-1", "bristle damping over N", at_lea
 STRIBECK_VELOCITY = Parameter("v_s", "m s-1", "Stribeck velocity", above=0.0)
 
 
+@dataclass(frozen=True)
 class Bristles(Friction):
     """What friction of bristles shares; g(v) = mu + (mu_s - mu) exp(-(v/v_s)^2) is that of steady slip."""
 
@@ -31,6 +32,12 @@ class Bristles(Friction):
             "energy that nothing brought."
         }
     )
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    static_ratio: Annotated[float, STATIC_RATIO] = 1.0
+    bristle_stiffness: Annotated[float, BRISTLE_STIFFNESS] = 1e6
+    bristle_damping: Annotated[float, BRISTLE_DAMPING] = 0.1
+    stribeck_velocity: Annotated[float, STRIBECK_VELOCITY] = 1e-2
 
 
 @kernel
@@ -52,12 +59,6 @@ class LuGre(Bristles):
     name = "lugre"
     equation = "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v - sigma_0 |v| z / g(v)"
     source = "Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419"
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-    static_ratio: Annotated[float, STATIC_RATIO] = 1.0
-    bristle_stiffness: Annotated[float, BRISTLE_STIFFNESS] = 1e6
-    bristle_damping: Annotated[float, BRISTLE_DAMPING] = 0.1
-    stribeck_velocity: Annotated[float, STRIBECK_VELOCITY] = 1e-2
 
     @staticmethod
     @kernel
@@ -84,11 +85,6 @@ class ElastoPlastic(Bristles):
     equation = "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v (1 - alpha(z) sigma_0 |z| / g(v))"
     source = "Dupont et al. (2002), IEEE Trans. Autom. Control 47, 787"
 
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-    static_ratio: Annotated[float, STATIC_RATIO] = 1.0
-    bristle_stiffness: Annotated[float, BRISTLE_STIFFNESS] = 1e6
-    bristle_damping: Annotated[float, BRISTLE_DAMPING] = 0.1
-    stribeck_velocity: Annotated[float, STRIBECK_VELOCITY] = 1e-2
     breakaway_ratio: Annotated[
         float, Parameter("z_ba/z_ss", "1", "deflection at which it drags", above=0.0, below=1.0)
     ] = 0.7

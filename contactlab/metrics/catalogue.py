@@ -1,0 +1,155 @@
+"""The catalogue of the metrics: each is declared beside the function that measures it."""
+
+from collections.abc import Callable, Container
+from dataclasses import dataclass
+from functools import partial
+from math import inf, isfinite, isnan, nan
+from typing import Any, Final, TypeVar, final
+
+import numpy as np
+import xarray
+
+from contactlab.metrics.run import NotApplicableError, Run
+
+Measure = TypeVar("Measure", bound=Callable[[Any], float])
+
+VERDICTS: Final = ("n/a", "pass", "fail", "-")
+"""In the order of their flags in a file; a metric without a threshold is only reported."""
+
+NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS
+
+ROUND_OFF: Final = 1e-6
+"""What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
+digits. A law that breaks an identity misses it by a share of the order of one."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Metric:
+    """One number by which a run is judged: what it means, what it must be, and why.
+
+    Args:
+        key: its name everywhere: in files, tables and code.
+        symbol: as in its definition.
+        units: SI, in the words of the CF conventions; "1" without.
+        meaning: what it is, in a few words.
+        measure: gives the number, or stops with `NotApplicableError`.
+        bound: the largest value that passes; infinite for a number that is only reported.
+        reason: why the threshold is what it is.
+        source: where the metric is from.
+        invariant: whether it holds whatever the law: where it fails, the solver or the file is wrong.
+        needs_records: whether it takes any record but the last.
+        usual: whether it is kept where none is named, as one that costs next to nothing.
+    """
+
+    key: str
+    symbol: str
+    units: str
+    meaning: str
+    measure: Callable[[Any], float]
+    bound: float = inf
+    reason: str = ""
+    source: str = ""
+    invariant: bool = False
+    needs_records: bool = True
+    usual: bool = False
+
+    @property
+    def threshold(self) -> str:
+        """What the value must be, "<= 0.01"; empty for a number that is only reported."""
+        return f"<= {self.bound:g}" if isfinite(self.bound) else ""
+
+    def verdict(self, value: float) -> str:
+        """Give PASS, FAIL, NOT_APPLICABLE for a NaN, or REPORTED."""
+        if isnan(value):
+            return NOT_APPLICABLE
+        if not self.threshold:
+            return REPORTED
+        return PASS if value <= self.bound else FAIL
+
+
+METRICS: Final[dict[str, Metric]] = {}
+"""Metrics of one run."""
+
+INVARIANTS: Final[dict[str, Metric]] = {}
+"""Those metrics of one run that hold whatever its law: where one fails, the solver or the file is wrong."""
+
+STEP_METRICS: Final[dict[str, Metric]] = {}
+"""Metrics of a ladder of steps."""
+
+SENSITIVITIES: Final[dict[str, Metric]] = {}
+"""Metrics of a run and its variants."""
+
+
+def metric(
+    symbol: str,
+    meaning: str,
+    units: str = "1",
+    *,
+    catalogue: dict[str, Metric] = METRICS,
+    key: str = "",
+    **facts: Any,
+) -> Callable[[Measure], Measure]:
+    """Declare the function below as a metric; its key is the function's name where none is given.
+
+    Args:
+        symbol, meaning, units, facts: see `Metric`.
+        catalogue: that takes it: by what the function measures, a run, a ladder of steps or variants.
+        key: for a function without a name of its own.
+    """
+
+    def register(measure: Measure) -> Measure:
+        name = key or measure.__name__
+        entry = Metric(
+            key=name, symbol=symbol, units=units, meaning=meaning, measure=measure, **facts
+        )
+        catalogue[name] = entry
+        if entry.invariant:
+            INVARIANTS[name] = entry
+        return measure
+
+    return register
+
+
+invariant = partial(metric, invariant=True)
+"""Declares a metric that holds whatever the law."""
+
+without_records = partial(metric, needs_records=False)
+"""Declares a metric that takes no record but the last."""
+
+of_steps = partial(metric, catalogue=STEP_METRICS)
+"""Declares a metric of a ladder of steps."""
+
+
+def measured(
+    catalogue: dict[str, Metric], subject: object, keys: Container[str] | None = None
+) -> dict[str, float]:
+    """Give the value of every metric, or of some; NaN where it is not applicable or not a number."""
+    # Numbers of a user's own may overflow on the way; the result says so.
+    with np.errstate(all="ignore"):
+        return {
+            key: _value(entry, subject)
+            for key, entry in catalogue.items()
+            if keys is None or key in keys
+        }
+
+
+def _value(entry: Metric, subject: object) -> float:
+    try:
+        value = float(entry.measure(subject))
+    except NotApplicableError:
+        return nan
+    return value if isfinite(value) else nan
+
+
+def assess(run: xarray.DataTree | Run, keys: Container[str] | None = None) -> dict[str, float]:
+    """Judge one run.
+
+    Args:
+        run: in the layout of a run.nc, see `contactlab.metrics.read_run`, or read already.
+        keys: of the metrics that are wanted; None is all.
+
+    Returns:
+        A number for every such key of `METRICS`, in SI; NaN where the run lacks what it needs.
+    """
+    return measured(METRICS, Run.of(run), keys)

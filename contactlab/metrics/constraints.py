@@ -1,0 +1,209 @@
+"""What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.laws.base import ELASTOPLASTIC, STICK
+from contactlab.metrics.catalogue import ROUND_OFF, metric
+from contactlab.metrics.hertz import tip_radius
+from contactlab.metrics.run import Run, needed
+
+ONE_STEP: Final = 1e-3
+"""What the one step in which a force or a slip ends may have of the wrong sign: a step is a thousandth of
+a contact at the rigid laws' default, and a compliant law's error is smaller still."""
+
+
+@metric(
+    "max d_max / r",
+    "largest penetration over the tip's radius",
+    bound=1e-2,
+    reason="Hertz's half-space holds while the contact is small against the bodies, a/r <= 0.1; with "
+    "d = a^2/r that is d/r <= 0.01",
+    source="Johnson (1985), Contact Mechanics, sec. 4.2",
+)
+def penetration_over_radius(run: Run) -> float:
+    return float(run.contacts("max_penetration").max()) / tip_radius(run)
+
+
+@metric("max d_max / A_u", "largest penetration over the amplitude of the tip's normal vibration")
+def penetration_over_amplitude(run: Run) -> float:
+    return float(run.contacts("max_penetration").max()) / run.normal_amplitude()
+
+
+@metric(
+    "max(-N, 0) / (sum p_n / sum t_c)",
+    "largest pull over the mean normal force in contact",
+    bound=ONE_STEP,
+    reason="dry bodies do not pull; only the one step in which a contact ends may, and it is a thousandth "
+    "of a contact",
+    source="Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
+)
+def tension(run: Run) -> float:
+    pull = -float(run.series("normal_force").min())
+    return max(0.0, pull) / run.contact_force()
+
+
+@metric(
+    "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
+    "normal force while the gap is open, over mean force in contact times amplitude",
+    bound=ROUND_OFF,
+    reason="0 <= N, 0 <= g, N g = 0: where the gap is open throughout a record interval, there is no "
+    "force but round-off",
+    source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
+)
+def force_at_distance(run: Run) -> float:
+    gap, force = run.series("gap"), run.series("normal_force")
+    # A contact may begin and end within an interval whose two records are open: the gap that it had
+    # throughout is at least the mean of the two less the fastest way the records show.
+    fastest = float(np.abs(np.diff(gap)).max())
+    certain = np.maximum(0.5 * (gap[1:] + gap[:-1]) - fastest, 0.0)
+    scale = run.contact_force() * run.normal_amplitude()
+    return float((np.abs(force[1:]) * certain).max()) / scale
+
+
+@metric(
+    "max(|F| - mu_s |N|, 0) / (sum p_n / sum t_c)",
+    "friction beyond its bound, over the mean normal force in contact",
+    bound=ROUND_OFF,
+    reason="|F| <= mu_s N at every instant, and so for the means over any interval, but for round-off",
+    source="Coulomb's law, paper, eqs. 43-47",
+)
+def cone_excess(run: Run) -> float:
+    # Static over kinetic coefficient; one where the law knows none.
+    ratios = [
+        value
+        for name, value in run.law_parameters.items()
+        if name.rpartition(".")[2] == "static_ratio" and isinstance(value, int | float)
+    ]
+    limit = run.setting("contact", "friction_coefficient") * float(max(ratios, default=1.0))
+    normal, friction = run.series("normal_force"), run.series("friction_force")
+    # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
+    excess = float((np.abs(friction) - limit * (1.0 + ROUND_OFF) * np.abs(normal)).max())
+    return max(0.0, excess) / run.contact_force()
+
+
+@metric(
+    "sum max(-dW_f, 0) / sum(|dW_f| + |dW_n|)",
+    "positive work of friction in lasting contact, over all losses in contact",
+    bound=ONE_STEP,
+    reason="friction opposes slip, so that its work is never positive but in the one step in which the slip "
+    "ends, a thousandth of a contact; the step of an impact is left to slip_reversal and contact_gain",
+    source="second law of thermodynamics",
+)
+def friction_gain(run: Run) -> float:
+    return _falls(run, "friction_loss")
+
+
+@metric(
+    "sum max(-dW_n, 0) / sum(|dW_f| + |dW_n|)",
+    "energy made by normal damping in lasting contact, over all losses in contact",
+    bound=ONE_STEP,
+    reason="a material may store and lose energy but not make it; only the one step in which a contact "
+    "ends may show the other sign",
+    source="second law of thermodynamics",
+)
+def normal_gain(run: Run) -> float:
+    return _falls(run, "contact_loss")
+
+
+def _falls(run: Run, name: str) -> float:
+    """Give the falls of a loss that should only grow, over all changes of both of a contact's losses.
+
+    All falls together, as the largest would depend on the records and on how long the run is.
+    """
+    kept = _between_steps(run)
+    changes = {loss: np.diff(run.series(loss)[kept]) for loss in ("friction_loss", "contact_loss")}
+    scale = sum(float(np.abs(change).sum()) for change in changes.values())
+    needed(scale > 0.0)
+    # What an impact does is judged by the slip and the energy that it leaves.
+    impacts = np.searchsorted(run.time[kept], run.touch_downs(), side="right") - 1
+    lasting = np.ones(kept.size - 1, dtype=bool)
+    lasting[impacts[(impacts >= 0) & (impacts < lasting.size)]] = False
+    return float(np.maximum(-changes[name][lasting], 0.0).sum()) / scale
+
+
+def _between_steps(run: Run) -> NDArray[np.intp]:
+    """Give the records that do not cut the step of an impact, in different contact steps.
+
+    Within a step a rigid law's force is constant while the velocity changes its sign: only whole
+    steps have a work that a law answers for.
+    """
+    step, time = run.contact_step, run.time
+    # A record at the end of a step may lie before it by round-off.
+    slack = 1e-9 * step
+    starts = np.sort(run.touch_downs())
+    last = np.searchsorted(starts, time, side="right") - 1
+    since = time - np.append(starts, -np.inf)[last]
+    whole = np.flatnonzero((since >= step - slack) | (since <= 0.0))
+    needed(whole.size > 1)
+    blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
+    return whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
+
+
+@metric(
+    "sum max(-W, 0) / sum|W|",
+    "energy of contacts that as a whole give some, over the losses of all",
+    bound=ROUND_OFF,
+    reason="what a contact stores is released when it ends, so that a whole one only loses; no step cuts "
+    "it, and round-off is all that remains",
+    source="second law of thermodynamics; Stronge (2000), Impact Mechanics, ch. 3",
+)
+def contact_gain(run: Run) -> float:
+    losses = run.contacts("energy_loss")
+    scale = float(np.abs(losses).sum())
+    needed(scale > 0.0)
+    return float(np.maximum(-losses, 0.0).sum()) / scale
+
+
+@metric(
+    "max|v| in stick / A_v",
+    "largest slip velocity while the contact sticks, over the amplitude of the tip's tangential velocity; "
+    "not applicable to friction with a spring, which gives way",
+    bound=ONE_STEP,
+    reason="stick is no slip at all; a drift of a thousandth of the vibration's velocity moves the tip by "
+    "about a thousandth of its amplitude over a contact, and the projection of a first-order law at its "
+    "default step leaves less than that",
+    source="paper, eqs. 60-66",
+)
+def stick_slip(run: Run) -> float:
+    # A spring gives way while it holds; that comes back and is no drift.
+    kinds = [getattr(owner, "friction_kind", None) for owner in run.law_classes.values()]
+    needed(ELASTOPLASTIC not in kinds)
+    stuck, slip = run.series("contact_mode") == STICK, np.abs(run.series("slip_velocity"))
+    # A record next to another mode may lie on the switch itself.
+    inside = stuck[1:-1] & stuck[:-2] & stuck[2:]
+    needed(bool(inside.any()))
+    return float(slip[1:-1][inside].max()) / run.tangential_amplitude()
+
+
+@metric(
+    "touch-downs with p_t v_0 < 0 and v_1 v_0 < 0, over all with friction",
+    "share of touch-downs whose friction reverses the slip, beyond what the slip changes by itself within "
+    "a record interval",
+    bound=5e-2,
+    reason="friction can stop a slip, never reverse it: none may. One in twenty is left for slips that "
+    "pass zero by themselves between two records",
+    source="Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635",
+)
+def slip_reversal(run: Run) -> float:
+    time, slip = run.time, run.series("slip_velocity")
+    push = np.append(0.0, np.cumsum(run.series("friction_force")[1:] * run.intervals))
+    starts = run.contacts("start_time")
+    before = np.searchsorted(time, starts, side="right") - 1
+    # The impact of a rigid law lasts a step: a record within it would see a part of its friction.
+    after = np.searchsorted(time, starts + run.contact_step * (1.0 - 1e-9))
+    after = np.maximum(after, before + 1)
+    # Two records before the touch-down tell how fast the slip changes by itself.
+    known = (before >= 1) & (after < time.size)
+    before, after = before[known], after[known]
+    # Touch-downs that share an interval are seen once.
+    before, first = np.unique(before, return_index=True)
+    after = after[first]
+    rate = (slip[before] - slip[before - 1]) / (time[before] - time[before - 1])
+    floor = np.abs(rate * (time[after] - time[before])) + ROUND_OFF * float(np.abs(slip).max())
+    work = (push[after] - push[before]) * slip[before]
+    needed(bool(work.any()))
+    turned = (slip[before] * slip[after] < 0.0) & (np.abs(slip[after]) > floor)
+    return float(((work < 0.0) & turned).sum()) / float((work != 0.0).sum())

@@ -1,0 +1,221 @@
+"""A run's numbers as metrics and comparison ask for them; what is not there stops the metric that asked."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Final, final
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from contactlab.arrays import Array
+from contactlab.laws.registry import PARTS, law_class
+from contactlab.results.netcdf import configuration_of
+from contactlab.trajectory import Trajectory
+
+LAST_SHARE: Final = 0.25
+"""Share of the run whose whole drive periods stand for its end: after it, what starts a motor from rest
+has mostly died down, and several periods still fit in."""
+
+
+class NotApplicableError(Exception):
+    """A dataset lacks what a metric needs, or has nothing for it to measure."""
+
+
+def needed(held: bool) -> None:
+    """Stop a metric by `NotApplicableError` where it has nothing to measure."""
+    if not held:
+        raise NotApplicableError
+
+
+@final
+@dataclass(frozen=True)
+class Run:
+    """A run, from its dataset or from memory.
+
+    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns` and
+    `rows` hold what there is, as it is.
+
+    Args:
+        columns: `time`, the series over it and what else stands at the root.
+        rows: the contacts, a number each.
+        configuration: that ran; empty where it is not known.
+        law: the law's name; empty where it is not known.
+        law_parameters: the law's parameters by name, SI; empty where they are not known.
+        contact_step: largest step in contact [s]; zero where it is not known.
+        attributes: of the dataset; empty for a run in memory.
+        sound: whether its numbers are known to be finite, as those of a run in memory are that reached
+            its end.
+        source: where it is from.
+        label: a word for it beside other runs.
+    """
+
+    columns: Mapping[str, NDArray[Any]]
+    rows: Mapping[str, NDArray[Any]]
+    configuration: Mapping[str, Any]
+    law: str
+    law_parameters: Mapping[str, float]
+    contact_step: float
+    attributes: Mapping[Any, Any] = field(default_factory=dict)
+    sound: bool = False
+    source: str = ""
+    label: str = ""
+
+    @classmethod
+    def of(cls, source: "xarray.DataTree | Run") -> "Run":
+        """Take a dataset in the layout of a run.nc, see `contactlab.metrics.read_run`, or a run as it is."""
+        if isinstance(source, Run):
+            return source
+        group = source.children.get("contacts")
+        step = source.attrs.get("contact_step", 0.0)
+        return cls(
+            columns=_values(source),
+            rows={} if group is None else _values(group),
+            configuration=configuration_of(source),
+            law=str(source.attrs.get("law", "")),
+            law_parameters=_law_parameters(source),
+            contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
+            attributes=source.attrs,
+        )
+
+    @classmethod
+    def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> "Run":
+        """Take a run in memory; the numbers are those of its dataset."""
+        mode = {"contact_mode": trajectory.contact_mode}
+        return cls(
+            columns={**trajectory.series, **mode, "time": trajectory.time},
+            rows=trajectory.contacts,
+            configuration=configuration,
+            law=trajectory.law.name,
+            law_parameters=trajectory.law.describe(),
+            contact_step=trajectory.contact_step,
+            sound=trajectory.ending.reached_end,
+        )
+
+    @cached_property
+    def time(self) -> Array:
+        """Times of the records [s]."""
+        return np.asarray(self.columns["time"], dtype=np.float64)
+
+    @cached_property
+    def intervals(self) -> Array:
+        """Lengths of the record intervals [s], one less than records."""
+        return np.diff(self.time)
+
+    @cached_property
+    def period(self) -> float:
+        """Period of the drive's first tone [s]; zero where it is not known."""
+        try:
+            return 1.0 / self.setting("drive", "frequency")
+        except (NotApplicableError, ZeroDivisionError):
+            return 0.0
+
+    def holds(self, *names: str) -> bool:
+        """Tell whether all of these stand at the root."""
+        return set(names) <= self.columns.keys()
+
+    def touches(self, *names: str) -> bool:
+        """Tell whether there is a contact, with all of these numbers."""
+        return all(name in self.rows and self.rows[name].size > 0 for name in names)
+
+    def series(self, name: str) -> Array:
+        """Give a series over time, all of it finite."""
+        needed(name in self.columns)
+        values = np.asarray(self.columns[name], dtype=np.float64)
+        needed(self.sound or bool(np.isfinite(values).all()))
+        return values
+
+    def contacts(self, name: str) -> Array:
+        """Give a column of the contacts, of which there is at least one; only a separation may be missing."""
+        needed(self.touches(name))
+        column = np.asarray(self.rows[name], dtype=np.float64)
+        may_miss = name == "separation_velocity"
+        needed(self.sound or may_miss or bool(np.isfinite(column).all()))
+        return column
+
+    def touch_downs(self) -> Array:
+        """Give the start times of the contacts [s]; none where none is known."""
+        try:
+            return self.contacts("start_time")
+        except NotApplicableError:
+            return np.empty(0)
+
+    def setting(self, section: str, key: str) -> float:
+        """Give a number of the configuration, SI."""
+        found = self.configuration.get(section)
+        value = found.get(key) if isinstance(found, Mapping) else None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise NotApplicableError
+        return float(value)
+
+    @cached_property
+    def law_classes(self) -> Mapping[str, Any]:
+        """The class of the law, under "", and those of its parts by family; none if it is not installed."""
+        try:
+            classes: dict[str, Any] = {"": law_class(self.law)}
+        except ValueError:
+            return {}
+        section = self.configuration.get("law")
+        for family, parts in PARTS.items():
+            below = section.get(family) if isinstance(section, dict) else None
+            name = str(below.get("name")) if isinstance(below, dict) else ""
+            if name in parts:
+                classes[family] = parts[name]
+        return classes
+
+    def last_periods(self) -> slice:
+        """Give the records of the last whole drive periods that fit into the last quarter of the run.
+
+        At least one period; where the drive's frequency is not known, the whole quarter. There are none in
+        a run that is shorter than a drive period.
+        """
+        start, end = self.time[0], self.time[-1]
+        length = LAST_SHARE * (end - start)
+        if self.period:
+            # A quarter that holds a whole number may miss it by round-off.
+            length = max(np.floor(length / self.period * (1.0 + 1e-12)), 1.0) * self.period
+        first = int(np.argmin(np.abs(self.time - (end - length))))
+        half = 0.5 * self.intervals.max()
+        needed(end - length >= start - half and first < self.time.size - 1)
+        return slice(first, self.time.size)
+
+    def amplitude(self, motion: Array) -> float:
+        """Give half of the range of a motion over the last whole drive periods, which is not zero."""
+        half = 0.5 * float(np.ptp(motion[self.last_periods()]))
+        needed(half > 0.0)
+        return half
+
+    def normal_amplitude(self) -> float:
+        """Give the amplitude of the tip's normal vibration [m]."""
+        return self.amplitude(self.series("tip_normal_displacement"))
+
+    def tangential_amplitude(self) -> float:
+        """Give the amplitude of the tip's tangential velocity v + R Omega [m/s]."""
+        rotor = self.setting("rotor", "radius") * self.series("rotor_velocity")
+        return self.amplitude(self.series("slip_velocity") + rotor)
+
+    def contact_force(self) -> float:
+        """Give the mean normal force while there is contact [N]: all impulses over all durations.
+
+        The scale of forces: unlike the peak it does not depend on the step of a rigid law.
+        """
+        duration = float(self.contacts("duration").sum())
+        impulse = float(np.abs(self.contacts("normal_impulse")).sum())
+        needed(duration > 0.0 and impulse > 0.0)
+        return impulse / duration
+
+
+def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
+    variables = tree.to_dataset(inherit=False).variables
+    return {str(name): np.asarray(variable.values) for name, variable in variables.items()}
+
+
+def _law_parameters(tree: xarray.DataTree) -> dict[str, float]:
+    """What the law's attribute holds; empty where it cannot be read."""
+    try:
+        found = json.loads(str(tree.attrs.get("law_parameters", "")))
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,268 @@
+"""One run and its result: `simulate` gives a `Solution`, and `load` gives the one that a file holds."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, final
+
+import xarray
+
+from contactlab.checks import check_kind, check_number
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.engine import simulate as trajectory_of
+from contactlab.engine.arguments import default_contact_step
+from contactlab.laws import ContactLaw
+from contactlab.metrics import read_run
+from contactlab.motor import Motor
+from contactlab.results.netcdf import (
+    configuration_of,
+    settings_of,
+    state_of,
+    to_datatree,
+    write_tree,
+)
+from contactlab.results.summary import summarise, summary_of
+from contactlab.trajectory import Ending
+from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RECORD_INTERVAL: Final = 1e-6
+"""Time between records where none is asked for [s]."""
+
+_KEYS: Final = {
+    "duration": ("solver", "duration"),
+    "record_interval": ("record", "interval"),
+    "contact_step": ("solver", "contact_step"),
+    "tolerance": ("solver", "tolerance"),
+}
+"""Where a configuration holds the numbers of a run."""
+
+
+@final
+@dataclass(frozen=True, repr=False, eq=False)
+class Solution:
+    """What a simulation gives back, and what its file holds.
+
+        solution["gap"]                         a quantity over time, with its unit
+        solution.contacts["normal_impulse"]     a row each contact
+        solution.save("run.nc")                 and back by `contactlab.load`
+        contactlab.simulate(start=solution)     goes on where it ended
+
+    Args:
+        tree: as `contactlab.results.netcdf.to_datatree` describes it.
+        setup: what ran, from which it can be run again or go on; None for a file that does not tell,
+            as that of a motor that was made in Python.
+    """
+
+    tree: xarray.DataTree
+    setup: Setup | None = None
+
+    def __getitem__(self, name: str) -> xarray.DataArray:
+        """Give a quantity at the root of the tree by its name.
+
+        Raises:
+            KeyError: there is none; a sentence with those that are.
+        """
+        if name not in self.tree.variables:
+            there = ", ".join(map(str, self.tree.variables))
+            raise KeyError(f"There is no quantity {name!r}; it must be one of {there}.")
+        return self.tree.to_dataset()[name]
+
+    @property
+    def contacts(self) -> xarray.Dataset:
+        """The contacts, a row each; one that the end of the run cut has no separation velocity."""
+        return self.tree.children["contacts"].to_dataset(inherit=False)
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The state in which the run ended, from which another goes on: the group `state` of the tree."""
+        return state_of(self.tree)
+
+    @property
+    def ending(self) -> Ending:
+        """How the run ended."""
+        return Ending[self.tree.attrs["ending"].upper()]
+
+    @property
+    def message(self) -> str:
+        """The ending in a sentence, empty for a complete run."""
+        return str(self.tree.attrs["message"])
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end with a closed energy ledger."""
+        return bool(self.tree.attrs["complete"])
+
+    def to_xarray(self) -> xarray.DataTree:
+        """Give the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`."""
+        return self.tree
+
+    def save(self, path: str | Path) -> None:
+        """Write a netCDF-4 file, whole or not at all.
+
+        Raises:
+            OSError: the folder is missing, not writable or full; a sentence.
+        """
+        write_tree(self.tree, Path(path))
+
+    def plot(self) -> "Figure":
+        """Draw the overview: rotor velocity, path of the tip, gap and force."""
+        # It brings matplotlib.
+        from contactlab.plot.overview import draw_overview
+
+        return draw_overview(self.tree)
+
+    def __repr__(self) -> str:
+        return summarise(self.tree)
+
+    def _repr_html_(self) -> str:
+        """Show the lines of the summary as a table in a notebook."""
+        rows = (
+            f"<tr><th>{escape(label)}</th><td>{escape(value)}</td></tr>"
+            for label, value in summary_of(self.tree).items()
+        )
+        return f"<table>{''.join(rows)}</table>"
+
+
+def simulate(
+    motor: Motor | Setup | None = None,
+    law: ContactLaw | None = None,
+    *,
+    duration: float | None = None,
+    record_interval: float | None = None,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+    start: Solution | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Solution:
+    """Simulate a motor with a contact law.
+
+        simulate(motor, law, duration=5e-3)
+        simulate(build(["law=newton", "contact.clearance=0.5 um"]))
+        simulate(start=solution, duration=5e-3)
+
+    Args:
+        motor: what moves, or a whole setup as `contactlab.build` gives it; without one, the setup of `start`.
+        law: what acts between tip and rotor; a setup has its own.
+        duration: [s]; after that of `start`, if one is given.
+        record_interval: [s]; 1 us, or the duration if that is shorter. The last record lies at the end.
+        contact_step: step of a rigid law, or longest step of a compliant one [s]; the law's default, or less
+            where the tip has fast modes.
+        tolerance: error of a step of a compliant law [1]; the engine's default. Rigid laws have none.
+        start: a run whose end is this one's start: in two parts or in one, a motor does the same to the last
+            bit, as long as motor, law and numbers are the same.
+        progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
+
+    Returns:
+        The solution; one that is not complete says why and holds what it had.
+
+    Raises:
+        TypeError: an argument of another kind.
+        ValueError: an argument out of range, one too many or one too few.
+        contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
+    """
+    numbers = {
+        "duration": duration,
+        "record_interval": record_interval,
+        "contact_step": contact_step,
+        "tolerance": tolerance,
+    }
+    given = {name: value for name, value in numbers.items() if value is not None}
+    for name, value in given.items():
+        check_number(f"The {name.replace('_', ' ')}", value)
+        given[name] = float(value)
+    if start is not None:
+        check_kind("The start", start, Solution)
+        if not start.state:
+            raise ValueError(
+                "The run to start from tells no state to go on from; its file must have the group 'state', "
+                "which those of earlier versions lack. Run it again."
+            )
+    if motor is None and start is not None:
+        motor = start.setup
+        if motor is None:
+            raise ValueError(
+                "The run to start from was read from a file that tells no configuration to make its motor "
+                "from; give motor and law to simulate too."
+            )
+    if isinstance(motor, Setup):
+        if law is not None:
+            raise ValueError(
+                "A setup has a law of its own, and another one is given; give a motor and a law, or choose "
+                'the law of the setup: contactlab.build(["law=NAME"]).'
+            )
+        setup = _changed(motor, given)
+    else:
+        setup = _setup(motor, law, given)
+    going_on: dict[str, Any] = {} if start is None else {"start": start.state}
+    trajectory = trajectory_of(
+        setup.motor,
+        setup.law,
+        duration=setup.duration,
+        record_interval=setup.record_interval,
+        contact_step=setup.contact_step,
+        tolerance=setup.tolerance,
+        progress=progress,
+        **going_on,
+    )
+    return Solution(to_datatree(trajectory, setup.configuration), setup)
+
+
+def load(path: str | Path) -> Solution:
+    """Give the solution that a run.nc holds, checked to be as its run left it.
+
+    Raises:
+        ValueError: it cannot be read, or is no run of contactlab's; a sentence.
+    """
+    tree = read_run(path)
+    names = {v.name for v in (*SERIES, CONTACT_MODE)} - set(tree.variables)
+    group = tree.children.get("contacts")
+    names |= {v.name for v in CONTACTS} - set(group.variables if group is not None else ())
+    names |= {"ending", "configuration", "law_parameters"} - set(tree.attrs)
+    if names:
+        raise ValueError(
+            f"'{path}' lacks {', '.join(sorted(names))}; it must be a run.nc that contactlab wrote. Other "
+            "datasets are judged by contactlab.metrics.assess."
+        )
+    try:
+        return Solution(tree, build(configuration_of(tree)))
+    # A motor made in Python, or a law that is not installed here.
+    except ConfigurationError:
+        return Solution(tree)
+
+
+def _setup(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
+    """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
+    check_kind("The motor", motor, Motor)
+    if isinstance(law, str):
+        raise TypeError(
+            f"The law is the text {law!r}; it must be a law and not its name. "
+            f"Make it: contactlab.law({law!r})."
+        )
+    check_kind("The law", law, ContactLaw)
+    if "duration" not in given:
+        raise ValueError(
+            "The duration is missing; a motor and a law need one in seconds: duration=5e-3."
+        )
+    usual = Setup(
+        motor=motor,
+        law=law,
+        duration=given["duration"],
+        record_interval=min(RECORD_INTERVAL, given["duration"]),
+        contact_step=default_contact_step(motor.modes, law),
+        tolerance=None,
+        configuration=settings_of(motor, law),
+    )
+    return _changed(usual, {name: getattr(usual, name) for name in _KEYS} | given)
+
+
+def _changed(setup: Setup, given: dict[str, Any]) -> Setup:
+    """Give a setup with other numbers, which its configuration tells too."""
+    configuration = {name: dict(section) for name, section in setup.configuration.items()}
+    for name, value in given.items():
+        section, key = _KEYS[name]
+        configuration.setdefault(section, {})[key] = value
+    return replace(setup, **given, configuration=configuration)

@@ -1,0 +1,65 @@
+"""Configurations come from overrides wherever one is: in a script, in a notebook, inside a Hydra job."""
+
+from pathlib import Path
+
+import hydra
+import pytest
+from hydra.core.global_hydra import GlobalHydra
+from support.conf_files import composed
+
+from contactlab.config import ConfigurationError, build, compose
+from contactlab.config.composition import conf_directory, started
+from contactlab.laws import law_class
+
+
+def test_overrides_compose_what_the_files_and_declarations_say() -> None:
+    assert compose() == composed()
+    assert compose(["law=newton", "placement=placement_1"]) == composed(
+        law="newton", placement="placement_1"
+    )
+
+
+def test_a_setup_is_built_from_overrides_from_a_mapping_or_from_nothing() -> None:
+    assert build().configuration == build(composed()).configuration
+    setup = build(["law=newton", "drive.phase=0", "contact.clearance=2 um"])
+    assert isinstance(setup.law, law_class("newton"))
+    assert setup.configuration["drive"]["phase"] == 0.0
+    assert setup.motor.geometry.clearance == 2e-6
+    assert build(setup.configuration).configuration == setup.configuration
+
+
+def test_a_text_is_no_list_of_overrides() -> None:
+    with pytest.raises(TypeError, match=r"is the text 'law=newton'; .* Write \['law=newton'\]"):
+        build("law=newton")
+
+
+def test_faults_of_composition_are_sentences() -> None:
+    with pytest.raises(ConfigurationError, match="Could not find 'law/rubber'"):
+        build(["law=rubber"])
+    with pytest.raises(ConfigurationError, match="nowhere', which is not a directory"):
+        compose(config_dir="nowhere")
+
+
+def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
+    with hydra.initialize_config_dir(str(conf_directory()), version_base="1.3"):
+        outer = GlobalHydra.instance().hydra
+        assert compose(["law=newton"]) == composed(law="newton")
+        assert GlobalHydra.instance().hydra is outer
+        with pytest.raises(ConfigurationError):
+            compose(["law=rubber"])
+        assert GlobalHydra.instance().hydra is outer
+        assert hydra.compose("config")["law"]["name"] == "hertz_penalty"
+    assert not GlobalHydra.instance().is_initialized()
+    with started():
+        assert compose() == composed()
+    assert not GlobalHydra.instance().is_initialized()
+
+
+def test_a_file_has_precedence_over_what_is_declared(tmp_path: Path) -> None:
+    for option in ("rotor/default", "law/mine"):
+        (tmp_path / option).parent.mkdir()
+    (tmp_path / "rotor/default.yaml").write_text("radius: 0.05\ninertia: 2e-5\n", encoding="utf-8")
+    (tmp_path / "law/mine.yaml").write_text("name: newton\nrestitution: 0.4\n", encoding="utf-8")
+    assert compose(config_dir=tmp_path)["rotor"] == {"radius": 0.05, "inertia": 2e-5}
+    assert compose(["law=mine"], tmp_path)["law"] == {"name": "newton", "restitution": 0.4}
+    assert compose()["rotor"] == composed()["rotor"]

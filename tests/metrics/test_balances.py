@@ -1,0 +1,113 @@
+"""A run that agrees with itself keeps every invariant; each way of disagreeing breaks its own."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from support.command_line import Command
+from support.plausibility_runs import case_a_tree
+
+from contactlab.laws import LAWS
+from contactlab.metrics import INVARIANTS, METRICS
+from contactlab.testing import invariants_of
+
+INTERVAL = 1e-6
+
+
+def run_of(law: str = "hertz_penalty") -> xarray.DataTree:
+    return case_a_tree(law, None, INTERVAL).copy(deep=True)
+
+
+def broken(run: xarray.DataTree) -> set[str]:
+    return {claim.statement.partition(":")[0] for claim in invariants_of(run) if not claim.holds}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_case_a_keeps_every_invariant_under_every_law(law: str) -> None:
+    claims = list(invariants_of(run_of(law)))
+    assert len(claims) == len(INVARIANTS)
+    assert broken(run_of(law)) == set()
+
+
+def test_invariants_are_metrics_with_a_bound_and_a_reason() -> None:
+    assert INVARIANTS.keys() <= METRICS.keys()
+    assert all(metric.threshold and metric.reason for metric in INVARIANTS.values())
+
+
+def contact(name: str, row: int, value: Callable[[float], float]) -> Callable[..., None]:
+    def change(run: xarray.DataTree) -> None:
+        column = run["contacts"][name].values
+        column[row] = value(column[row])
+
+    return change
+
+
+def record(name: str, value: Callable[[xarray.DataTree], None]) -> Callable[..., None]:
+    return lambda run: value(run[name].values)
+
+
+def lower_deepest(values: np.ndarray) -> None:
+    values[values.argmin()] -= 1e-7
+
+
+def sink_in_flight(run: xarray.DataTree) -> None:
+    # The widest gap is far from every contact.
+    run["gap"].values[run["gap"].values.argmax()] = -1e-8
+
+
+def lengthen_into_the_next(run: xarray.DataTree) -> None:
+    starts, durations = run["contacts/start_time"].values, run["contacts/duration"].values
+    durations[2] = starts[3] - starts[2] + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (contact("separation_velocity", 4, lambda v: -abs(v)), {"closing_release"}),
+        (contact("approach_velocity", 4, lambda v: -v), {"closing_release"}),
+        (contact("peak_normal_force", slice(None), lambda v: v / 13.0), {"peak_deficit"}),
+        (contact("normal_impulse", 4, lambda v: 1.01 * v), {"impulse_balance"}),
+        (contact("friction_impulse", 4, lambda v: v + 1e-5), {"impulse_balance", "rotor_momentum"}),
+        (lengthen_into_the_next, {"phantom_contacts"}),
+        (record("gap", lower_deepest), {"depth_deficit", "gap_mismatch"}),
+        (sink_in_flight, {"missed_contact", "gap_mismatch"}),
+    ],
+)
+def test_what_disagrees_is_found_and_nothing_else(
+    change: Callable[[xarray.DataTree], None], expected: set[str]
+) -> None:
+    run = run_of()
+    change(run)
+    assert broken(run) == expected
+
+
+def test_a_contact_of_no_length_is_a_phantom() -> None:
+    run = run_of()
+    rows = run["contacts"].to_dataset()
+    empty = rows.isel(contact=[3]).copy(deep=True)
+    empty["start_time"] -= 1e-5
+    for name in ("duration", "stick_duration", "normal_impulse", "friction_impulse"):
+        empty[name] *= 0.0
+    run["contacts"] = xarray.DataTree(xarray.concat([rows, empty], "contact"))
+    assert broken(run) == {"phantom_contacts"}
+
+
+def test_the_command_judges_a_recorded_run(command: Command, tmp_path: Path) -> None:
+    run = run_of()
+    run.to_netcdf(tmp_path / "run.nc", engine="netcdf4")
+    status, out, _ = command("verify", ".")
+    assert status == 0
+    assert f"{len(INVARIANTS)} hold" in out
+    run["contacts/peak_normal_force"].values[:] /= 13.0
+    run.to_netcdf(tmp_path / "wrong.nc", engine="netcdf4")
+    status, out, _ = command("verify", ".", "wrong.nc")
+    assert status == 1
+    assert "Failed: peak_deficit" in out
+
+
+def test_what_is_no_run_is_refused_in_a_sentence(command: Command) -> None:
+    status, _, err = command("verify", "nowhere")
+    assert status == 2
+    assert "'nowhere' is not there" in err

@@ -1,0 +1,317 @@
+"""What the metrics say of the paper's laws on the paper's motor, and against the independent oracle."""
+
+from functools import cache
+from math import isnan
+
+import numpy as np
+import pytest
+import xarray
+from oracle import OracleRun, solve_hertz, solve_rigid_stick
+from support.conf_files import composed
+from support.motors import oracle_motor
+from support.plausibility_runs import DURATION, case_a_tree, configured, datatree
+
+from contactlab.laws.registry import PARTS
+from contactlab.metrics import (
+    FAIL,
+    METRICS,
+    NOT_APPLICABLE,
+    SENSITIVITIES,
+    STEP_METRICS,
+    assess,
+    assess_steps,
+    assess_variants,
+    read_run,
+)
+
+RIGID_STEPS = (2e-7, 1e-7, 5e-8)
+STEPS = {
+    "lagrange_slip": RIGID_STEPS,
+    "lagrange_stick": RIGID_STEPS,
+    "hertz_penalty": (8e-6, 4e-6, 2e-6),
+}
+EXPECTED = {
+    "lagrange_slip": {"slip_reversal", "peak_force_step_dependence"},
+    "lagrange_stick": {"peak_force_step_dependence"},
+    "hertz_penalty": set(),
+}
+"""Lines on which a law fails, as the paper argues: a slip-only impact reverses the slip, and the force of
+a rigid impact is its impulse over the step."""
+
+VARIED = {
+    "default": {},
+    "placement 1": {"placement": {"start": 15.968e-3, "end": 25.065e-3}},
+    "high friction": {"contact": {"friction_coefficient": 0.6}},
+    "near the steady state, loaded": {"rotor": {"initial_velocity": -2.0, "load_torque": -5e-3}},
+    "touching at rest, another phase": {"contact": {"clearance": 0.0}, "drive": {"phase": 2.0}},
+    "far from the second mode": {"drive": {"frequency_ratio": 1.9}},
+}
+"""Motors unlike the paper's, whose verdicts are the same."""
+
+
+def failed(values: dict[str, float]) -> set[str]:
+    table = METRICS | STEP_METRICS
+    return {key for key, value in values.items() if table[key].verdict(value) == FAIL}
+
+
+def ladder(law: str, interval: float) -> dict[str, float]:
+    return assess_steps([(step, case_a_tree(law, step, interval)) for step in STEPS[law]])
+
+
+@pytest.mark.parametrize("interval", [1e-6, 1e-7])
+@pytest.mark.parametrize("law", STEPS)
+def test_the_scorecard_tells_the_papers_laws_apart_as_the_paper_does(
+    law: str, interval: float
+) -> None:
+    one = assess(case_a_tree(law, None, interval))
+    assert failed(one | ladder(law, interval)) == EXPECTED[law]
+
+
+@pytest.mark.parametrize("interval", [1e-6, 1e-7])
+@pytest.mark.parametrize("law", STEPS)
+def test_the_default_run_has_the_same_verdicts(law: str, interval: float) -> None:
+    default = configured(
+        law, drive={"frequency": None}, solver={"duration": 0.02}, record={"interval": interval}
+    )
+    assert failed(assess(datatree(default))) == EXPECTED[law] - {"peak_force_step_dependence"}
+
+
+@pytest.mark.parametrize("law", STEPS)
+@pytest.mark.parametrize("motor", VARIED)
+def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
+    tree = datatree(configured(law, **VARIED[motor]))
+    assert failed(assess(tree)) == EXPECTED[law] - {"peak_force_step_dependence"}
+
+
+@pytest.mark.parametrize("interval", [1e-6, 1e-7])
+@pytest.mark.parametrize("law", STEPS)
+def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> None:
+    # All but the time, whose differences would not survive.
+    single = case_a_tree(law, None, interval).map_over_datasets(
+        lambda node: node.astype(np.float32)
+    )
+    assert failed(assess(read_run(single))) == EXPECTED[law] - {"peak_force_step_dependence"}
+
+
+def test_the_peak_of_rigid_laws_goes_as_one_over_the_step_and_their_impulse_stays() -> None:
+    for law in ("lagrange_slip", "lagrange_stick"):
+        found = ladder(law, 1e-6)
+        # The impulse of the largest impact converges with the step.
+        assert found["peak_force_exponent"] == pytest.approx(-1.0, abs=0.01)
+        assert found["peak_force_step_dependence"] == pytest.approx(1.0, abs=0.01)
+        assert found["impulse_step_dependence"] < 1e-3
+    found = ladder("hertz_penalty", 1e-6)
+    assert found["peak_force_step_dependence"] < 1e-6
+
+
+def test_rigid_stick_shows_its_order_and_extrapolates_beyond_its_finest_step() -> None:
+    found = ladder("lagrange_stick", 1e-6)
+    exact = rigid_mean_velocity()
+    assert found["velocity_order"] == pytest.approx(1.0, abs=0.05)
+    finest = assess(case_a_tree("lagrange_stick", RIGID_STEPS[-1], 1e-6))["rotor_velocity"]
+    assert abs(found["extrapolated_rotor_velocity"] - exact) < 0.05 * abs(finest - exact)
+    assert found["velocity_error"] == pytest.approx(abs(finest / exact - 1.0), rel=0.05)
+
+
+@cache
+def hertz_oracle(duration: float) -> OracleRun:
+    return solve_hertz(oracle_motor(), 1e10, duration)
+
+
+@cache
+def stick_oracle(duration: float) -> OracleRun:
+    return solve_rigid_stick(oracle_motor(), duration)
+
+
+def period_start(tree: xarray.DataTree) -> float:
+    """Record at which the last four whole drive periods of case A begin."""
+    time = tree["time"].values
+    return float(time[np.abs(time - (DURATION - 4.0 / 3210.0)).argmin()])
+
+
+def rigid_mean_velocity() -> float:
+    start = period_start(case_a_tree("lagrange_stick", None, 1e-6))
+    turned = stick_oracle(DURATION).rotor_angle - stick_oracle(start).rotor_angle
+    return turned / (DURATION - start)
+
+
+def test_hertz_values_are_those_of_the_oracle() -> None:
+    tree = case_a_tree("hertz_penalty", None, 1e-6)
+    found, oracle = assess(tree), hertz_oracle(DURATION)
+    start = period_start(tree)
+    turned = oracle.rotor_angle - hertz_oracle(start).rotor_angle
+    # Both solvers are good to at least seven digits here; durations end at events located to 1e-12 s.
+    for key, answer in {
+        "peak_force": oracle.peak_normal_force.max(),
+        "mean_impulse": oracle.normal_impulse.mean(),
+        "total_impulse": oracle.normal_impulse.sum(),
+        "total_friction_impulse": oracle.friction_impulse.sum(),
+        "contact_time": oracle.duration.sum(),
+        "contact_duration": np.median(oracle.duration),
+        "stick_share": oracle.stick_duration.sum() / oracle.duration.sum(),
+        "final_rotor_velocity": oracle.rotor_velocity,
+        "rotor_velocity": turned / (DURATION - start),
+        "friction_share": oracle.friction_loss / oracle.drive_work,
+    }.items():
+        assert found[key] == pytest.approx(answer, rel=1e-6), key
+
+
+def test_rigid_stick_values_tend_to_those_of_the_oracle() -> None:
+    coarse, fine = (assess(case_a_tree("lagrange_stick", h, 1e-6)) for h in RIGID_STEPS[-2:])
+    oracle = stick_oracle(DURATION)
+    for key, answer in {
+        "mean_impulse": oracle.normal_impulse.mean(),
+        "total_impulse": oracle.normal_impulse.sum(),
+        "contact_time": oracle.duration.sum(),
+        "final_rotor_velocity": oracle.rotor_velocity,
+        "rotor_velocity": rigid_mean_velocity(),
+    }.items():
+        # The law is of order one: halving the step takes half of the error, which cancels.
+        assert 2.0 * fine[key] - coarse[key] == pytest.approx(answer, rel=2e-5), key
+
+
+def test_a_contact_lasts_longer_than_hertzs_free_impact_by_little() -> None:
+    ratio = assess(case_a_tree("hertz_penalty", None, 1e-6))["hertz_duration_ratio"]
+    assert 1.0 < ratio < 1.3
+    assert isnan(assess(case_a_tree("lagrange_stick", None, 1e-6))["hertz_duration_ratio"])
+
+
+def test_the_stiffness_of_a_composed_law_is_found_among_its_parts() -> None:
+    parts = assess(datatree(configured("composed")))
+    alone = assess(case_a_tree("hertz_penalty", None, 1e-6))
+    for key in ("hertz_duration_ratio", "penetration_over_radius"):
+        assert parts[key] == pytest.approx(alone[key], rel=1e-6)
+
+
+LOADED = VARIED["near the steady state, loaded"]
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "stronge", "moreau_jean"])
+def test_laws_of_restitution_neither_reverse_the_slip_nor_make_energy(law: str) -> None:
+    assert failed(assess(datatree(configured(law, **LOADED)))) == set()
+
+
+@pytest.mark.parametrize(
+    ("friction", "lines"),
+    [
+        ("coulomb", set()),
+        ("regularised", set()),
+        ("mindlin", set()),
+        ("lugre", {"friction_gain"}),
+        ("elasto_plastic", {"friction_gain"}),
+    ],
+)
+def test_frictions_fail_where_they_declare_a_violation(friction: str, lines: set[str]) -> None:
+    sections = composed(**{"law": "composed", "law/friction": friction})
+    tree = datatree(configured("composed", law=sections["law"], **LOADED))
+    found = assess(tree)
+    assert failed(found) == lines
+    # A spring that gives way while it holds is no drift.
+    assert isnan(found["stick_slip"]) == (friction != "coulomb")
+    declared = PARTS["friction"][friction].violations
+    assert bool(lines) == ("friction_opposes_slip" in declared)
+
+
+def test_a_tip_radius_of_five_millimetres_is_found_again_from_the_stiffness_it_gives() -> None:
+    tip = {"stiffness": None, "tip_radius": 5e-3}
+    tree = datatree(configured("hertz_penalty", law=tip))
+    depth = float(tree["contacts"]["max_penetration"].max())
+    found = assess(tree)["penetration_over_radius"]
+    assert found == pytest.approx(depth / 5e-3, rel=1e-9)
+
+
+def test_the_bandwidth_of_a_smooth_force_does_not_depend_on_the_records() -> None:
+    smooth = [
+        assess(case_a_tree("hertz_penalty", None, i))["force_bandwidth"] for i in (1e-6, 1e-7)
+    ]
+    # The lines of the spectrum are 200 Hz apart.
+    assert smooth[0] == pytest.approx(smooth[1], abs=200.0)
+    # Three to four times the reciprocal of a contact's 62 us hold a pulse's energy; a jump has no end.
+    assert smooth[0] < 4.0 / 62e-6
+    rigid = assess(case_a_tree("lagrange_stick", None, 1e-7))["force_bandwidth"]
+    assert rigid > 0.9 * 0.5 / 1e-7
+
+
+def test_a_ladder_needs_three_steps_in_one_ratio_for_an_order() -> None:
+    trees = {h: case_a_tree("lagrange_stick", h, 1e-6) for h in (*RIGID_STEPS, 2.5e-7)}
+    two = assess_steps([(h, trees[h]) for h in RIGID_STEPS[:2]])
+    assert not isnan(two["peak_force_exponent"])
+    uneven = assess_steps([(h, trees[h]) for h in (2.5e-7, 1e-7, 5e-8)])
+    for found in (two, uneven):
+        for key in ("velocity_order", "extrapolated_rotor_velocity", "velocity_error"):
+            assert STEP_METRICS[key].verdict(found[key]) == NOT_APPLICABLE
+    for few in ([], [(1e-7, trees[1e-7])]):
+        assert all(isnan(value) for value in assess_steps(few).values())
+
+
+@pytest.mark.parametrize("steps", [(1e-7, 2e-7), (1e-7, 1e-7), (1e-7, 0.0), (1e-7, -1e-8)])
+def test_steps_that_do_not_fall_are_refused(steps: tuple[float, ...]) -> None:
+    tree = case_a_tree("lagrange_stick", 1e-7, 1e-6)
+    with pytest.raises(ValueError, match="must be positive and fall from run to run"):
+        assess_steps([(step, tree) for step in steps])
+
+
+def turning(velocity: float) -> xarray.DataTree:
+    time = np.linspace(0.0, 1.0, 9)
+    angle = ("time", velocity * time)
+    return xarray.DataTree(xarray.Dataset({"rotor_angle": angle}, coords={"time": time}))
+
+
+def test_the_order_of_a_power_is_its_exponent_and_its_limit_is_exact() -> None:
+    runs = [(h, turning(-3.0 + 5.0 * h**1.5)) for h in (0.4, 0.2, 0.1)]
+    found = assess_steps(runs)
+    assert found["velocity_order"] == pytest.approx(1.5)
+    assert found["extrapolated_rotor_velocity"] == pytest.approx(-3.0)
+    fine = -3.0 + 5.0 * 0.1**1.5
+    assert found["velocity_error"] == pytest.approx(abs((fine + 3.0) / fine))
+
+
+@pytest.mark.parametrize("velocities", [(1.0, 1.2, 1.1), (1.0, 1.1, 1.3), (1.1, 1.1, 1.1)])
+def test_differences_that_change_sign_or_grow_have_no_order_but_a_range(
+    velocities: tuple[float, ...],
+) -> None:
+    runs = [(h, turning(v)) for h, v in zip((0.4, 0.2, 0.1), velocities, strict=True)]
+    found = assess_steps(runs)
+    assert isnan(found["velocity_order"])
+    assert isnan(found["extrapolated_rotor_velocity"])
+    span = max(velocities) - min(velocities)
+    assert found["velocity_error"] == pytest.approx(span / velocities[-1], abs=1e-14)
+
+
+def test_an_order_too_low_to_be_trusted_is_told_but_not_extrapolated() -> None:
+    found = assess_steps([(0.4, turning(1.3)), (0.2, turning(1.2)), (0.1, turning(1.11))])
+    assert found["velocity_order"] == pytest.approx(np.log2(0.1 / 0.09))
+    assert isnan(found["extrapolated_rotor_velocity"])
+    assert found["velocity_error"] == pytest.approx(0.19 / 1.11)
+
+
+def test_sensitivities_are_relative_changes() -> None:
+    base = turning(2.0)
+    found = assess_variants(base, basis=turning(1.5), friction=(0.1, turning(2.1)))
+    assert list(found) == list(SENSITIVITIES)
+    assert found["rotor_velocity_by_basis"] == pytest.approx(-0.25)
+    assert found["rotor_velocity_by_friction"] == pytest.approx(0.5)
+    assert isnan(found["peak_force_by_basis"])
+    assert all(isnan(value) for value in assess_variants(base).values())
+    assert isnan(assess_variants(base, friction=(0.0, base))["rotor_velocity_by_friction"])
+
+
+def test_a_run_recorded_at_its_ends_only_has_every_metric_that_takes_no_records() -> None:
+    tree = datatree(configured("lagrange_stick", record={"interval": DURATION}))
+    found, full = assess(tree), assess(case_a_tree("lagrange_stick", None, 1e-6))
+    assert tree["time"].size == 2
+    assert failed(found) == set()
+    assert found["impulse_balance"] < 1e-12
+    for key, metric in METRICS.items():
+        assert metric.needs_records or found[key] == full[key], key
+        assert not (metric.usual and metric.needs_records), key
+    assert isnan(found["slip_reversal"])
+    assert isnan(found["rotor_velocity"])
+
+
+def test_a_motor_that_never_touches_has_no_contact_to_judge() -> None:
+    far = configured("lagrange_stick", contact={"clearance": 1e-3}, record={"interval": 1e-6})
+    found = assess(datatree(far))
+    assert failed(found) == set()
+    assert isnan(found["peak_force"])
+    assert found["energy_residual"] < 1e-9

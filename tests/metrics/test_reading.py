@@ -1,0 +1,173 @@
+"""Files of one's own: half of the variables, another layout, no dataset at all."""
+
+import shutil
+from math import isnan, nan
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from support.plausibility_trees import CONFIGURATION, TIME, contacts, series, tree
+from support.synthetic import synthetic_trajectory
+
+from contactlab.metrics import METRICS, assess, read_run
+from contactlab.results.netcdf import to_datatree, write_tree
+
+
+def saved(dataset: xarray.DataTree, folder: Path) -> Path:
+    path = folder / "own.nc"
+    dataset.to_netcdf(path)
+    return path
+
+
+def test_a_file_gives_what_its_tree_gives_and_is_closed_again(tmp_path: Path) -> None:
+    path = saved(tree(), tmp_path)
+    read = read_run(path)
+    path.unlink()
+    assert assess(read) == pytest.approx(assess(tree()), nan_ok=True)
+    assert read_run(read) is read
+
+
+def test_what_contactlab_writes_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    write_tree(to_datatree(synthetic_trajectory(), {"drive": {"frequency": 3210.0}}), path)
+    found = assess(read_run(str(path)))
+    assert found["peak_force"] == 9.0
+    assert found["contact_duration"] == pytest.approx(60e-6)
+
+
+def test_a_file_with_half_of_the_variables_has_half_of_the_metrics(tmp_path: Path) -> None:
+    without = (*(name for name in series() if "force" not in name), "approach_velocity")
+    half = saved(tree(without=without, configuration={}, law="", law_parameters=""), tmp_path)
+    found = assess(read_run(half))
+    assert list(found) == list(METRICS)
+    known = {key for key, value in found.items() if not isnan(value)}
+    assert known == {
+        "impulse_balance",
+        "phantom_contacts",
+        "tension",
+        "contact_gain",
+        "contact_count",
+        "peak_force",
+        "mean_impulse",
+        "total_impulse",
+        "total_friction_impulse",
+        "contact_time",
+        "contact_duration",
+        "stick_share",
+        "force_bandwidth",
+    }
+
+
+@pytest.mark.parametrize("name", [*series(), *contacts()])
+def test_any_variable_may_be_missing(name: str) -> None:
+    assert list(assess(read_run(tree(without=(name,))))) == list(METRICS)
+
+
+def test_a_file_without_contacts_still_judges_the_work_of_friction() -> None:
+    found = assess(read_run(tree(without=("contacts",))))
+    assert found["friction_gain"] == 0.0
+    assert isnan(found["peak_force"])
+
+
+@pytest.mark.parametrize(
+    "attributes",
+    [
+        {"configuration": "{unbalanced", "law_parameters": "not json"},
+        {"configuration": "- a list", "law_parameters": "[1]"},
+        {"configuration": "rotor: 3\ndrive: {frequency: fast}", "law_parameters": "{}"},
+        {"configuration": "solver: {}\nlaw: {normal: {name: [1]}}", "law": "composed"},
+        {"contact_step": "short", "law": "nobody's"},
+        {"configuration": "drive: {frequency: 0.0}"},
+    ],
+)
+def test_attributes_that_say_nothing_make_metrics_not_applicable(
+    attributes: dict[str, object],
+) -> None:
+    assert list(assess(read_run(tree(**attributes)))) == list(METRICS)  # type: ignore[arg-type]
+
+
+def test_a_gap_in_a_series_makes_what_needs_it_not_applicable() -> None:
+    force = series()["normal_force"].copy()
+    force[7] = nan
+    found = assess(read_run(tree({"normal_force": force})))
+    assert isnan(found["tension"])
+    assert found["peak_force"] == 32.0
+
+
+def test_a_text_file_is_told_so(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    path.write_text("time,gap\n0,1\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"run\.nc' cannot be read as netCDF-4; it must be"):
+        read_run(path)
+
+
+def test_a_file_cut_short_is_told_so(tmp_path: Path) -> None:
+    path = saved(tree(), tmp_path)
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(ValueError, match="cannot be read as netCDF-4"):
+        read_run(path)
+
+
+def test_a_missing_file_and_a_folder_are_told_so(tmp_path: Path) -> None:
+    for path in (tmp_path / "nowhere.nc", tmp_path):
+        with pytest.raises(ValueError, match="is not there; it must be a netCDF-4 file"):
+            read_run(path)
+
+
+def root_of(**columns: object) -> xarray.DataTree:
+    return xarray.DataTree(xarray.Dataset(columns))
+
+
+TIMES = ("time", TIME, {"units": "s"})
+GAP = ("time", np.zeros_like(TIME), {"units": "m"})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (root_of(gap=("t", np.zeros(3))), "has no variable 'time' over a dimension 'time'"),
+        (root_of(time=TIMES), "has none of the time series; it must have at least one of"),
+        (root_of(time=TIMES, length=GAP), "has none of the time series"),
+        (root_of(time=("time", TIME[::-1]), gap=GAP), "do not all increase; there must be"),
+        (root_of(time=("time", TIME[:1]), gap=("time", np.zeros(1))), "1 times"),
+        (
+            root_of(time=TIMES, gap=("time", np.zeros_like(TIME), {"units": "mm"})),
+            "'gap' in 'mm'; it must be in 'm'",
+        ),
+        (
+            root_of(time=TIMES, gap=(("time", "run"), np.zeros((TIME.size, 2)))),
+            r"'gap' over \('time', 'run'\); it must be over \('time',\)",
+        ),
+        (
+            root_of(time=TIMES, gap=("time", np.array(["a"] * TIME.size))),
+            "'gap' as <U1; it must be real numbers in m",
+        ),
+    ],
+)
+def test_another_layout_is_told_what_it_must_be(wrong: xarray.DataTree, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        read_run(wrong)
+
+
+def test_contacts_of_another_layout_are_told_what_they_must_be() -> None:
+    wrong = tree(without=("contacts",))
+    group = xarray.Dataset({"duration": ("row", np.ones(2))})
+    wrong["contacts"] = xarray.DataTree(group)
+    with pytest.raises(
+        ValueError, match=r"'duration' over \('row',\); it must be over \('contact',\)"
+    ):
+        read_run(wrong)
+
+
+def test_units_that_are_not_told_are_taken_as_they_must_be() -> None:
+    bare = root_of(time=("time", TIME), gap=("time", np.zeros_like(TIME)))
+    assert all(isnan(value) for value in assess(read_run(bare)).values())
+
+
+def test_the_configuration_of_a_file_is_found(tmp_path: Path) -> None:
+    path = saved(tree(), tmp_path)
+    copy = Path(shutil.copy(path, tmp_path / "copy.nc"))
+    found = assess(read_run(copy))
+    assert found["cone_excess"] == 0.0
+    assert CONFIGURATION["contact"]["friction_coefficient"] == 0.25

@@ -1,0 +1,241 @@
+"""One import gives a script what it needs, and a run is one object."""
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+import pytest
+import yaml
+from matplotlib.figure import Figure
+from support.synthetic import CONFIGURATION, synthetic_trajectory
+
+import contactlab as cl
+from contactlab.results.netcdf import to_datatree
+from contactlab.trajectory import Ending
+
+PACKAGE = Path(cl.__file__).parent
+
+PYTHON = """
+import contactlab as cl
+
+resonator = cl.RitzResonator(patch_start=0.914e-3, patch_end=10.146e-3)
+drive = cl.Drive.two_mode(100.0, 100.0, frequency=resonator.modes.natural_frequency[0])
+motor = cl.Motor(resonator.modes, drive, rotor=cl.Rotor(load_torque=1e-4))
+solution = cl.simulate(motor, cl.LagrangeStick(friction_coefficient=0.3), duration=1e-3)
+print(solution)
+solution.plot().savefig("run.png")
+solution.save("run.nc")
+"""
+
+
+def motor() -> cl.Motor:
+    return cl.Motor(cl.RitzResonator().modes, cl.Drive.two_mode(100.0, 100.0, 3210.0))
+
+
+def law() -> cl.ContactLaw:
+    return cl.HertzPenalty(stiffness=1e10, friction_coefficient=0.3)
+
+
+@pytest.fixture(scope="module")
+def solution() -> cl.Solution:
+    """Half a millisecond of the paper's motor."""
+    return cl.simulate(motor(), law(), duration=5e-4)
+
+
+def test_every_name_is_there() -> None:
+    assert all(hasattr(cl, name) for name in cl.__all__)
+    laws = {cl.__dict__[name] for name in cl.__all__ if isinstance(cl.__dict__[name], type)}
+    assert {
+        law.name for law in laws if issubclass(law, cl.ContactLaw) and hasattr(law, "name")
+    } == {name for name in cl.law_names() if name in cl.laws.LAWS}
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    assert cl.__version__ == version("contactlab")
+    assert (PACKAGE / "py.typed").is_file()
+
+
+def test_the_plotting_is_not_imported_before_a_picture_is_asked_for() -> None:
+    code = "import sys, contactlab; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_no_module_goes_through_the_front_door() -> None:
+    """The package's root imports all others: one that imported from it would go in a circle."""
+    rooms = {path.stem for path in PACKAGE.iterdir()}
+    for file in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module == "contactlab" and not node.level:
+                assert {name.name for name in node.names} <= rooms, file
+            if isinstance(node, ast.Import):
+                assert "contactlab" not in {name.name for name in node.names}, file
+
+
+@pytest.mark.parametrize("text", [PYTHON], ids=["from Python"])
+def test_an_example_is_short_and_runs(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in dedent(text).splitlines() if line]
+    assert len(lines) <= 10
+    assert sum("import " in line for line in lines) == 1
+    exec(dedent(text), {})
+    assert "rotor velocity" in capsys.readouterr().out
+    assert cl.load("run.nc").complete
+
+
+def test_quantities_have_their_names_and_units(solution: cl.Solution) -> None:
+    assert solution["gap"].attrs["units"] == "m"
+    assert solution["gap"].dims == ("time",)
+    assert solution["time"][-1] == 5e-4
+    assert solution.contacts["normal_impulse"].attrs["units"] == "N s"
+    assert solution.contacts["normal_impulse"].sum() > 0.0
+    assert solution.to_xarray()["gap"].identical(solution["gap"])
+
+
+def test_a_quantity_that_is_not_there_is_told(solution: cl.Solution) -> None:
+    with pytest.raises(KeyError, match=r"no quantity 'speed'; it must be one of .*rotor_velocity"):
+        solution["speed"]
+
+
+def test_it_tells_how_it_ended(solution: cl.Solution) -> None:
+    assert (solution.ending, solution.message, solution.complete) == (Ending.COMPLETE, "", True)
+    cut = synthetic_trajectory(ending=Ending.DIVERGED, message="The gap is <no> number.")
+    found = cl.Solution(to_datatree(cut, CONFIGURATION))
+    assert (found.ending, found.complete) == (Ending.DIVERGED, False)
+    assert found.message == "The gap is <no> number."
+    assert "The gap is <no> number." in repr(found)
+    assert "The gap is &lt;no&gt; number." in found._repr_html_()
+
+
+def test_it_shows_itself_in_a_few_lines(solution: cl.Solution) -> None:
+    lines = repr(solution).splitlines()
+    assert 5 <= len(lines) <= 10
+    assert lines[0].startswith("law ")
+    assert "hertz_penalty (stiffness 1e+10" in lines[0]
+    assert solution._repr_html_().count("<tr>") == len(lines)
+
+
+def test_it_draws_itself(solution: cl.Solution) -> None:
+    figure = solution.plot()
+    assert isinstance(figure, Figure)
+    assert len(figure.axes) == 4
+
+
+def test_what_is_saved_is_loaded(solution: cl.Solution, tmp_path: Path) -> None:
+    solution.save(tmp_path / "run.nc")
+    found = cl.load(tmp_path / "run.nc")
+    assert found.to_xarray().identical(solution.to_xarray())
+    assert repr(found) == repr(solution)
+    assert found.state.keys() == solution.state.keys()
+    # What ran is not told as a whole by the numbers of a motor that was made in Python.
+    assert found.setup is None
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
+    with pytest.raises(OSError, match="its folder does not exist"):
+        solution.save(tmp_path / "nowhere" / "run.nc")
+
+
+def test_a_run_from_python_tells_the_numbers_of_its_motor_and_law(solution: cl.Solution) -> None:
+    configuration = yaml.safe_load(solution.to_xarray().attrs["configuration"])
+    assert configuration["law"] == {"name": "hertz_penalty", **law().describe()}
+    assert configuration["contact"] == {
+        "tip_length": 19e-3, "clearance": 1e-6, "friction_coefficient": 0.3,
+    }  # fmt: skip
+    assert configuration["rotor"]["radius"] == 25e-3
+    assert configuration["drive"] == {"frequency": 3210.0}
+    assert configuration["record"] == {"interval": 1e-6}
+    assert configuration["solver"]["duration"] == 5e-4
+
+
+def test_numbers_of_any_kind_and_a_motor_without_a_drive_are_recorded() -> None:
+    quiet = cl.Drive(np.empty(0), np.empty((2, 0), dtype=np.complex128))
+    rotor = cl.Rotor(initial_velocity=np.float64(0.5))
+    still = cl.Motor(cl.RitzResonator().modes, quiet, rotor=rotor)
+    found = cl.simulate(still, law(), duration=np.float64(1e-4))
+    assert found.complete
+    assert found.contacts.sizes["contact"] == 0
+    assert found["rotor_velocity"][-1] == 0.5
+    assert isinstance(found.plot(), Figure)
+
+
+WRONG: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
+    "name of a law": (
+        lambda: cl.simulate(motor(), "newton", duration=1e-3),  # type: ignore[arg-type]
+        TypeError,
+        "The law is the text 'newton'; .* contactlab.law('newton')",
+    ),
+    "class of a law": (
+        lambda: cl.simulate(motor(), cl.Newton, duration=1e-3),  # type: ignore[arg-type]
+        TypeError,
+        "The law is the class Newton; .* Call it: Newton(...)",
+    ),
+    "no law": (lambda: cl.simulate(motor(), duration=1e-3), TypeError, "The law is None"),
+    "resonator": (
+        lambda: cl.simulate(cl.RitzResonator(), law(), duration=1e-3),  # type: ignore[arg-type]
+        TypeError,
+        "The motor is .*; it must be a Motor",
+    ),
+    "nothing": (lambda: cl.simulate(), TypeError, "The motor is None; it must be a Motor"),
+    "no duration": (lambda: cl.simulate(motor(), law()), ValueError, "duration=5e-3"),
+    "text": (
+        lambda: cl.simulate(motor(), law(), duration="5 ms"),  # type: ignore[arg-type]
+        TypeError,
+        "The duration is '5 ms'; it must be a number",
+    ),
+    "text as interval": (
+        lambda: cl.simulate(motor(), law(), duration=1e-3, record_interval="1 us"),  # type: ignore[arg-type]
+        TypeError,
+        "The record interval is '1 us'; it must be a number",
+    ),
+    "negative duration": (
+        lambda: cl.simulate(motor(), law(), duration=-1.0),
+        ValueError,
+        "duration is -1.0 s; it must be positive",
+    ),
+    "no run to start from": (
+        lambda: cl.simulate(motor(), law(), duration=1e-3, start={"time": 0.0}),  # type: ignore[arg-type]
+        TypeError,
+        "The start is {'time': 0.0}; it must be a Solution",
+    ),
+    "a state of nothing": (
+        lambda: cl.simulate(start=cl.Solution(to_datatree(synthetic_trajectory(), CONFIGURATION))),
+        ValueError,
+        "tells no state to go on from",
+    ),
+    "shape": (
+        lambda: cl.Motor(cl.RitzResonator().modes, motor().drive, preload=np.zeros(3)),
+        ValueError,
+        "preload has shape (3,); it must have shape (4,)",
+    ),
+    "list": (
+        lambda: cl.Drive([3210.0], np.ones((2, 1))),  # type: ignore[arg-type]
+        TypeError,
+        "frequency is [3210.0]; it must be a NumPy array",
+    ),
+    "no file": (lambda: cl.load("nowhere.nc"), ValueError, "'nowhere.nc' is not there"),
+}
+
+
+@pytest.mark.parametrize(("call", "error", "words"), WRONG.values(), ids=WRONG)
+def test_wrong_arguments_are_told_in_sentences(
+    call: Callable[[], object], error: type[Exception], words: str
+) -> None:
+    pattern = ".*".join(map(re.escape, words.split(".*")))
+    with pytest.raises(error, match=pattern):
+        call()
+
+
+def test_a_dataset_that_is_no_run_of_ours_is_told(solution: cl.Solution, tmp_path: Path) -> None:
+    tree = solution.to_xarray().copy()
+    del tree.attrs["ending"]
+    tree.to_netcdf(tmp_path / "other.nc")
+    with pytest.raises(
+        ValueError, match=r"lacks ending; it must be a run\.nc that contactlab wrote"
+    ):
+        cl.load(tmp_path / "other.nc")
