@@ -43,10 +43,10 @@ def test_every_error_applies_to_the_sources_as_they_are(check: ModuleType, tmp_p
     assert not stale, "\n".join(stale)
 
 
-def test_an_error_is_caught_and_the_unchanged_project_is_not(check: ModuleType) -> None:
+def test_an_error_is_caught(check: ModuleType) -> None:
     # Of the resonator: no kernel has to be compiled for it.
     (mutation,) = (m for m in check.MUTATIONS if m.name == QUICK)
-    assert not check.try_out(None, mutation.tests).caught
+    # That the unchanged project is not is what its own tests say.
     outcome = check.try_out(mutation, mutation.tests)
     assert outcome.caught
     assert "test_resonator.py" in outcome.by

@@ -15,7 +15,7 @@ from contactlab.testing.flights import Flight
 from contactlab.testing.random_flights import DURATION, FAULTS, KINDS, judge, judged, random_flight
 
 SCRIPT = Path(__file__).parents[2] / "experiments" / "random_flights.py"
-FLIGHTS = 1000
+FLIGHTS = 600
 
 
 @cache
@@ -55,7 +55,7 @@ def test_grazes_are_within_a_nanometre_of_touching() -> None:
 
 
 def test_the_figures_do_not_depend_on_the_number_of_workers() -> None:
-    pd.testing.assert_frame_equal(script().measure(250, 2, 0), rows().head(250))
+    pd.testing.assert_frame_equal(script().measure(120, 2, 0), rows().head(120))
 
 
 def test_the_script_writes_its_table_and_tells_faults_by_its_status(
