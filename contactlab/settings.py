@@ -1,7 +1,7 @@
-"""How long and how finely a motor is simulated, and what is recorded: what is no physics of a run."""
+"""How long and how finely a motor is simulated, what is recorded, and how sweeps are made."""
 
 from dataclasses import dataclass
-from typing import Annotated, final
+from typing import Annotated, Literal, final
 
 from contactlab.checks import check_fields
 from contactlab.parameter import Parameter
@@ -47,3 +47,27 @@ class Record:
 
     def __post_init__(self) -> None:
         check_fields(self)
+
+
+@final
+@dataclass(frozen=True)
+class Sweep:
+    """How the runs of a sweep are made, and what is kept of them: no part of a run's own configuration."""
+
+    keep: Annotated[
+        Literal["runs", "metrics"], Parameter("", "1", "a folder a run, or numbers alone")
+    ] = "runs"
+    metrics: Annotated[
+        list[str] | str | None, Parameter("", "1", "names of metrics that are kept, or all")
+    ] = None
+    series: Annotated[
+        list[str] | str | None, Parameter("", "1", "names of time series that are kept as well")
+    ] = None
+    samples: Annotated[
+        str | None, Parameter("", "1", "table whose columns are keys and whose rows are runs")
+    ] = None
+    chunk: Annotated[
+        int | None,
+        Parameter("", "1", "runs that are kept together as they are finished", at_least=1),
+    ] = None
+    workers: Annotated[int | None, Parameter("", "1", "processes at work", at_least=1)] = None

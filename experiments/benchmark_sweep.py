@@ -22,13 +22,12 @@ from time import perf_counter
 
 import numpy as np
 
-from contactlab.cli.application import CONFIG_NAME, started
-from contactlab.cli.map_plan import plan_of
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.sweeps.many import Wanted, answers
-from contactlab.sweeps.plan import Plan, Setups
-from contactlab.sweeps.workers import Pool
+from contactlab.sweeps.batch import Batch
+from contactlab.sweeps.plan import Outputs, Plan, Setups
+from contactlab.sweeps.planning import planned
+from contactlab.sweeps.sweep import ScriptComposer
 
 SETUPS: list[Setup] = []
 """What the bare engine runs; processes that are forked later have it too."""
@@ -49,13 +48,11 @@ class Row:
 def plan_with(runs: int) -> Plan:
     """Some runs over clearance and phase."""
     rows = max(round(np.sqrt(runs)), 1)
-    lines = [
-        f"solver.duration={DURATION}",
-        f"sweep.contact.clearance=linspace(0,2e-6,{rows})",
-        f"sweep.drive.phase=linspace(-3,3,{max(runs // rows, 1)})",
-    ]
-    with started() as hydra:
-        return plan_of(hydra.config_loader, CONFIG_NAME, lines, Wanted(), None)
+    over = {
+        "contact.clearance": [f"linspace(0,2e-6,{rows})"],
+        "drive.phase": [f"linspace(-3,3,{max(runs // rows, 1)})"],
+    }
+    return planned(ScriptComposer([f"solver.duration={DURATION}"]), over, Outputs())
 
 
 def bare(cells: range) -> None:
@@ -80,11 +77,15 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
     setup_at = Setups(plan)
     SETUPS[:] = [setup_at(cell) for cell in range(plan.cells)]
     blocks = [range(i, min(i + BLOCK, plan.cells)) for i in range(0, plan.cells, BLOCK)]
-    with Pool(setup_at, plan.wanted, 2) as pool, get_context("fork").Pool(2) as independent:
+    with (
+        Batch(setup_at, plan.outputs, 1) as one,
+        Batch(setup_at, plan.outputs, 2) as two,
+        get_context("fork").Pool(2) as independent,
+    ):
         ways: dict[str, Callable[[range], object]] = {
             "bare engine": bare,
-            "batch, one process": lambda cells: answers(setup_at, cells, plan.wanted),
-            "batch, two processes": pool.answers,
+            "batch, one process": one.answers,
+            "batch, two processes": two.answers,
             "bare engine, two independent processes": lambda cells: independent.map(
                 bare, [cells[0::2], cells[1::2]]
             ),

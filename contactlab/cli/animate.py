@@ -3,13 +3,13 @@
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.cli import interrupts
+from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.verbs import VERBS
+from contactlab.cli.terminal import COMPLETE, RefusalError
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.results.files import damage
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     import xarray
 
     from contactlab.plot.animation_data import Run
-
-WRITTEN, REFUSED = 0, 2
-"""Exit statuses."""
 
 FILM_TIME = 10.0
 """How long an animation lasts [s], whatever it shows."""
@@ -36,50 +33,33 @@ FEWEST = 10
 SUFFIXES = (".gif", ".mp4")
 
 
-class RefusalError(ValueError):
-    """What was asked for cannot be done; the message is a sentence."""
-
-
 def main(arguments: list[str]) -> int:
-    """Write the animation.
-
-    Returns:
-        The exit status: 2 if it cannot be made, and nothing is left behind then.
-    """
-    wanted = _parser().read(list(_joined(arguments)))
+    """Write the animation and give the exit status; nothing is left behind where it cannot be made."""
+    wanted = _parser().read(_joined(arguments))
     try:
         _animate(wanted)
     except KeyboardInterrupt:
-        print("Interrupted before the animation was written.", file=sys.stderr)
-        return interrupts.STATUS
-    except RefusalError as refusal:
-        print(refusal, file=sys.stderr)
-        return REFUSED
+        raise KeyboardInterrupt("Interrupted before the animation was written.") from None
     except OSError as error:
-        print(f"The animation could not be written: {error}", file=sys.stderr)
-        return REFUSED
-    return WRITTEN
+        raise RefusalError(f"The animation could not be written: {error}") from error
+    return COMPLETE
 
 
-def _joined(arguments: list[str]) -> Iterator[str]:
-    """Arguments with negative values joined to their options: argparse takes -1e-3 for an option."""
-    waiting = ""
+def _joined(arguments: list[str]) -> list[str]:
+    """Join negative values to their options: argparse takes -1e-3 for an option."""
+    joined: list[str] = []
     for argument in arguments:
-        if waiting and re.match(r"-[\d.]", argument):
-            argument, waiting = f"{waiting}={argument}", ""
-        if waiting:
-            yield waiting
-        waiting = argument if argument.startswith("--") and "=" not in argument else ""
-        if not waiting:
-            yield argument
-    if waiting:
-        yield waiting
+        if joined and re.match(r"-[\d.]", argument) and re.fullmatch("--[^=]+", joined[-1]):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
 
 
 def _parser() -> Parser:
     parser = Parser(
         "animate",
-        f"{VERBS['animate'].replace('show', 'Show', 1)}. Tip and rotor have their true shape, "
+        ". Tip and rotor have their true shape, "
         "their motion is magnified by a factor that the picture tells. "
         f"It lasts {FILM_TIME:g} s, whatever it shows.",
     )
@@ -143,7 +123,7 @@ def _animate(wanted: Namespace) -> None:
 
     write = write_mp4 if output.suffix.lower() == ".mp4" else write_gif
     animation = Animation(film, FILM_TIME)
-    with interrupts.raising():
+    with terminal.raising():
         write(animation, fps, output, _progress_bar)
     print(
         f"Written to {output}: {frames} frames, {(end - start) * 1e6:.5g} us of the run in {FILM_TIME:g} s, "
@@ -238,11 +218,8 @@ def _advise(run: "Run", duration: float, frames: int) -> None:
         )
 
 
-def _progress_bar(numbers: Iterable[int]) -> Iterator[int]:
-    """A bar over the frames on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield from numbers
-        return
+def _progress_bar(numbers: Iterable[int]) -> Iterable[int]:
+    """Show a bar over the frames on a terminal, nothing elsewhere."""
     from tqdm import tqdm
 
-    yield from tqdm(numbers, unit="frame", leave=False, file=sys.stderr)
+    return tqdm(numbers, unit="frame", leave=False, disable=None)

@@ -1,169 +1,132 @@
-"""The command: a thin Hydra application.
+"""The command as a Hydra application: its task, and what of ours Hydra is told of.
 
-Hydra creates the output directory before it calls the application. Therefore the configuration is
-composed and checked first, every job of a sweep included, and a faulty one leaves nothing behind.
-
-Exit status: 0; 1 for a run that is not complete; 2 for a fault of the user's; 130 for Ctrl-C.
+Hydra makes the folder of a run before it calls the task. Therefore single runs are checked by a callback of
+ours, `contactlab.cli.checking`, and sweeps by our sweeper: a faulty one leaves nothing behind.
 """
 
-import gc
+import os
 import re
 import sys
-from argparse import Namespace
-from collections.abc import Iterable
-from dataclasses import replace
+import warnings
+from hashlib import sha256
 from pathlib import Path
 
 import hydra
-from hydra._internal.hydra import Hydra
-from hydra._internal.utils import get_args_parser
+from hydra.conf import HydraConf
 from hydra.core.hydra_config import HydraConfig
-from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.cli import interrupts, streams
-from contactlab.cli.announcement import announce
-from contactlab.cli.application import CONFIG_NAME, VERSION_BASE, conf_directory, started
-from contactlab.cli.composition import check, check_composition, choices_of
+from contactlab.cli import terminal
+from contactlab.cli.arguments import for_hydra
+from contactlab.cli.checking import sentences, setup_of, typed
 from contactlab.cli.jobs import perform
-from contactlab.cli.sweeping import sweep
-from contactlab.config import build
-from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.suggestion import suggestion
-from contactlab.sweeps.job import REFUSED as REFUSED_STATE
-from contactlab.sweeps.job import Job, State, is_done, key_of, write_state
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
+from contactlab.config import Setup
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory
+from contactlab.config.faults import ConfigurationError
+from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 
-COMPLETE, INCOMPLETE, REFUSED = 0, 1, 2
-"""Exit statuses; that of an interrupted command is in `contactlab.cli.interrupts`."""
+MOST_CHARACTERS = 120
+"""Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
+
+_DIGITS = 8
+"""Of the digest that keeps a name apart where its text cannot."""
 
 
 def main() -> int:
-    """Run or sweep what the command line says; gives the exit status."""
-    # Nearly every object of a start stays, and looking for garbage among them takes a tenth of
-    # the time of a default run.
-    gc.disable()
+    """Run or sweep what the command line says, and give the exit status."""
+    if "--version" in sys.argv[1:]:
+        from contactlab.results.provenance import versions
+
+        print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
+        return COMPLETE
+    # So Hydra raises what it would print and end on.
+    os.environ["HYDRA_FULL_ERROR"] = "1"
+    command = hydra.main(
+        config_path=str(conf_directory()), config_name=CONFIG_NAME, version_base=VERSION_BASE
+    )
     try:
-        with interrupts.ending_at_once():
-            return _dispatch()
-    except ConfigurationError as error:
-        return _refuse(error.faults)
-    except (HydraException, OmegaConfBaseException) as error:
-        return _refuse([one_line(error)])
-    except RecursionError:
-        return _refuse(
-            ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
-        )
-    except KeyboardInterrupt as interrupt:
-        print(str(interrupt) or interrupts.MESSAGE, file=sys.stderr)
-        return interrupts.STATUS
-    except BrokenPipeError:
-        # Whoever read the output has had enough of it.
-        streams.silence(sys.stdout)
-        return INCOMPLETE
-    finally:
-        gc.enable()
+        sys.argv[1:] = for_hydra(sys.argv[1:])
+        with warnings.catch_warnings():
+            # Hydra warns of a folder of options that there is not, and goes on without.
+            warnings.filterwarnings("error", ".* is not available", UserWarning)
+            command(run)()
+    except (BrokenPipeError, UnicodeEncodeError):
+        raise
+    # Whatever a job raises is told by the job: this is of Hydra, whose exceptions have many kinds.
+    except Exception as error:
+        return refuse(sentences(error, sys.argv[1:]))
+    return COMPLETE
 
 
 def run(settings: DictConfig) -> int:
-    """The task of one job; launchers import it from here.
+    """Perform one job; launchers import it from here.
 
     A job of a sweep that is complete already is left as it is: whoever starts it may not know.
 
     Returns:
         The job's exit status.
+
+    Raises:
+        SystemExit: with it, where the job is a run of its own, since Hydra gives back none.
     """
-    hydra = HydraConfig.get()
-    directory = Path(hydra.runtime.output_dir)
-    asked = Job(overrides=tuple(hydra.overrides.task), choices=choices_of(hydra.runtime.choices))
+    hydra_config = HydraConfig.get()
+    directory = Path(hydra_config.runtime.output_dir)
+    swept = hydra_config.mode == RunMode.MULTIRUN
     try:
-        setup = build(OmegaConf.to_container(settings, resolve=True))  # type: ignore[arg-type]
+        setup = setup_of(settings)
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
-        write_state(directory, State(REFUSED_STATE, asked, " ".join(error.faults)))
-        return _refuse(error.faults)
-    job = replace(asked, key=key_of(setup), configuration=setup.configuration)
-    if hydra.mode == RunMode.MULTIRUN and is_done(directory, job.key):
-        return COMPLETE
-    with interrupts.ending_at_once():
-        return COMPLETE if perform(setup, directory, job) else INCOMPLETE
+        write_state(directory, State(REFUSED, job_of(hydra_config), " ".join(error.faults)))
+        status = refuse(error.faults)
+    else:
+        job = job_of(hydra_config, setup)
+        if swept and is_done(directory, job.key):
+            return COMPLETE
+        with terminal.ending_at_once():
+            status = COMPLETE if perform(setup, directory, job) else INCOMPLETE
+    if status and not swept:
+        sys.exit(status)
+    return status
 
 
-def _dispatch() -> int:
-    parser = get_args_parser()
-    if "--version" in sys.argv[1:]:
-        return _print_version()
-    # Intermixed: -m may stand between the overrides.
-    arguments, unknown = parser.parse_known_intermixed_args()
-    if unknown:
-        flags = re.findall(r"--[a-z-]+", parser.format_usage())
-        hint = suggestion(unknown[0], flags, "contactlab --help lists what there is.")
-        return _refuse([f"unrecognized arguments: {' '.join(unknown)}. {hint}"])
-    name = arguments.config_name or CONFIG_NAME
-    if arguments.help or arguments.cfg or arguments.info:
-        with started(arguments.config_path, arguments.config_dir) as application:
-            check_composition(application.config_loader, name, arguments.overrides)
-        return _show()
-    if (
-        arguments.shell_completion
-        or arguments.hydra_help
-        or arguments.resolve
-        or arguments.experimental_rerun
-        or (arguments.run and arguments.multirun)
-    ):
-        return _show()
-    return _run(arguments, name)
+def job_of(hydra_config: HydraConf | DictConfig, setup: Setup | None = None) -> Job:
+    """Say what a job is asked for: its overrides, and the options chosen from groups that are not Hydra's."""
+    overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
+    choices = choices_of(hydra_config)
+    if setup is None:
+        return Job(overrides=overrides, choices=choices)
+    return Job(key_of(setup), overrides, choices, setup.configuration)
 
 
-def _show() -> int:
-    """Leave the command line to Hydra, which shows something and runs nothing."""
-    show = hydra.main(
-        config_path=str(conf_directory()), config_name=CONFIG_NAME, version_base=VERSION_BASE
-    )
-    try:
-        show(run)()
-    # So Hydra reports flags that exclude each other.
-    except ValueError as error:
-        return _refuse([str(error)])
-    return COMPLETE
+def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
+    """Give the options chosen from groups that are not Hydra's."""
+    return {
+        str(group): None if option is None else str(option)
+        for group, option in sorted(hydra_config.runtime.choices.items())
+        if not str(group).startswith("hydra/")
+    }
 
 
-def _run(arguments: Namespace, name: str) -> int:
-    """Check, then run or sweep: `hydra.main` with the check in between."""
-    with started(arguments.config_path, arguments.config_dir) as application:
-        if arguments.multirun:
-            # The jobs of a sweep leave cycles behind, 50 kB each.
-            gc.enable()
-        plan = check(application.config_loader, name, arguments.overrides, arguments.multirun)
-        if plan.mode is RunMode.RUN:
-            announce(job.job.configuration for job in plan.jobs)
-            return _performed(application, name, arguments.overrides)
-        gc.enable()
-        # Between the jobs an exception, at which a launcher ends the processes that it has begun.
-        with interrupts.raising():
-            return sweep(application, name, arguments.overrides, run, plan)
+def folder_name(overrides: str) -> str:
+    """Name the folder of a job, or of a sweep, by its overrides.
+
+    Kept to characters that every file system and the netCDF library take, and to a length. A digest at
+    the end keeps apart what differs elsewhere only.
+
+    Args:
+        overrides: separated by commas; empty for the default run.
+    """
+    spelled = re.sub(r"\s+", "_", re.sub(r"[\\'\"]", "", overrides).strip())
+    # A micro sign or a mu, and the slashes of a group.
+    plain = re.sub(r"/(?=[\w/]*=)", "-", re.sub(r"[\u00b5\u03bc]", "u", spelled))
+    text = re.sub(r"[^-+\w.,=@~%]", "-", plain, flags=re.ASCII)
+    if text == plain and len(text) <= MOST_CHARACTERS:
+        return text or "default"
+    digest = sha256(overrides.encode()).hexdigest()[:_DIGITS]
+    return f"{text[: MOST_CHARACTERS - _DIGITS - 1].rstrip('_-,')}-{digest}"
 
 
-def _performed(application: Hydra, name: str, lines: list[str]) -> int:
-    """The exit status of a single run; what Hydra does around it may fail in any way."""
-    try:
-        return int(application.run(name, run, lines).return_value)
-    except HydraException:
-        raise
-    except Exception as error:
-        return _refuse([f"The run could not be started: {one_line(error)}"])
-
-
-def _refuse(faults: Iterable[str]) -> int:
-    """Tell the faults, a line each."""
-    for fault in faults:
-        print(fault, file=sys.stderr)
-    return REFUSED
-
-
-def _print_version() -> int:
-    from contactlab.results.provenance import versions
-
-    print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
-    return COMPLETE
+# Workers of a launcher compose configurations too: whatever they import brings this with it.
+OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)

@@ -1,31 +1,50 @@
-"""The arguments of a verb, refused in sentences."""
+"""What stands behind the name of the command: the arguments of a verb, and those that Hydra reads."""
 
 import argparse
+import re
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from contactlab.cli.verbs import VERBS
+from contactlab.cli.terminal import REFUSED
 from contactlab.suggestion import suggestion
 
-REFUSED = 2
-"""Exit status."""
+VERBS = {
+    "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
+    "collect": "put the runs of a sweep into one dataset over their parameters",
+    "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
+    "laws": "list every installed law and part, with all that it declares",
+    "verify": "print what is claimed of the engine and the laws, and what is found",
+}
+"""What each verb does. Its work is `main(arguments)` in the module of its name beside this one."""
+
+_VALUED = {
+    *("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn"),
+    *("--config-dir", "-cd", "--experimental-rerun", "--info", "-i"),
+}
+"""Hydra's flags that take a value; that of `--info` may be left out."""
+
+_FLAGS = (
+    *("--help", "-h", "--hydra-help", "--version", "--resolve", "--run", "-r", "--multirun", "-m"),
+    *("--shell-completion", "-sc"),
+)
+"""Hydra's other flags."""
+
+_SPACED = re.compile(r"(?P<key>[^=]+)=\s*(?P<value>(?P<name>linspace|geomspace|range)\(.*\))\s*")
+_NUMBER_WITH_UNIT = re.compile(r"[\d.]\s*(?![eE][-+\d])[^\W\d_]")
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of one verb's arguments.
+    """A parser of one verb's arguments, which it refuses in sentences.
 
     Args:
         verb: a key of `VERBS`.
-        description: what the verb does.
-        options: of `argparse.ArgumentParser`.
+        about: what follows on the sentence that says what the verb does.
     """
 
-    def __init__(self, verb: str, description: str = "", **options: Any) -> None:
+    def __init__(self, verb: str, about: str) -> None:
         self._options: list[str] = []
-        about = description or f"{VERBS[verb].capitalize()}."
-        super().__init__(
-            prog=f"contactlab {verb}", description=about, allow_abbrev=False, **options
-        )
+        described = f"{VERBS[verb].capitalize()}{about}"
+        super().__init__(prog=f"contactlab {verb}", description=described, allow_abbrev=False)
 
     def add_argument(self, *names: str, **options: Any) -> argparse.Action:
         """See `argparse.ArgumentParser.add_argument`; remembers the names of options."""
@@ -33,7 +52,7 @@ class Parser(argparse.ArgumentParser):
         return super().add_argument(*names, **options)
 
     def read(self, arguments: Sequence[str]) -> argparse.Namespace:
-        """The arguments, options among them wherever they stand.
+        """Give the arguments, options among them wherever they stand.
 
         Raises:
             SystemExit: something is wrong with them, or only help was asked for.
@@ -51,3 +70,49 @@ class Parser(argparse.ArgumentParser):
         """Refuse the arguments in a sentence."""
         way_out = hint or f"{self.prog} --help tells what it takes."
         self.exit(REFUSED, f"{self.prog}: {message}. {way_out}\n")
+
+
+def for_hydra(arguments: Sequence[str]) -> list[str]:
+    """Give the arguments as Hydra reads them: flags last, and quoted what is not of its grammar.
+
+    Hydra loses arguments that stand behind a flag.
+
+    Raises:
+        ValueError: with a sentence on what can be no argument.
+    """
+    overrides: list[str] = []
+    flags: list[str] = []
+    for argument in arguments:
+        if re.search("[\0\ud800-\udfff]", argument):
+            raise ValueError(
+                f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out."
+            )
+        if argument.startswith("--") and argument.partition("=")[0] not in {*_VALUED, *_FLAGS}:
+            hint = suggestion(
+                argument, [*_VALUED, *_FLAGS], "contactlab --help lists what there is."
+            )
+            raise ValueError(f"unrecognized arguments: {argument}. {hint}")
+        if argument.startswith("="):
+            raise ValueError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
+        is_value = bool(flags) and flags[-1] in _VALUED and "=" not in argument
+        (flags if argument.startswith("-") or is_value else overrides).append(argument)
+    return [*map(_quoted, overrides), *flags]
+
+
+def gives_several(line: str) -> bool:
+    """Tell whether an argument lists values by a function that is not of Hydra's grammar."""
+    key, _, value = line.partition("=")
+    return _SPACED.fullmatch(f"{key}={value.strip(chr(39))}") is not None
+
+
+def _quoted(override: str) -> str:
+    """Quote values that only our sweeper understands, as Hydra has no such function or no units."""
+    found = _SPACED.fullmatch(override)
+    if not found or (found["name"] == "range" and not _NUMBER_WITH_UNIT.search(found["value"])):
+        return override
+    return f"{found['key']}={quoted(found['value'])}"
+
+
+def quoted(text: str) -> str:
+    """Give a text as the value of an override."""
+    return "'" + re.sub(r"(\\*)'", r"\1\1\\'", text) + "'"

@@ -1,22 +1,16 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
-import sys
 from collections.abc import Iterator
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.cli.arguments import Parser
-from contactlab.cli.verbs import VERBS
+from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
 from contactlab.laws.declaration import SHARED, Member, members_of
+from contactlab.laws.part import Friction, Part
 from contactlab.laws.registry import PARTS, Origin, law_class, origins
 from contactlab.suggestion import suggestion
-
-if TYPE_CHECKING:
-    from contactlab.laws.base import ContactLaw
-    from contactlab.laws.part import Part
-
-SHOWN, REFUSED = 0, 2
-"""Exit statuses."""
 
 WIDTH = 100
 INDENT = "  "
@@ -28,36 +22,35 @@ FAMILIES = {
 
 
 def main(arguments: list[str]) -> int:
-    """Print the listing, of everything or of one name.
+    """Print the listing, of everything or of one name, and give the exit status.
 
-    Returns:
-        The exit status: 2 for a name that no law or part has.
+    Raises:
+        RefusalError: no law or part has the name.
     """
-    parser = Parser("laws", _description())
+    parser = Parser(
+        "laws",
+        ": equation, parameters with symbol, unit, default and range, what it declares of itself, source "
+        "and the package it comes from. A law that cannot be loaded is listed with the reason.",
+    )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
     known = _names()
-    if wanted is not None and not any(wanted in names for names in known):
-        flat = [name for names in known for name in names]
-        hint = suggestion(wanted, flat, f"It must be one of {', '.join(flat)}.")
-        print(f"There is no law or part '{wanted}'. {hint}", file=sys.stderr)
-        return REFUSED
+    if wanted is not None and wanted not in known:
+        hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
+        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
     print("\n\n".join(_listing(wanted)))
-    return SHOWN
+    return COMPLETE
 
 
-def _description() -> str:
-    return (
-        f"{VERBS['laws'].capitalize()}: equation, parameters with symbol, unit, default and range, "
-        "what it declares of itself, source and the package it comes from. A law that cannot be "
-        "loaded is listed with the reason."
-    )
-
-
-def _names() -> list[tuple[str, ...]]:
-    """Every name that can be asked for; a part goes by its own and by that with its family."""
-    laws = [(origin.name,) for origin in origins()]
-    return laws + [(name, f"{family}/{name}") for family, table in PARTS.items() for name in table]
+def _names() -> list[str]:
+    """List what can be asked for; a part goes by its own name and by that with its family."""
+    parts = [
+        each
+        for family, table in PARTS.items()
+        for name in table
+        for each in (name, f"{family}/{name}")
+    ]
+    return [*(origin.name for origin in origins()), *parts]
 
 
 def _listing(wanted: str | None) -> Iterator[str]:
@@ -95,7 +88,7 @@ def _broken(origin: Origin, fault: str) -> str:
     return "\n".join([f"{origin.name}: not usable", _wrapped(fault)])
 
 
-def _described(owner: "type[ContactLaw | Part]", title: str, origin: str) -> str:
+def _described(owner: type[ContactLaw | Part], title: str, origin: str) -> str:
     """All that a law or a part says of itself."""
     rows = {
         "equation": owner.equation,
@@ -120,16 +113,12 @@ def described_parameter(member: Member) -> str:
     if member.name == SHARED:
         default = "contact.friction_coefficient"
     else:
-        given = "none" if member.default is None else f"{member.default:g}"
-        default = "must be given" if member.required else f"default {given}"
+        default = "must be given" if member.default is None else f"default {member.default:g}"
     return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
 
 
 def declared_rows(owner: Any) -> dict[str, str]:
     """What a law or part claims of itself where it says anything: a composed law leaves it to its parts."""
-    from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
-    from contactlab.laws.part import Friction
-
     rows: dict[str, str] = {}
     if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
@@ -141,11 +130,10 @@ def declared_rows(owner: Any) -> dict[str, str]:
         rows["stick"] = _of_parts(
             owner.exact_stick, {True: "exact", False: "not exact: it gives, creeps or chatters"}
         )
-        word = "internal variable"
-        rows[word] = _of_parts(getattr(owner, "internal_variables", ()))
-        if rows[word] and not isinstance(owner.internal_variables, property):
-            even = getattr(owner, "internal_parity", ODD) == EVEN
-            rows[word] += f", {'even' if even else 'odd'} in a mirror"
+        rows["memory"] = _of_parts(getattr(owner, "memory", ()))
+        if rows["memory"] and not isinstance(owner.memory, property):
+            even = getattr(owner, "memory_parity", ODD) == EVEN
+            rows["memory"] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):
             rows["breaks"] = _of_parts(violations)

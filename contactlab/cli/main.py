@@ -1,71 +1,75 @@
-"""The entry point: a verb, or without one a run."""
+"""The entry point: a verb, or without one a run or a sweep by Hydra."""
 
 import os
-import re
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from io import TextIOWrapper
 
-from contactlab.cli import interrupts, streams
-from contactlab.cli.verbs import VERBS
+from contactlab.cli import terminal
+from contactlab.cli.arguments import VERBS
+from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
+from contactlab.suggestion import suggestion
 
-REFUSED = 2
-"""Exit status."""
+GONE = {
+    "map": "sweeps run without it: contactlab -m KEY=VALUES ... sweep.keep=metrics keeps numbers alone",
+}
+"""Verbs of earlier versions, and what took their place."""
 
 
 def main() -> int:
-    """Entry point of the command; gives the exit status."""
-    streams.open_closed()
-    sys.argv[1:] = map(_decoded, sys.argv[1:])
+    """Run the command and give its exit status."""
+    terminal.open_closed()
+    # As UTF-8, whatever the locale takes them for.
+    sys.argv[1:] = [os.fsencode(text).decode("utf-8", "surrogateescape") for text in sys.argv[1:]]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             # A terminal that cannot show a character shows its code.
             stream.reconfigure(errors="backslashreplace")
+    status = _status(_dispatch)
     try:
-        return _dispatch(sys.argv[1:])
+        sys.stdout.flush()
+    except OSError:
+        terminal.silence(sys.stdout)
+        status = status or INCOMPLETE
+    return status
+
+
+def _status(work: Callable[[], int]) -> int:
+    """Give the exit status of some work, however it ends."""
+    try:
+        with terminal.ending_at_once():
+            return work()
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    except KeyboardInterrupt as interrupt:
+        print(str(interrupt) or MESSAGE, file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output has had enough of it.
+        terminal.silence(sys.stdout)
+        return INCOMPLETE
     except UnicodeEncodeError as error:
-        return _refuse(
-            f"'{error.object}' cannot be spelled in {error.encoding}, the encoding of this locale; it must "
-            "be without special characters here. Set LC_ALL=C.UTF-8 or leave them out."
+        return refuse(
+            [
+                f"'{error.object}' cannot be spelled in {error.encoding}, the encoding of this locale; it "
+                "must be without special characters here. Set LC_ALL=C.UTF-8 or leave them out."
+            ]
         )
 
 
-def _dispatch(arguments: list[str]) -> int:
-    verb = arguments[0] if arguments else ""
+def _dispatch() -> int:
+    verb, *arguments = sys.argv[1:] or [""]
     if verb in VERBS:
-        return streams.flushed(_do(verb, arguments[1:]))
-    if verb.isalpha() and (hint := _near(verb)):
-        return _refuse(f"There is no verb '{verb}'; it must be one of {', '.join(VERBS)}. {hint}")
-    if odd := [argument for argument in arguments if re.search("[\\0\ud800-\udfff]", argument)]:
-        return _refuse(f"{odd[0]!r} has bytes that are no text; it must be UTF-8. Leave them out.")
+        try:
+            return int(import_module(f"contactlab.cli.{verb}").main(arguments))
+        except RefusalError as refusal:
+            return refuse([str(refusal)])
+    if verb in GONE:
+        return refuse([f"There is no verb '{verb}' any more; {GONE[verb]}."])
+    if verb.isalpha() and (hint := suggestion(verb, VERBS)):
+        return refuse([f"There is no verb '{verb}'; it must be one of {', '.join(VERBS)}. {hint}"])
     # Imported here: it brings Hydra, which no verb needs.
     from contactlab.cli import app
 
-    return streams.flushed(app.main())
-
-
-def _decoded(argument: str) -> str:
-    """An argument as UTF-8, whatever the locale takes it for."""
-    return os.fsencode(argument).decode("utf-8", "surrogateescape")
-
-
-def _near(verb: str) -> str:
-    # Imported here: its package brings the whole configuration.
-    from contactlab.suggestion import suggestion
-
-    return suggestion(verb, VERBS)
-
-
-def _refuse(fault: str) -> int:
-    print(fault, file=sys.stderr)
-    return REFUSED
-
-
-def _do(verb: str, arguments: list[str]) -> int:
-    try:
-        with interrupts.ending_at_once():
-            return int(import_module(f"contactlab.cli.{verb}").main(arguments))
-    except BrokenPipeError:
-        # Whoever read the output has had enough of it.
-        streams.silence(sys.stdout)
-        return 1
+    return app.main()

@@ -55,6 +55,12 @@ def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None)
         raise ConfigurationError([one_line(error)]) from error
 
 
+def options_of(group: str) -> list[str]:
+    """Give the options of a group, those of files included; none for what is no group."""
+    with started():
+        return list(GlobalHydra.instance().config_loader().get_group_options(group))
+
+
 @contextmanager
 def started(config_dir: str | Path | None = None) -> Iterator[None]:
     """Start Hydra for compositions until the end of the context; one that runs already goes on after it.

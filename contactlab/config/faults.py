@@ -1,5 +1,6 @@
 """What a configuration gets wrong, in sentences: key, value, what is admitted, the way out."""
 
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 from pydantic_core import ErrorDetails
@@ -37,7 +38,7 @@ def sentence(fault: ErrorDetails, law: str) -> str:
         case str(found) if found == FAULT:
             return f"{key} {context['sentence']}"
         case "extra_forbidden":
-            return _unknown(key, kind, law)
+            return unknown_key(key, kind, known_keys(law))
         case "missing":
             return f"{key} is missing; it must be given. Add it to the configuration."
         case "union_tag_not_found":
@@ -92,15 +93,21 @@ def _unknown_option(key: str, name: object, expected: str) -> str:
     )
 
 
-def _unknown(key: str, kind: str, law: str) -> str:
-    """The sentence for a key that does not exist, or not in this kind of section."""
-    if kind and any(name == key or name.startswith(f"{key}.") for name in known_keys()):
+def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
+    """Say that a key does not exist, or not in this kind of section.
+
+    Args:
+        key: the key.
+        kind: what is chosen of the key's group; empty where it is no group.
+        known: the keys that there are with what is chosen.
+    """
+    if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
         group = key.rpartition(".")[0].replace(".", "/")
         return (
             f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
             f"Leave it out or choose another {group}."
         )
-    known, top = known_keys(law), ("law", *GROUPS)
+    top = ("law", *GROUPS)
     parent, _, leaf = key.rpartition(".")
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)

@@ -27,7 +27,7 @@ from contactlab.motor import (
     TwoMode,
 )
 from contactlab.parameter import DeclaredField, declared_fields
-from contactlab.settings import Record, Solver
+from contactlab.settings import Record, Solver, Sweep
 
 Keys = dict[str, Any]
 """What is declared, by key: a field; a table of the keys of a section below; or a choice between such."""
@@ -117,10 +117,11 @@ GROUPS: Final[dict[str, Choice]] = {
     "rotor": Choice({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(Rotor)}}),
     "solver": Choice({"default": keys_of(Solver)}),
     "record": Choice({"default": keys_of(Record)}),
+    "sweep": Choice({"default": keys_of(Sweep)}),
 }
 """The groups but that of the laws, in the order of a configuration."""
 
-NOT_OF_A_RUN: Final[frozenset[str]] = frozenset()
+NOT_OF_A_RUN: Final = frozenset({"sweep"})
 """The groups that say how runs are made: they may be left out, and a run's own configuration has none."""
 
 

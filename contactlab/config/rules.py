@@ -138,6 +138,16 @@ def _records_fit(interval: float, duration: float) -> Iterator[str]:
         )
 
 
+@_binds("sweep.keep", "sweep.chunk", "sweep.workers")
+def _processes_are_for_metrics(keep: str, chunk: int | None, workers: int | None) -> Iterator[str]:
+    for name, given in {"chunk": chunk, "workers": workers}.items():
+        if keep == "runs" and given is not None:
+            yield (
+                f"sweep.{name} is {given} and every run leaves its folder; it must come with "
+                "sweep.keep=metrics. Leave it out; hydra/launcher=joblib runs folders side by side."
+            )
+
+
 def idle_friction(laws: Iterable[Values]) -> str:
     """Tell where the shared friction coefficient, which is set or swept, changes nothing.
 

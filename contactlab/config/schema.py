@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model,
 
 from contactlab.config.groups import GROUPS, NOT_OF_A_RUN, Choice, Keys, laws
 from contactlab.config.quantity import Quantity
-from contactlab.parameter import DeclaredField
+from contactlab.parameter import DeclaredField, Parameter
 
 
 class Section(BaseModel):
@@ -67,23 +67,20 @@ def _section(keys: Keys, path: str) -> type[Section]:
     return section
 
 
-def units_of(checked: Section) -> dict[str, str]:
-    """Give the unit of every key that holds a number, in the words of the CF conventions.
+def declared_in(checked: Section) -> dict[str, Parameter]:
+    """Give what is declared of every key that holds a number, by full key.
 
     Args:
         checked: a configuration as `contactlab.config.validate` gives it, or a section of one.
-
-    Returns:
-        Units by full key: {"contact.clearance": "m", ...}.
     """
-    return dict(_units(checked))
+    return dict(_declared(checked))
 
 
-def _units(section: Section) -> Iterator[tuple[str, str]]:
+def _declared(section: Section) -> Iterator[tuple[str, Parameter]]:
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
-            yield from _units(value)
+            yield from _declared(value)
         for said in field.metadata:
             if isinstance(said, Quantity):
-                yield f"{section.path}{name}", said.parameter.units
+                yield f"{section.path}{name}", said.parameter

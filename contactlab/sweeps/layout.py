@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from contactlab.config import validate
 from contactlab.config.nesting import flat
-from contactlab.config.schema import units_of
-from contactlab.sweeps.cells import Axis
-from contactlab.sweeps.found import FoundRun
-
-RUN: Final = "run"
-"""The dimension of runs that form no grid."""
+from contactlab.config.schema import declared_in
+from contactlab.parameter import Parameter
+from contactlab.sweeps.dataset import RUN, Axis, names_of, text_of
+from contactlab.sweeps.discovery import FoundRun
+from contactlab.sweeps.manifest import common_of
 
 _KEY: Final = re.compile(r"\w+(\.\w+)+")
 _GROUP: Final = re.compile(r"\w+(/\w+)*")
@@ -31,7 +30,7 @@ MOST_EMPTY: Final = 2
 @final
 @dataclass(frozen=True)
 class Layout:
-    """Where every run stands.
+    """Tells where every run stands.
 
     Args:
         axes: the parameters along the dimensions, or along the one dimension `RUN`.
@@ -50,26 +49,31 @@ class Layout:
     @property
     def dims(self) -> tuple[str, ...]:
         """Names of the dimensions."""
-        return tuple(axis.name for axis in self.axes) if self.grid else (RUN,)
+        return tuple(names_of(self.axes)) if self.grid else (RUN,)
+
+    @property
+    def names_beside(self) -> list[str]:
+        """Names of the parameters beside."""
+        return names_of([*self.axes, *(axis for axis, _ in self.beside)])[len(self.axes) :]
 
     def spread(self, values: Sequence[Any], empty: Any, dtype: Any) -> NDArray[Any]:
-        """One value a run as an array over the cells."""
+        """Give one value a run as an array over the cells."""
         cells = np.full(prod(self.shape), empty, dtype=dtype)
         cells[self.place] = np.asarray(values, dtype=dtype)
         return cells.reshape(self.shape)
 
 
-def layout_of(runs: Sequence[FoundRun]) -> Layout:
-    """The layout of runs: a grid over their parameters if they nearly fill one and share no cell."""
+def layout_of(runs: Sequence[FoundRun], *, samples: bool = False) -> Layout:
+    """Lay runs out: as a grid if they nearly fill one, share no cell and are no samples."""
     parameters = _parameters(runs)
     chosen: list[Axis] = []
     rest: list[Axis] = []
     for axis in parameters:
         more = len(_tuples([*chosen, axis])) > len(_tuples(chosen))
         (chosen if more else rest).append(axis)
-    if not _is_grid(chosen, rest, len(runs)):
+    if samples or not _is_grid(chosen, rest, len(runs)):
         return Layout(tuple(parameters), (), (len(runs),), np.arange(len(runs)), grid=False)
-    along = tuple(Axis(a.name, tuple(np.unique(a.coordinate).tolist()), a.units) for a in chosen)
+    along = tuple(replace(a, values=tuple(np.unique(a.coordinate).tolist())) for a in chosen)
     steps = [
         [number[value] for value in axis.values]
         for axis, sorted_axis in zip(chosen, along, strict=True)
@@ -81,18 +85,12 @@ def layout_of(runs: Sequence[FoundRun]) -> Layout:
 
 
 def common_settings(runs: Sequence[FoundRun]) -> dict[str, Any]:
-    """What all runs have in common, by full key; runs whose configuration is not known do not count."""
-    settings = [flat(run.job.configuration) for run in runs if run.job.configuration]
-    first = settings[0] if settings else {}
-    return {
-        key: value
-        for key, value in first.items()
-        if all(key in other and other[key] == value for other in settings)
-    }
+    """Give what all runs have in common, by full key; runs whose configuration is not known do not count."""
+    return common_of([flat(run.job.configuration) for run in runs if run.job.configuration])
 
 
 def _beside(axis: Axis, grid: Layout) -> NDArray[Any]:
-    """A parameter over the cells of a grid."""
+    """Give a parameter over the cells of a grid."""
     if axis.units:
         return grid.spread(axis.values, np.nan, np.float64)
     return grid.spread(axis.values, "", np.dtypes.ObjectDType())
@@ -110,13 +108,13 @@ def _is_grid(chosen: Sequence[Axis], rest: Sequence[Axis], runs: int) -> bool:
 
 
 def _tuples(axes: Sequence[Axis]) -> set[tuple[Any, ...]]:
-    """The different values of all axes together; a NaN equals itself here."""
+    """Give the different values of all axes together; a NaN equals itself here."""
     rows = zip(*(map(repr, axis.values) for axis in axes), strict=True)
     return set(rows) if axes else {()}
 
 
 def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
-    """What differs between runs, of what they were asked for or else of what they recorded."""
+    """Find what differs between runs, of what they were asked for or else of what they recorded."""
     settings = [
         {key: value for key, value in flat(run.job.configuration).items() if _KEY.fullmatch(key)}
         for run in runs
@@ -126,22 +124,22 @@ def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
         for group in dict.fromkeys(group for run in runs for group in run.job.choices):
             if _GROUP.fullmatch(group):
                 named = [run.job.choices.get(group) or "" for run in runs]
-                columns[group.replace("/", ".")] = named
+                columns[group] = named
         keys = _asked(runs, settings)
     else:
         keys = list(dict.fromkeys(key for setting in settings for key in setting))
     for key in keys:
         columns[_short(key)] = [setting.get(key) for setting in settings]
-    units = _units(runs, settings, keys)
+    declared = _declared(runs, settings, keys)
     return [
-        _axis(name, values, units.get(name, "1"))
+        _axis(name, values, declared.get(name))
         for name, values in columns.items()
         if any(value != values[0] for value in values)
     ]
 
 
 def _asked(runs: Sequence[FoundRun], settings: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The keys that overrides set, one by one or as a group of keys."""
+    """Give the keys that overrides set, one by one or as a group of keys."""
     lines = dict.fromkeys(line for run in runs for line in run.job.overrides)
     groups = {group for run in runs for group in run.job.choices}
     given = {line.partition("=")[0].lstrip("+~") for line in lines} - groups
@@ -150,40 +148,35 @@ def _asked(runs: Sequence[FoundRun], settings: Sequence[Mapping[str, Any]]) -> l
 
 
 def _short(key: str) -> str:
-    """The law's name is the choice of the law."""
+    """Name the choice of the law by its group: the key that tells it is the law's name."""
     return key.removesuffix(".name")
 
 
-def _units(
+def _declared(
     runs: Sequence[FoundRun], settings: Sequence[Mapping[str, Any]], keys: Sequence[str]
-) -> dict[str, str]:
-    """The units of keys, from the first configurations that have them."""
-    units: dict[str, str] = {}
+) -> dict[str, Parameter]:
+    """Find what is declared of keys, from the first configurations that have them."""
+    declared: dict[str, Parameter] = {}
     missing = set(keys)
     for run, setting in zip(runs, settings, strict=True):
         if missing & setting.keys():
             # A configuration of one's own may be anything, and a law may no longer be installed.
             with suppress(Exception):
-                units |= units_of(validate(run.job.configuration))
+                declared |= declared_in(validate(run.job.configuration))
                 missing -= setting.keys()
         if not missing:
             break
-    return units
+    return declared
 
 
-def _axis(name: str, values: Sequence[Any], units: str) -> Axis:
+def _axis(name: str, values: Sequence[Any], said: Parameter | None) -> Axis:
     if all(value is None or _is_number(value) for value in values):
-        return Axis(name, tuple(np.nan if v is None else float(v) for v in values), units)
-    return Axis(name, tuple(_text(value) for value in values))
+        numbers = tuple(np.nan if v is None else float(v) for v in values)
+        return Axis(name, numbers, said.units if said else "1", said.meaning if said else "")
+    return Axis(name, tuple(text_of(value) for value in values))
 
 
 def _is_number(value: Any) -> bool:
     if isinstance(value, int):
         return not isinstance(value, bool) and abs(value) < 2**sys.float_info.max_exp
     return isinstance(value, float)
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return ""
-    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -10,8 +10,8 @@ from support.command_line import Command
 from support.synthetic import synthetic_trajectory
 
 from contactlab import engine
-from contactlab.cli import progress
-from contactlab.cli.announcement import announce, announce_series
+from contactlab.cli import terminal
+from contactlab.cli.checking import announce
 
 
 def configuration(duration: float, interval: float = 1e-6) -> dict[str, Any]:
@@ -41,13 +41,6 @@ def test_large_datasets_are_announced_with_the_way_out(
     assert not err or "A larger record.interval" in err
 
 
-def test_the_series_of_a_large_map_are_announced(capsys: pytest.CaptureFixture[str]) -> None:
-    announce_series(100, 1, configuration(2e-3))
-    assert capsys.readouterr().err == ""
-    announce_series(10_000, 2, configuration(2e-3))
-    assert "The series take up to 320 MB: 10000 runs of 2e+03 records" in capsys.readouterr().err
-
-
 def test_a_run_and_a_sweep_are_announced_before_they_begin(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -64,7 +57,7 @@ def test_a_run_and_a_sweep_are_announced_before_they_begin(
 def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
     """Sets the time [s]."""
     now = [1.0]
-    monkeypatch.setattr(progress, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(terminal, "perf_counter", lambda: now[0])
 
     def set_to(time: float) -> None:
         now[0] = 1.0 + time
@@ -77,8 +70,8 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
     [
         (4.0, 0.01, ""),
         (5.0, 5.0, ""),
-        (5.0, 0.5, "The run: 5.00% is done in 5 s, about 1.6 minutes are left.\n"),
-        (10.0, 0.001, "The run: 0.01% is done in 10 s, about 28 hours are left.\n"),
+        (5.0, 0.5, "The run: 5.00% is done in 5 s, 01:35 is left.\n"),
+        (10.0, 0.001, "The run: 0.01% is done in 10 s, 27:46:30 is left.\n"),
         (10.0, 10.0, ""),
     ],
 )
@@ -89,7 +82,7 @@ def test_work_that_will_take_long_says_so_once(
     done: float,
     words: str,
 ) -> None:
-    with progress.progress(10.0, "s", "The run") as show:
+    with terminal.progress(10.0, "s", "The run") as show:
         # Before the first of it there is the compiler, whose time is no measure.
         clock(90.0)
         show(0.0)
@@ -104,8 +97,8 @@ def test_a_bar_shows_on_a_terminal_only_and_not_before_its_time(
 ) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     for delay, shown in ((60.0, False), (1e-9, True)):
-        monkeypatch.setattr(progress, "BAR_AFTER", delay)
-        with progress.progress(0.02, "s", "The run") as show:
+        monkeypatch.setattr(terminal, "BAR_AFTER", delay)
+        with terminal.progress(0.02, "s", "The run") as show:
             time.sleep(0.2)
             show(0.01)
         assert ("50 %" in capsys.readouterr().err) is shown

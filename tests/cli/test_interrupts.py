@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from contactlab.cli import interrupts
+from contactlab.cli import terminal
 
 
 class EndedError(Exception):
@@ -25,13 +25,13 @@ def press_ctrl_c() -> None:
 
 
 def test_ctrl_c_ends_a_start_at_once_with_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
-    with interrupts.ending_at_once(), pytest.raises(EndedError, match="130"):
+    with terminal.ending_at_once(), pytest.raises(EndedError, match="130"):
         press_ctrl_c()
     assert capsys.readouterr().err == "Interrupted before the run was written.\n"
 
 
 def test_ctrl_c_waits_for_the_next_look() -> None:
-    with interrupts.waiting() as look:
+    with terminal.waiting() as look:
         look()
         press_ctrl_c()
         with pytest.raises(KeyboardInterrupt):
@@ -41,7 +41,7 @@ def test_ctrl_c_waits_for_the_next_look() -> None:
 
 def test_ctrl_c_after_the_last_look_is_not_lost() -> None:
     def simulate() -> None:
-        with interrupts.waiting() as look:
+        with terminal.waiting() as look:
             look()
             press_ctrl_c()
 
@@ -50,7 +50,7 @@ def test_ctrl_c_after_the_last_look_is_not_lost() -> None:
 
 
 def test_ctrl_c_before_the_first_look_or_twice_ends_at_once() -> None:
-    with interrupts.waiting() as look:
+    with terminal.waiting() as look:
         with pytest.raises(EndedError):
             press_ctrl_c()
         look()
@@ -62,20 +62,20 @@ def test_ctrl_c_before_the_first_look_or_twice_ends_at_once() -> None:
 
 
 def test_ctrl_c_raises_while_files_are_written() -> None:
-    with interrupts.ending_at_once(), interrupts.raising(), pytest.raises(KeyboardInterrupt):
+    with terminal.ending_at_once(), terminal.raising(), pytest.raises(KeyboardInterrupt):
         press_ctrl_c()
 
 
 def test_handlers_are_restored_and_an_ignored_ctrl_c_stays_ignored() -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with interrupts.ending_at_once(), interrupts.waiting() as look:
+        with terminal.ending_at_once(), terminal.waiting() as look:
             press_ctrl_c()
             look()
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
-    with interrupts.ending_at_once():
+    with terminal.ending_at_once():
         assert signal.getsignal(signal.SIGINT) is not before
     assert signal.getsignal(signal.SIGINT) is before
 
@@ -84,7 +84,7 @@ def test_threads_other_than_the_main_one_leave_ctrl_c_alone() -> None:
     seen = []
 
     def work() -> None:
-        with interrupts.waiting() as look:
+        with terminal.waiting() as look:
             look()
             seen.append(signal.getsignal(signal.SIGINT))
 

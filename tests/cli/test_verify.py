@@ -7,11 +7,11 @@ import pytest
 from support.command_line import Command
 
 from contactlab.cli import verify
-from contactlab.cli.verbs import VERBS
+from contactlab.cli.arguments import VERBS
 from contactlab.testing import Claim, at_most, close
 from contactlab.testing.claim import REFERENCES
 
-GROUPS = "contactlab.cli.verify._groups"
+GROUPS = "contactlab.cli.verify.all_claims"
 
 
 def test_an_installed_copy_verifies_itself(

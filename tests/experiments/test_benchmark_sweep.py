@@ -33,11 +33,11 @@ def test_every_way_to_run_is_timed() -> None:
     assert all(row.seconds > 0.0 for row in rows)
 
 
-def test_a_map_that_is_killed_on_the_way_ends_the_same(
+def test_a_sweep_that_is_killed_on_the_way_ends_the_same(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    endurance = script("map_endurance")
-    monkeypatch.setattr(sys, "argv", ["map_endurance", "--runs=400", "--kills=1", "--workers=2"])
+    endurance = script("sweep_endurance")
+    monkeypatch.setattr(sys, "argv", ["sweep_endurance", "--runs=400", "--kills=1", "--workers=2"])
     assert endurance.main() == 0
     out = capsys.readouterr().out
     assert "400 runs of 0.002 s by 2 processes" in out

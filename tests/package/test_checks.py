@@ -20,7 +20,7 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.materials import Steel
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.parameter import Parameter
-from contactlab.sweeps.grid import MotorGrid, simulate_many
+from contactlab.sweeps import sweep
 from contactlab.testing.plants import paper_motor
 
 MOTOR = paper_motor()
@@ -223,18 +223,15 @@ def test_simulate_refuses_what_is_of_the_wrong_kind(changed: dict[str, Any], wor
 
 
 @pytest.mark.parametrize(
-    ("changed", "words"),
+    ("changed", "sentence"),
     [
-        ({"law": "hertz_penalty"}, "The law is 'hertz_penalty'; it must be a ContactLaw"),
-        ({"motors": MOTOR}, "it must be a MotorGrid"),
+        ({"law": 0.3}, "The law is 0.3; it must be a ContactLaw"),
+        ({"law": None}, "there must be a law and a duration"),
+        ({"motor": None}, "give motor="),
+        ({"base": ["drive.phase=1"]}, "neither a base nor a folder"),
     ],
 )
-def test_simulate_many_refuses_what_is_of_the_wrong_kind(
-    changed: dict[str, Any], words: str
-) -> None:
-    arguments: dict[str, Any] = {
-        "motors": MotorGrid({"clearance": [1e-6]}, lambda **_: MOTOR),
-        "law": HertzPenalty(),
-    }
-    with pytest.raises(TypeError, match=re.escape(words)):
-        simulate_many(**arguments | changed, duration=1e-4, workers=1)
+def test_sweep_refuses_what_is_of_the_wrong_kind(changed: dict[str, Any], sentence: str) -> None:
+    arguments: dict[str, Any] = {"motor": lambda **_: MOTOR, "law": LagrangeStick(0.3)}
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        sweep({"clearance": [1e-6]}, **arguments | changed, duration=1e-4, workers=1)

@@ -12,10 +12,8 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import read_run
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps import collect
-from contactlab.sweeps.faults import CollectingError
-from contactlab.sweeps.job import is_done
-from contactlab.sweeps.status import Status
+from contactlab.sweeps import SweepError, collect
+from contactlab.sweeps.state import Status, is_done
 
 
 def test_no_damage_of_a_dataset_comes_through(tmp_path: Path) -> None:
@@ -44,7 +42,7 @@ def test_a_number_that_was_changed_in_place_reaches_no_metric(tmp_path: Path) ->
     found = collect(tmp_path)
     assert found["status"].values.tolist() == [Status.FAILED]
     assert "is not as its run left it" in str(found["reason"].values[0])
-    with pytest.raises(CollectingError, match="no complete run"):
+    with pytest.raises(SweepError, match="no complete run"):
         collect(tmp_path, series=["gap"])
     with pytest.raises(ComparisonError, match="is not as its run left it"):
         compare([tmp_path], refine=False)

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from support.command_line import Command
 from support.folders import left_run
-from support.map_folders import begun
+from support.stores import begun
 
 from contactlab.comparison import compare
 from contactlab.sweeps import collect
-from contactlab.sweeps.chunks import CHUNKS
+from contactlab.sweeps.store import CHUNKS
 
 resource = pytest.importorskip("resource")
 
@@ -39,20 +39,20 @@ def files(folder: Path) -> set[Path]:
 def test_a_collection_that_finds_no_space_leaves_the_one_before(tmp_path: Path) -> None:
     left_run(tmp_path / "1")
     collect(tmp_path, series=["gap"])
-    before = (tmp_path / "collected.nc").read_bytes()
+    before = (tmp_path / "sweep.nc").read_bytes()
     there = files(tmp_path)
     for size in (0, 10_000, len(before) - 10):
-        with full(size), pytest.raises(OSError, match=rf"'collected\.nc' cannot be .*{CAUSE}"):
+        with full(size), pytest.raises(OSError, match=rf"'sweep\.nc' cannot be .*{CAUSE}"):
             collect(tmp_path, series=["gap"])
         assert files(tmp_path) == there
-        assert (tmp_path / "collected.nc").read_bytes() == before
+        assert (tmp_path / "sweep.nc").read_bytes() == before
     collect(tmp_path, series=["gap"])
 
 
-def test_a_map_that_finds_no_space_keeps_its_chunks(tmp_path: Path) -> None:
+def test_a_sweep_that_finds_no_space_keeps_its_chunks(tmp_path: Path) -> None:
     folder = begun(tmp_path, finished=3, series=("gap",))
     there = files(tmp_path)
-    with full(9_000), pytest.raises(OSError, match=rf"'map\.nc' cannot be written \({CAUSE}\)"):
+    with full(9_000), pytest.raises(OSError, match=rf"'sweep\.nc' cannot be written \({CAUSE}\)"):
         folder.merge()
     assert files(tmp_path) == there
     assert len(list((tmp_path / CHUNKS).iterdir())) == 3
@@ -68,9 +68,9 @@ def test_a_comparison_that_finds_no_space_says_so(tmp_path: Path) -> None:
 
 def test_the_command_says_it_in_a_sentence(command: Command, tmp_path: Path) -> None:
     left_run(Path("runs/1"))
-    begun(Path("map"), finished=3)
+    begun(Path("metrics"), finished=3)
     with full(9_000):
-        for folder, file in (("runs", "collected.nc"), ("map", "map.nc")):
+        for folder, file in (("runs", "sweep.nc"), ("metrics", "sweep.nc")):
             status, _, err = command("collect", folder)
             assert status == 2
             assert f"'{file}' cannot be written ({CAUSE}); choose a folder" in err

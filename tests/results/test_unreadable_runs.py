@@ -13,8 +13,7 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.sweeps import collect
-from contactlab.sweeps.job import COMPLETE, Job, State, write_state
-from contactlab.sweeps.status import Status
+from contactlab.sweeps.state import COMPLETE, Job, State, Status, write_state
 
 
 def left_run(

@@ -5,7 +5,7 @@ from pathlib import Path
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps.job import COMPLETE, Job, State, write_state
+from contactlab.sweeps.state import COMPLETE, Job, State, write_state
 
 
 def left_run(folder: Path) -> Path:

@@ -18,6 +18,8 @@ from support.synthetic import synthetic_trajectory
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 
+METRICS_ALONE = ("-m", "sweep.keep=metrics")
+
 QUICK = ("record.picture=false", "hydra.sweep.dir=sweep")
 """Overrides that all these sweeps have."""
 
@@ -70,7 +72,7 @@ class ChoosingSweeper(Sweeper):
 
 def folder(clearance: str, *before: str) -> Path:
     """The folder of a job of such a sweep; Hydra spells values as Python does."""
-    lines = sorted([f"contact.clearance={clearance}", *before, "record.picture=False"])
+    lines = sorted([f"contact.clearance={clearance}", *before, "record.picture=false"])
     return Path("sweep") / ",".join(lines)
 
 

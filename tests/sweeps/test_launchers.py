@@ -14,8 +14,8 @@ import pytest
 from omegaconf import OmegaConf
 from support.command_line import Command
 
-from contactlab.cli.map_launcher import run_chunk
-from contactlab.sweeps.chunks import MapError
+from contactlab.cli.sweeper import run_chunk
+from contactlab.sweeps import SweepError
 
 JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
 
@@ -131,28 +131,40 @@ def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Comma
     assert "n_jobs" not in err
 
 
-def test_a_chunk_of_a_map_is_not_run_by_other_code(
+def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun = ["map", "sweep.drive.phase=0,1", "solver.duration=1 ms", "--output=here"]
+    begun = [
+        "-m",
+        "sweep.keep=metrics",
+        "drive.phase=0,1",
+        "solver.duration=1 ms",
+        "hydra.sweep.dir=here",
+    ]
     assert command(*begun)[0] == 0
-    Path("here/map.nc").unlink()
-    monkeypatch.setattr("contactlab.sweeps.job.code_digest", lambda: "other")
-    folder = OmegaConf.create({"map": {"folder": "here", "chunk": 0, "workers": 1}})
-    with pytest.raises(MapError, match="begun by other code"):
+    Path("here/sweep.nc").unlink()
+    monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
+    folder = OmegaConf.create({"chunk": {"folder": "here", "number": 0, "workers": 1}})
+    with pytest.raises(SweepError, match="begun by other code"):
         run_chunk(folder)
 
 
-def test_the_chunks_of_a_map_may_be_jobs_of_a_launcher(command: Command) -> None:
-    swept = ["map", "sweep.drive.phase=linspace(-3,3,9)", "--chunk=3", "solver.duration=1 ms"]
-    assert command(*swept, "--output=one")[0] == 0
+def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> None:
+    swept = [
+        "-m",
+        "sweep.keep=metrics",
+        "drive.phase=linspace(-3,3,9)",
+        "sweep.chunk=3",
+        "solver.duration=1 ms",
+    ]
+    assert command(*swept, "hydra.sweep.dir=one")[0] == 0
     # In a process of its own, with which its workers end.
-    two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "--output=two"]
+    two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "hydra.sweep.dir=two"]
     done = subprocess.run(two, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
-    assert Path("two/map.nc").read_bytes() == Path("one/map.nc").read_bytes()
+    assert Path("two/sweep.nc").read_bytes() == Path("one/sweep.nc").read_bytes()
     assert sorted(path.name for path in Path("two").iterdir()) == [
-        "map.nc",
-        "map.nc.sha256",
-        "plan.json",
+        "sweep.json",
+        "sweep.nc",
+        "sweep.nc.sha256",
     ]

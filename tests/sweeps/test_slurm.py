@@ -14,7 +14,7 @@ import yaml
 from slurm.cluster import NODES, Cluster, ClusterError, Job, running_cluster
 from support.command_line import Command
 
-from contactlab.sweeps.status import Status
+from contactlab.sweeps.state import Status
 
 LAWS = ("lagrange_stick", "hertz_penalty")
 CLEARANCES = ("1e-6", "1.5e-6", "2e-6")
@@ -123,8 +123,8 @@ def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     # The command has its results a moment before SLURM has done with the jobs.
     wait_until(lambda: all(job.state == "COMPLETED" for job in cluster.jobs()))
     assert [job.id for job in cluster.jobs() if job.restarts] == [victim.id]
-    with xarray.open_dataset(swept / "collected.nc") as collected:
-        assert collected.sizes == {"law": len(LAWS), "contact.clearance": len(CLEARANCES)}
+    with xarray.open_dataset(swept / "sweep.nc") as collected:
+        assert collected.sizes == {"law": len(LAWS), "clearance": len(CLEARANCES)}
         assert collected.attrs["complete"] == 1
         assert (collected["status"] == Status.COMPLETE).all()
         assert collected["final_rotor_velocity"].notnull().all()
@@ -139,10 +139,16 @@ def test_a_map_is_one_array_of_tasks_a_chunk_each(
     cluster: Cluster, tmp_path: Path, command: Command
 ) -> None:
     before = {job.id for job in cluster.jobs()}
-    arguments = ["map", "--chunk=10", "sweep.drive.phase=linspace(-3,3,40)", "solver.duration=1 ms"]
+    arguments = [
+        "-m",
+        "sweep.keep=metrics",
+        "sweep.chunk=10",
+        "drive.phase=linspace(-3,3,40)",
+        "solver.duration=1 ms",
+    ]
     submitted = ["hydra/launcher=submitit_slurm", "hydra.launcher.partition=main"]
     done = subprocess.run(
-        [sys.executable, "-m", "contactlab", *arguments, *submitted, "--output=cluster"],
+        [sys.executable, "-m", "contactlab", *arguments, *submitted, "hydra.sweep.dir=cluster"],
         cwd=tmp_path,
         env=cluster.environment,
         capture_output=True,
@@ -154,8 +160,8 @@ def test_a_map_is_one_array_of_tasks_a_chunk_each(
     tasks = [job.id for job in cluster.jobs() if job.id not in before]
     assert len({task.partition("_")[0] for task in tasks}) == 1
     assert sorted(task.partition("_")[2] for task in tasks) == ["0", "1", "2", "3"]
-    assert command(*arguments, "--output=here")[0] == 0
-    assert Path("cluster/map.nc").read_bytes() == Path("here/map.nc").read_bytes()
+    assert command(*arguments, "hydra.sweep.dir=here")[0] == 0
+    assert Path("cluster/sweep.nc").read_bytes() == Path("here/sweep.nc").read_bytes()
 
 
 def test_a_missing_slurm_skips_the_test_but_fails_in_continuous_integration(

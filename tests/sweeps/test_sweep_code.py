@@ -14,7 +14,7 @@ from support.sweeps import QUICK
 
 from contactlab.config import build
 from contactlab.results import provenance
-from contactlab.sweeps import job
+from contactlab.sweeps import state
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
@@ -67,9 +67,9 @@ def test_a_law_that_raises_harms_no_other_and_is_run_again_when_it_is_mended(
     assert "The run ended because the law fragile raised KeyError: 'FOUND'" in err
     assert "Traceback" not in err
     assert "1 complete\n1 failed\n" in out
-    place = tmp_path / "sweep/law=fragile,record.picture=False,solver.duration=0.5_ms"
+    place = tmp_path / "sweep/law=fragile,record.picture=false,solver.duration=0.5_ms"
     assert "KeyError: 'FOUND'" in (place / "run.log").read_text(encoding="utf-8")
-    with xarray.open_dataset(tmp_path / "sweep/collected.nc") as found:
+    with xarray.open_dataset(tmp_path / "sweep/sweep.nc") as found:
         assert found["status"].sel(law="fragile") == 4
         assert "raised KeyError: 'FOUND'" in str(found["reason"].sel(law="fragile").values)
         assert np.isfinite(found["rotor_velocity"].sel(law="hertz_penalty"))
@@ -96,6 +96,6 @@ def test_the_key_of_a_law_of_another_package_follows_its_code(
         module = module_from_spec(spec)
         monkeypatch.setitem(sys.modules, "fragile", module)
         spec.loader.exec_module(module)
-        keys.append(job.key_of(dataclasses.replace(setup, law=module.Fragile())))
+        keys.append(state.key_of(dataclasses.replace(setup, law=module.Fragile())))
     assert keys[0] == keys[1] != keys[2]
-    assert job.key_of(setup) == job.key_of(build(setup.configuration))
+    assert state.key_of(setup) == state.key_of(build(setup.configuration))

@@ -6,7 +6,7 @@ import pytest
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, state_of
 
-from contactlab.cli.directories import MOST_CHARACTERS, folder_name
+from contactlab.cli.app import MOST_CHARACTERS, folder_name
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
@@ -82,5 +82,11 @@ def test_folders_differ_where_their_overrides_do() -> None:
 def test_a_value_that_is_given_twice_is_refused(command: Command) -> None:
     status, _, err = command("-m", "contact.clearance=1e-6,1e-6", *QUICK)
     assert status == 2
-    assert "to 2 jobs" in err
+    assert "contact.clearance has a value twice" in err
     assert "give every value once" in err
+
+
+def test_a_folder_of_several_jobs_is_refused(command: Command) -> None:
+    status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK, "hydra.sweep.subdir=one")
+    assert status == 2
+    assert "gives 'sweep/one' to 2 jobs" in err

@@ -13,9 +13,8 @@ from hydra._internal.core_plugins import basic_launcher
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
-from contactlab.cli import composition
 from contactlab.results import provenance
-from contactlab.sweeps import job
+from contactlab.sweeps import state
 from contactlab.trajectory import Ending
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
@@ -96,7 +95,7 @@ def test_runs_of_another_version_code_or_law_are_run_again(
         "provenance": lambda _: "example-law 1.2.4",
     }
     for number, (name, change) in enumerate(changes.items(), 2):
-        monkeypatch.setattr(job, name, change)
+        monkeypatch.setattr(state, name, change)
         status, out, _ = command(*one)
         assert status == 0
         assert "1 run: 1 is of another configuration or code: this runs." in out
@@ -149,7 +148,7 @@ def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(
 ) -> None:
     simulations.endings = {2.0: Ending.INTERRUPTED}
     assert command(*THREE)[0] == 130
-    assert not Path("sweep/collected.nc").exists()
+    assert not Path("sweep/sweep.nc").exists()
     simulations.endings = {}
     status, out, _ = command(*THREE)
     assert status == 0
@@ -209,19 +208,18 @@ def test_a_launcher_that_fails_is_a_sentence_and_what_there_is_is_collected(
 def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
     command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The key that the check finds is the one that the job itself finds."""
-    plans = []
+    """The key that the plan finds is the one that the job itself finds."""
+    planned = {}
 
-    def remember(*arguments: object) -> composition.Plan:
-        plans.append(composition.check(*arguments))  # type: ignore[arg-type]
-        return plans[-1]
+    def remember(folder: Path, jobs: dict[str, state.Job], samples: bool) -> None:
+        planned.update({folder / name: job for name, job in jobs.items()})
 
-    monkeypatch.setattr("contactlab.cli.app.check", remember)
+    monkeypatch.setattr("contactlab.cli.sweeper.extend_manifest", remember)
     groups = ("law=composed", "law/normal=linear,hertz_point", "placement=placement_1,placement_2")
     status, _, err = command("-m", *groups, "drive.phase=-36 deg", *QUICK)
     assert status == 0, err
-    assert len(plans[0].jobs) == 4
-    for planned in plans[0].jobs:
-        state = job.read_state(planned.folder)
-        assert state is not None
-        assert state.job == planned.job
+    assert len(planned) == 4
+    for place, job in planned.items():
+        left = state.read_state(place)
+        assert left is not None
+        assert left.job == job

@@ -11,10 +11,9 @@ from typing import Any, Final, final
 from contactlab.config.faults import one_line
 from contactlab.metrics import assess, configuration_of, is_complete, read_run
 from contactlab.results.files import DATASET, STATE, remove_left
-from contactlab.sweeps.cells import REASONS
-from contactlab.sweeps.job import RUNNING, Job, State, read_state
-from contactlab.sweeps.roster import ROSTER, read_roster
-from contactlab.sweeps.status import Status, status_of
+from contactlab.sweeps.dataset import REASONS
+from contactlab.sweeps.manifest import MANIFEST, read_manifest
+from contactlab.sweeps.state import RUNNING, Job, State, Status, read_state, status_of
 from contactlab.trajectory import Ending
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
@@ -25,7 +24,7 @@ _WITH_NUMBERS: Final = {status_of(ending) for ending in Ending if ending.reached
 @final
 @dataclass(frozen=True)
 class FoundRun:
-    """A run.
+    """Tells what became of a run.
 
     Args:
         name: its folder, seen from the folder that is collected.
@@ -45,31 +44,31 @@ class FoundRun:
     metrics: dict[str, float]
 
 
-def found_runs(directory: Path) -> Iterator[FoundRun]:
-    """Every run below a folder, the folder itself included, each read when it is asked for."""
-    rosters: dict[Path, Job] = {}
+def discovered(directory: Path) -> Iterator[FoundRun]:
+    """Find every run below a folder, the folder itself included; each is read when it is asked for."""
+    listed: dict[Path, Job] = {}
     folders: set[Path] = set()
     for place, below, files in os.walk(directory):
         below[:] = [name for name in below if not name.startswith(".")]
         remove_left(Path(place))
         if DATASET in files or STATE in files:
             folders.add(Path(place))
-        if ROSTER in files:
-            jobs = read_roster(Path(place))
-            rosters |= {Path(place) / name: job for name, job in jobs.items()}
-    for folder in sorted(folders | rosters.keys(), key=partial(_in_order, directory)):
+        if MANIFEST in files:
+            jobs = read_manifest(Path(place))
+            listed |= {Path(place) / name: job for name, job in jobs.items()}
+    for folder in sorted(folders | listed.keys(), key=partial(_in_order, directory)):
         name = folder.relative_to(directory).as_posix()
         if folder not in folders:
             reason = REASONS[Status.ABSENT]
-            yield FoundRun(name, folder, rosters[folder], Status.ABSENT, reason, True, {})
+            yield FoundRun(name, folder, listed[folder], Status.ABSENT, reason, True, {})
         elif (state := read_state(folder)) is not None:
             yield _of_state(name, folder, state)
         else:
-            yield _of_dataset(name, folder, rosters.get(folder))
+            yield _of_dataset(name, folder, listed.get(folder))
 
 
 def _of_state(name: str, folder: Path, state: State) -> FoundRun:
-    """A run that says itself what became of it."""
+    """Take a run that says itself what became of it."""
     status = _OF_STATE.get(state.state, Status.FAILED)
     reason = state.reason or REASONS.get(status, f"The run is {state.state}.")
     metrics: dict[str, float] = {}
@@ -79,7 +78,7 @@ def _of_state(name: str, folder: Path, state: State) -> FoundRun:
 
 
 def _assessed(folder: Path) -> tuple[dict[str, Any], Status, str, dict[str, float]]:
-    """What the dataset of a run tells: its configuration, its status with the reason, its metrics."""
+    """Read what the dataset of a run tells: its configuration, its status with the reason, its metrics."""
     configuration: dict[str, Any] = {}
     try:
         tree = read_run(folder / DATASET)
@@ -96,7 +95,7 @@ def _assessed(folder: Path) -> tuple[dict[str, Any], Status, str, dict[str, floa
 
 
 def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
-    """A run of which there is a dataset alone."""
+    """Take a run of which there is a dataset alone."""
     told = job is not None
     job = job or Job()
     if not (folder / DATASET).is_file():
@@ -108,6 +107,6 @@ def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
 
 
 def _in_order(directory: Path, folder: Path) -> list[tuple[int, str]]:
-    """Sorts 10_... after 9_..."""
+    """Sort 10_... after 9_..."""
     words = re.split(r"(\d+)", folder.relative_to(directory).as_posix())
     return [(int(word), "") if word.isdigit() else (-1, word) for word in words]

@@ -1,6 +1,5 @@
-"""`contactlab map`: every cell is the run of its own configuration, and a kill costs one chunk at most."""
+"""Metrics alone: every cell is the run of its own configuration, and a kill costs one chunk at most."""
 
-import multiprocessing
 import signal
 import subprocess
 import sys
@@ -12,48 +11,51 @@ import pytest
 import xarray
 import yaml
 from support.command_line import Command
+from support.sweeps import METRICS_ALONE
 
 from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.metrics import METRICS
-from contactlab.sweeps.chunks import CHUNKS, DIGEST, MAP, PLAN, UNFINISHED, MapFolder
-from contactlab.sweeps.faults import MapError
-from contactlab.sweeps.many import USUAL
-from contactlab.sweeps.plan import with_key
-from contactlab.sweeps.status import Status
+from contactlab.sweeps import SweepError
+from contactlab.sweeps.dataset import DATASET
+from contactlab.sweeps.manifest import MANIFEST
+from contactlab.sweeps.plan import USUAL, with_key
+from contactlab.sweeps.state import Status
+from contactlab.sweeps.store import CHUNKS, DIGEST, UNFINISHED, Store
 
 SHORT = "solver.duration=1 ms"
 
 
-def opened(path: Path, name: str = MAP) -> xarray.Dataset:
+def opened(path: Path, name: str = DATASET) -> xarray.Dataset:
     with xarray.open_dataset(path / name, decode_times=False) as found:
         return found.load()
 
 
 def run_chunk(chunk: int) -> None:
-    folder = MapFolder.opened(Path("here"))
-    with folder.pool(1) as pool:
-        folder.run(chunk, pool)
+    folder = Store.opened(Path("here"))
+    with folder.batch(1) as batch:
+        folder.run(chunk, batch)
 
 
 def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     status, out, err = command(
-        "map",
+        "-m",
+        "sweep.keep=metrics",
         SHORT,
-        "sweep.contact.clearance=linspace(0,2 um,3)",
+        "contact.clearance=linspace(0,2 um,3)",
         "law=lagrange_stick",
-        "sweep.drive.phase=-90 deg,0.5",
-        "--output=here",
+        "drive.phase=-90 deg,0.5",
+        "hydra.sweep.dir=here",
     )
     assert status == 0, err
-    assert "3 x 2 = 6 runs in 1 chunk." in out
+    assert "6 runs: 6 are new: these run." in out
     found = opened(Path("here"))
-    assert found["contact.clearance"].attrs["units"] == "m"
-    assert found["drive.phase"].values.tolist() == [-np.pi / 2.0, 0.5]
+    assert found["clearance"].attrs["units"] == "m"
+    assert found["phase"].values.tolist() == [-np.pi / 2.0, 0.5]
     assert list(found.data_vars) == [*USUAL, "status", "reason"]
     base = yaml.safe_load(found.attrs["configuration"])
-    for clearance in found["contact.clearance"].values:
-        for phase in found["drive.phase"].values:
+    for clearance in found["clearance"].values:
+        for phase in found["phase"].values:
             changed = with_key(base, ["contact", "clearance"], float(clearance))
             setup = build(with_key(changed, ["drive", "phase"], float(phase)))
             assert setup.law.name == "lagrange_stick"
@@ -64,13 +66,15 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
                 record_interval=1e-3,
                 contact_step=setup.contact_step,
             )
-            cell = found.sel({"contact.clearance": clearance, "drive.phase": phase})
+            cell = found.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
 
 
-def test_a_map_is_the_sweep_of_single_runs_in_one_file(command: Command) -> None:
-    assert command("map", SHORT, "sweep.law=hertz_penalty,newton", "--output=here")[0] == 0
+def test_a_sweep_is_the_sweep_of_single_runs_in_one_file(command: Command) -> None:
+    assert (
+        command(*METRICS_ALONE, SHORT, "law=hertz_penalty,newton", "hydra.sweep.dir=here")[0] == 0
+    )
     found = opened(Path("here"))
     assert found["law"].values.tolist() == ["hertz_penalty", "newton"]
     for law in ("hertz_penalty", "newton"):
@@ -80,94 +84,110 @@ def test_a_map_is_the_sweep_of_single_runs_in_one_file(command: Command) -> None
         assert found["final_rotor_velocity"].sel(law=law) == alone
 
 
-def test_a_map_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
+def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
     tmp_path: Path,
 ) -> None:
     arguments = [
-        *(sys.executable, "-m", "contactlab", "map", "--chunk=40", "--workers=2"),
         *(
-            "sweep.contact.clearance=linspace(0,2e-6,20)",
-            "sweep.drive.phase=linspace(-3,3,20)",
+            sys.executable,
+            "-m",
+            "contactlab",
+            "-m",
+            "sweep.keep=metrics",
+            "sweep.chunk=40",
+            "sweep.workers=2",
+        ),
+        *(
+            "contact.clearance=linspace(0,2e-6,20)",
+            "drive.phase=linspace(-3,3,20)",
             SHORT,
         ),
     ]
     for killed in range(3):
-        running = subprocess.Popen([*arguments, "--output=cut"], cwd=tmp_path)
+        running = subprocess.Popen([*arguments, "hydra.sweep.dir=cut"], cwd=tmp_path)
         while len(list(tmp_path.glob(f"cut/{CHUNKS}/*.npz"))) <= killed:
-            assert running.poll() is None, "the map was over before it could be killed"
+            assert running.poll() is None, "the sweep was over before it could be killed"
             time.sleep(0.002)
         running.send_signal(signal.SIGKILL)
         running.wait()
-    assert not (tmp_path / "cut" / MAP).exists()
+    assert not (tmp_path / "cut" / DATASET).exists()
     for folder in ("cut", "whole"):
         done = subprocess.run(
-            [*arguments, f"--output={folder}"],
+            [*arguments, f"hydra.sweep.dir={folder}"],
             cwd=tmp_path,
             capture_output=True,
             text=True,
             check=True,
         )
-        assert ("are finished already" in done.stdout) == (folder == "cut")
-        assert [path.name for path in sorted((tmp_path / folder).iterdir())] == [MAP, DIGEST, PLAN]
-    assert (tmp_path / "cut" / MAP).read_bytes() == (tmp_path / "whole" / MAP).read_bytes()
+        assert ("are complete and skipped; " in done.stdout) == (folder == "cut")
+        assert [path.name for path in sorted((tmp_path / folder).iterdir())] == sorted(
+            [DATASET, DIGEST, MANIFEST]
+        )
+    assert (tmp_path / "cut" / DATASET).read_bytes() == (tmp_path / "whole" / DATASET).read_bytes()
 
 
 def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Command) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=0,1")
+    arguments = (*METRICS_ALONE, SHORT, "drive.phase=0,1")
     assert command(*arguments)[0] == 0
-    (file,) = Path("maps").rglob(MAP)
+    (file,) = Path("multirun").rglob(DATASET)
     before = file.stat().st_mtime_ns
     status, out, _ = command(*arguments)
     assert status == 0
-    assert f"The map is complete already: {file}" in out
+    assert "2 runs: all are complete and skipped." in out
+    assert str(file) in out
     assert file.stat().st_mtime_ns == before
-    assert command("map", SHORT, "sweep.drive.phase=0,1", "law=newton")[0] == 0
-    assert len(list(Path("maps").rglob(MAP))) == 2
+    assert command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "law=newton")[0] == 0
+    assert len(list(Path("multirun").rglob(DATASET))) == 2
 
 
 def test_workers_that_are_started_afresh_give_the_same(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=linspace(-3,3,7)", "--workers=2")
-    assert command(*arguments, "--output=forked")[0] == 0
+    arguments = (
+        "-m",
+        "sweep.keep=metrics",
+        SHORT,
+        "drive.phase=linspace(-3,3,7)",
+        "sweep.workers=2",
+    )
+    assert command(*arguments, "hydra.sweep.dir=forked")[0] == 0
     # As where a system cannot fork.
-    monkeypatch.setattr("contactlab.sweeps.workers.FORK", False)
-    spawn = multiprocessing.get_context("spawn")
-    monkeypatch.setattr(multiprocessing, "get_context", lambda _: spawn)
-    assert command(*arguments, "--output=spawned")[0] == 0
-    assert (Path("forked") / MAP).read_bytes() == (Path("spawned") / MAP).read_bytes()
+    monkeypatch.setattr("contactlab.sweeps.batch.START_METHOD", "spawn")
+    assert command(*arguments, "hydra.sweep.dir=spawned")[0] == 0
+    assert (Path("forked") / DATASET).read_bytes() == (Path("spawned") / DATASET).read_bytes()
 
 
-def test_another_map_does_not_go_into_the_folder_of_one(command: Command) -> None:
-    assert command("map", SHORT, "sweep.drive.phase=0,1", "--output=here")[0] == 0
-    before = (Path("here") / MAP).read_bytes()
-    status, _, err = command("map", SHORT, "sweep.drive.phase=0,2", "--output=here")
+def test_another_sweep_does_not_go_into_the_folder_of_one(command: Command) -> None:
+    assert command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")[0] == 0
+    before = (Path("here") / DATASET).read_bytes()
+    status, _, err = command(*METRICS_ALONE, SHORT, "drive.phase=0,2", "hydra.sweep.dir=here")
     assert status == 2
-    assert "holds another map" in err
-    assert (Path("here") / MAP).read_bytes() == before
+    assert "holds another sweep" in err
+    assert (Path("here") / DATASET).read_bytes() == before
 
 
-def test_a_map_by_other_code_is_not_gone_on_with(
+def test_a_sweep_by_other_code_is_not_gone_on_with(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert command("map", SHORT, "sweep.drive.phase=0,1", "--output=here")[0] == 0
-    monkeypatch.setattr("contactlab.sweeps.job.code_digest", lambda: "other")
-    status, _, err = command("map", SHORT, "sweep.drive.phase=0,1", "--output=here")
+    assert command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")[0] == 0
+    monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
+    status, _, err = command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")
     assert status == 2
     assert "made by other code" in err
 
 
 def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Command) -> None:
     status, out, _ = command(
-        "map",
+        "-m",
+        "sweep.keep=metrics",
         SHORT,
-        "sweep.placement.start=1 mm,12 mm",
-        "sweep.placement.end=10 mm,20 mm",
-        "--output=here",
+        "placement.start=1 mm,12 mm",
+        "placement.end=10 mm,20 mm",
+        "hydra.sweep.dir=here",
     )
     assert status == 0
-    assert "3 complete." in out
-    assert "1 refused. For example: placement" in out
+    assert "3 complete" in out
+    assert "start=0.012, end=0.01: refused. placement" in out
     found = opened(Path("here"))
     codes = [[Status(code) for code in row] for row in found["status"].values]
     complete, refused = Status.COMPLETE, Status.REFUSED
@@ -179,15 +199,16 @@ def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Comma
 
 def test_series_lie_beside_the_metrics(command: Command) -> None:
     status, _, _ = command(
-        "map",
+        "-m",
+        "sweep.keep=metrics",
         SHORT,
         "record.interval=10 us",
-        "sweep.drive.phase=0,1,2",
-        "sweep.law.stiffness=1e9,1e10",
-        "--series=gap,rotor_velocity",
-        "--metrics=all",
-        "--chunk=2",
-        "--output=here",
+        "drive.phase=0,1,2",
+        "law.stiffness=1e9,1e10",
+        "sweep.series=gap,rotor_velocity",
+        "sweep.metrics=all",
+        "sweep.chunk=2",
+        "hydra.sweep.dir=here",
     )
     assert status == 0
     assert set(METRICS) <= set(opened(Path("here")).data_vars)
@@ -195,10 +216,10 @@ def test_series_lie_beside_the_metrics(command: Command) -> None:
         SHORT, "record.interval=10 us", "drive.phase=2", "law.stiffness=1e9", "hydra.run.dir=run"
     )
     with (
-        xarray.open_datatree(Path("here") / MAP, decode_times=False) as tree,
+        xarray.open_datatree(Path("here") / DATASET, decode_times=False) as tree,
         xarray.open_dataset(Path("run") / "run.nc", decode_times=False) as run,
     ):
-        cell = tree["series"].to_dataset().sel({"drive.phase": 2.0, "law.stiffness": 1e9})
+        cell = tree["series"].to_dataset().sel({"phase": 2.0, "stiffness": 1e9})
         assert np.array_equal(cell["time"], run["time"])
         for name in ("gap", "rotor_velocity"):
             assert np.array_equal(cell[name], run[name])
@@ -206,10 +227,17 @@ def test_series_lie_beside_the_metrics(command: Command) -> None:
 
 
 def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=0,1,2", "--chunk=1", "--output=here")
+    arguments = (
+        "-m",
+        "sweep.keep=metrics",
+        SHORT,
+        "drive.phase=0,1,2",
+        "sweep.chunk=1",
+        "hydra.sweep.dir=here",
+    )
     assert command(*arguments)[0] == 0
-    whole = (Path("here") / MAP).read_bytes()
-    (Path("here") / MAP).unlink()
+    whole = (Path("here") / DATASET).read_bytes()
+    (Path("here") / DATASET).unlink()
     run_chunk(0)
     damaged = Path("here") / CHUNKS / "000000.npz"
     damaged.write_bytes(damaged.read_bytes()[:100])
@@ -219,20 +247,27 @@ def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command)
     assert "Remove it" in err
     damaged.unlink()
     assert command(*arguments)[0] == 0
-    assert (Path("here") / MAP).read_bytes() == whole
+    assert (Path("here") / DATASET).read_bytes() == whole
 
 
-def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
-    arguments = ("map", SHORT, "sweep.drive.phase=0,1,2", "--chunk=1", "--output=here")
+def test_what_is_finished_of_a_sweep_can_be_collected(command: Command) -> None:
+    arguments = (
+        "-m",
+        "sweep.keep=metrics",
+        SHORT,
+        "drive.phase=0,1,2",
+        "sweep.chunk=1",
+        "hydra.sweep.dir=here",
+    )
     assert command(*arguments)[0] == 0
     whole = opened(Path("here"))
-    (Path("here") / MAP).unlink()
+    (Path("here") / DATASET).unlink()
     run_chunk(1)
     status, out, _ = command("collect", "here")
     assert status == 0
     assert "2 absent" in out
-    assert f"Written to {Path('here') / UNFINISHED}" in out
-    assert not (Path("here") / MAP).exists()
+    assert f"Collected in {Path('here') / UNFINISHED}" in out
+    assert not (Path("here") / DATASET).exists()
     part = opened(Path("here"), UNFINISHED)
     assert [Status(code) for code in part["status"].values] == [
         Status.ABSENT,
@@ -246,22 +281,22 @@ def test_what_is_finished_of_a_map_can_be_collected(command: Command) -> None:
     assert not (Path("here") / UNFINISHED).exists()
 
 
-def test_a_folder_without_a_plan_is_no_map(tmp_path: Path) -> None:
-    with pytest.raises(MapError, match=r"holds no plan\.json"):
-        MapFolder.opened(tmp_path)
+def test_a_folder_without_a_plan_is_no_sweep(tmp_path: Path) -> None:
+    with pytest.raises(SweepError, match=r"holds no sweep\.json"):
+        Store.opened(tmp_path)
 
 
 def test_a_folder_that_cannot_be_written_to_is_told(command: Command) -> None:
     Path("file").touch()
-    status, _, err = command("map", "sweep.drive.phase=1,2", "--output=file/map")
+    status, _, err = command(*METRICS_ALONE, "drive.phase=1,2", "hydra.sweep.dir=file/map")
     assert status == 2
-    assert "Choose another one by --output DIR." in err
+    assert "Choose another one by hydra.sweep.dir=DIR." in err
 
 
 def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
-    arguments = ["sweep.drive.phase=linspace(-3,3,2000)", "--chunk=20", "--output=here", SHORT]
+    arguments = ["drive.phase=linspace(-3,3,2000)", "sweep.chunk=20", "hydra.sweep.dir=here", SHORT]
     running = subprocess.Popen(
-        [sys.executable, "-m", "contactlab", "map", *arguments],
+        [sys.executable, "-m", "contactlab", *METRICS_ALONE, *arguments],
         cwd=tmp_path,
         stderr=subprocess.PIPE,
         text=True,
@@ -280,4 +315,4 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
         .startswith("Interrupted. The chunks that are finished are kept")
     )
     assert "Traceback" not in err
-    assert MapFolder.opened(tmp_path / "here").missing()
+    assert Store.opened(tmp_path / "here").missing()

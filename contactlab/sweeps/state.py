@@ -1,21 +1,56 @@
-"""What a run's folder says of the run: `state.json`, which tells a complete run from one to be done again.
+"""What becomes of a run: a code that a dataset holds, and `state.json` in the run's folder.
 
-Written as RUNNING before a run begins and with its end after its dataset is whole, so that a run that
-was killed is known by its state. It holds no times: the same run leaves the same bytes.
+The state is written as RUNNING before a run begins and with its end after its dataset is whole, so that a
+run that was killed is known by it. It holds no times: the same run leaves the same bytes.
 """
 
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from enum import IntEnum
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, final
 
 from contactlab.config import Setup
+from contactlab.fingerprint import fingerprint, is_own
 from contactlab.laws.registry import provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, versions
+from contactlab.trajectory import Ending
+
+
+class Status(IntEnum):
+    """Codes what became of a run; one that reached its end has numbers, a complete or an unbalanced one."""
+
+    COMPLETE = 0
+    DIVERGED = 1
+    """Its state was no longer a motor's."""
+    CHATTERED = 2
+    """Its contact made no progress."""
+    INTERRUPTED = 3
+    """Somebody pressed Ctrl-C."""
+    FAILED = 4
+    """It raised an exception, or could not be written."""
+    UNFINISHED = 5
+    """It began and has not ended: killed, or still running."""
+    REFUSED = 6
+    """Its configuration is faulty, though each of its values alone is not."""
+    ABSENT = 7
+    """It has not begun."""
+    UNBALANCED = 8
+    """It reached its end, but its energy ledger is open."""
+    STALLED = 9
+    """Its law let it take no step, or too many."""
+    INCONSISTENT = 10
+    """Its law had no impulse for a contact that closes."""
+
+
+def status_of(ending: Ending) -> Status:
+    """Give the status of a run that ended in some way."""
+    return Status[ending.name]
+
 
 RUNNING, COMPLETE, FAILED, REFUSED = "running", "complete", "failed", "refused"
 INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"
@@ -25,7 +60,7 @@ INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"
 @final
 @dataclass(frozen=True)
 class Job:
-    """What a run was asked for.
+    """Holds what a run was asked for.
 
     Args:
         key: of its configuration and the code, see `key_of`; empty where that is not known.
@@ -43,7 +78,7 @@ class Job:
 @final
 @dataclass(frozen=True)
 class State:
-    """What became of a run.
+    """Holds what became of a run.
 
     Args:
         state: `RUNNING`, `COMPLETE`, ...
@@ -59,17 +94,13 @@ class State:
 
 
 def key_of(setup: Setup) -> str:
-    """Digest of all that a run's numbers depend on: configuration, version, code, and whose law it is.
-
-    Returns:
-        64 hexadecimal digits.
-    """
+    """Give the digest of what a run's numbers depend on: configuration, version, code, whose law it is."""
     parts = (json.dumps(setup.configuration, sort_keys=True), *code_of(type(setup.law)))
     return sha256("\0".join(parts).encode()).hexdigest()
 
 
 def code_of(law: type) -> tuple[str, ...]:
-    """What tells the code that a run with a law depends on: version, digests, and whose law it is."""
+    """Give what tells the code that a run with a law depends on: version, digests, and whose law it is."""
     return (
         versions()["contactlab_version"],
         code_digest(),
@@ -90,7 +121,7 @@ def write_state(folder: Path, state: State) -> None:
 
 
 def read_state(folder: Path) -> State | None:
-    """The state of a run; None where there is none that can be read."""
+    """Read the state of a run; None where there is none that can be read."""
     try:
         read = json.loads((folder / STATE).read_text(encoding="utf-8"))
         job = read["job"]
@@ -106,7 +137,7 @@ def read_state(folder: Path) -> State | None:
 
 
 def job_of(read: Mapping[str, Any], key: str = "") -> Job:
-    """A job as a file holds it, its configuration apart from others.
+    """Give a job as a file holds it, its configuration apart from others.
 
     Raises:
         ValueError, TypeError, LookupError: it is something else.
@@ -116,7 +147,7 @@ def job_of(read: Mapping[str, Any], key: str = "") -> Job:
 
 
 def is_done(folder: Path, key: str) -> bool:
-    """Whether a folder holds the complete run of a key, its dataset as the run left it."""
+    """Tell whether a folder holds the complete run of a key, its dataset as the run left it."""
     state = read_state(folder)
     return (
         state is not None
@@ -135,10 +166,7 @@ def _is_sound(dataset: Path, digest: str) -> bool:
 
 @cache
 def _foreign_code(law: type) -> tuple[str, ...]:
-    """Digests of all that a law of another package is made of; `code_digest` covers one of this package."""
-    # Imported here: it brings the libraries of numbers, which --help does not need.
-    from contactlab.fingerprint import fingerprint, is_own
-
+    """Give the digests of what a law of another package is made of; `code_digest` covers our own."""
     if is_own(law):
         return ()
     found = fingerprint(law)

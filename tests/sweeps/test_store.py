@@ -1,32 +1,33 @@
-"""Processes that work on one map at a time take nothing from each other, and what is damaged is told."""
+"""Processes that work on one sweep at a time take nothing from each other, and what is damaged is told."""
 
 import random
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from support.map_folders import CELLS, Made, begun, plan
+from support.stores import CELLS, Made, begun, plan
 
-from contactlab.sweeps import chunks
-from contactlab.sweeps.chunks import CHUNKS, MAP, PLAN, MapFolder
-from contactlab.sweeps.faults import MapError
+from contactlab.sweeps import SweepError, store
+from contactlab.sweeps.dataset import DATASET
+from contactlab.sweeps.manifest import MANIFEST
 from contactlab.sweeps.plan import Plan
-from contactlab.sweeps.status import Status
+from contactlab.sweeps.state import Status
+from contactlab.sweeps.store import CHUNKS, Store
 
 
 def finish(path: Path) -> None:
-    """What another process does that makes the map as well."""
-    other = MapFolder.opened(path)
+    """What another process does that makes the sweep as well."""
+    other = Store.opened(path)
     for chunk in other.missing():
         other.run(chunk, Made())
     other.merge()
 
 
-def assert_whole(folder: MapFolder) -> None:
+def assert_whole(folder: Store) -> None:
     found = folder.dataset()
     assert found["peak_force"].values.tolist() == list(range(CELLS))
     assert found.attrs["runs_absent"] == 0
-    assert {path.name for path in folder.path.iterdir()} == {MAP, PLAN, f"{MAP}.sha256"}
+    assert {path.name for path in folder.path.iterdir()} == {DATASET, MANIFEST, f"{DATASET}.sha256"}
 
 
 def once(first: Callable[[], object], real: Callable[..., object]) -> Callable[..., object]:
@@ -41,13 +42,13 @@ def once(first: Callable[[], object], real: Callable[..., object]) -> Callable[.
     return call
 
 
-def test_a_map_that_is_completed_while_a_part_of_it_is_collected_stays_whole(
+def test_a_sweep_that_is_completed_while_a_part_of_it_is_collected_stays_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = begun(tmp_path, finished=2)
-    monkeypatch.setattr(chunks, "write", once(lambda: finish(tmp_path), chunks.write))
+    monkeypatch.setattr(store, "write", once(lambda: finish(tmp_path), store.write))
     folder.merge()
-    found = MapFolder.opened(tmp_path).merge()
+    found = Store.opened(tmp_path).merge()
     assert not (found["status"] == Status.ABSENT).any()
     assert_whole(folder)
 
@@ -56,39 +57,39 @@ def test_chunks_that_another_process_has_merged_are_not_damaged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = begun(tmp_path, finished=3)
-    missing = MapFolder.missing
+    missing = Store.missing
     other = [lambda: finish(tmp_path)]
 
-    def look(self: MapFolder) -> list[int]:
+    def look(self: Store) -> list[int]:
         found = missing(self)
         if self is folder and other:
             other.pop()()
         return found
 
-    monkeypatch.setattr(MapFolder, "missing", look)
+    monkeypatch.setattr(Store, "missing", look)
     assert not (folder.merge()["status"] == Status.ABSENT).any()
     assert_whole(folder)
 
 
-def test_a_chunk_whose_map_is_completed_meanwhile_is_not_missed(
+def test_a_chunk_whose_sweep_is_completed_meanwhile_is_not_missed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = begun(tmp_path, finished=1)
     # The folder of the chunks goes away after this process has made sure that it is there.
-    monkeypatch.setattr(chunks, "write_chunk", once(lambda: finish(tmp_path), chunks.write_chunk))
+    monkeypatch.setattr(store, "write_chunk", once(lambda: finish(tmp_path), store.write_chunk))
     folder.run(1, Made())
     assert_whole(folder)
-    before = (tmp_path / MAP).read_bytes()
+    before = (tmp_path / DATASET).read_bytes()
     folder.run(2, Made(lambda: pytest.fail("It is there already.")))
     assert folder.missing() == []
     folder.merge()
-    assert (tmp_path / MAP).read_bytes() == before
+    assert (tmp_path / DATASET).read_bytes() == before
 
 
-def test_of_two_maps_that_begin_at_once_in_one_folder_one_is_refused(
+def test_of_two_sweeps_that_begin_at_once_in_one_folder_one_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first, second = MapFolder(tmp_path, plan()), MapFolder(tmp_path, plan(first=1.0))
+    first, second = Store(tmp_path, plan()), Store(tmp_path, plan(first=1.0))
     text = Plan.text
     other = [first.begin]
 
@@ -98,9 +99,9 @@ def test_of_two_maps_that_begin_at_once_in_one_folder_one_is_refused(
         return text(self)
 
     monkeypatch.setattr(Plan, "text", late)
-    with pytest.raises(MapError, match="holds another map"):
+    with pytest.raises(SweepError, match="holds another sweep"):
         second.begin()
-    assert MapFolder.opened(tmp_path).plan == first.plan
+    assert Store.opened(tmp_path).plan == first.plan
 
 
 def test_every_damage_of_a_chunk_is_told(tmp_path: Path) -> None:
@@ -113,27 +114,27 @@ def test_every_damage_of_a_chunk_is_told(tmp_path: Path) -> None:
         place = chance.randrange(len(damaged))
         damaged[place] ^= 1 << chance.randrange(8)
         file.write_bytes(damaged)
-        with pytest.raises(MapError, match="is damaged"):
+        with pytest.raises(SweepError, match="is damaged"):
             folder.merge()
     for length in (0, 10, len(sound) - 1):
         file.write_bytes(sound[:length])
-        with pytest.raises(MapError, match="is damaged"):
+        with pytest.raises(SweepError, match="is damaged"):
             folder.merge()
-    assert not (tmp_path / MAP).exists()
+    assert not (tmp_path / DATASET).exists()
     file.write_bytes(sound)
     folder.merge()
     assert_whole(folder)
 
 
-def test_a_damaged_map_is_told_and_left_alone(tmp_path: Path) -> None:
+def test_a_damaged_sweep_is_told_and_left_alone(tmp_path: Path) -> None:
     finish_in = begun(tmp_path, finished=3, series=("gap",))
     finish_in.merge()
-    file = tmp_path / MAP
+    file = tmp_path / DATASET
     damaged = bytearray(file.read_bytes())
     damaged[len(damaged) // 2] ^= 1
     file.write_bytes(damaged)
-    with pytest.raises(MapError, match=r"is not as the map left it.*Move it away"):
-        MapFolder.opened(tmp_path).merge()
+    with pytest.raises(SweepError, match=r"is not as the sweep left it.*Move it away"):
+        Store.opened(tmp_path).merge()
     assert file.read_bytes() == damaged
     file.unlink()
     folder = begun(tmp_path, finished=3, series=("gap",))
@@ -141,20 +142,20 @@ def test_a_damaged_map_is_told_and_left_alone(tmp_path: Path) -> None:
     assert_whole(folder)
 
 
-def test_chunks_stay_where_the_map_is_read_back_otherwise(
+def test_chunks_stay_where_the_sweep_is_read_back_otherwise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = begun(tmp_path, finished=3, series=("gap",))
-    add = MapFolder._add_series
+    add = Store._add_series
 
-    def lose(self: MapFolder, path: Path, some: Sequence[int]) -> None:
+    def lose(self: Store, path: Path, some: Sequence[int]) -> None:
         add(self, path, some[:-1])
 
-    monkeypatch.setattr(MapFolder, "_add_series", lose)
+    monkeypatch.setattr(Store, "_add_series", lose)
     with pytest.raises(OSError, match="what was written is not what is read back"):
         folder.merge()
     assert len(list((tmp_path / CHUNKS).iterdir())) == 3
-    assert not (tmp_path / MAP).exists()
+    assert not (tmp_path / DATASET).exists()
     monkeypatch.undo()
     folder.merge()
     assert_whole(folder)

@@ -1,8 +1,8 @@
 """A hundred thousand runs in one command, killed on the way: the same bits, and memory that stays flat.
 
-    python experiments/map_endurance.py [--runs N] [--kills N] [--workers N]
+    python experiments/sweep_endurance.py [--runs N] [--kills N] [--workers N]
 
-The map is made twice by `contactlab map`: once undisturbed, while the resident memory of all its processes is
+The sweep is made twice by `contactlab -m`: once undisturbed, while the resident memory of all its processes is
 watched, and once killed with SIGKILL at random moments and started again. The two files must be the same to
 the last byte. The status is 1 where they are not.
 """
@@ -19,7 +19,8 @@ from time import perf_counter, sleep
 
 import numpy as np
 
-from contactlab.sweeps.chunks import CHUNKS, MAP
+from contactlab.sweeps.dataset import DATASET
+from contactlab.sweeps.store import CHUNKS
 
 DURATION = 2e-3
 LOOK = 0.2
@@ -27,14 +28,15 @@ LOOK = 0.2
 
 
 def command(runs: int, workers: int, folder: Path) -> list[str]:
-    """The map of some runs over clearance and phase."""
+    """Give the sweep of some runs over clearance and phase."""
     rows = max(round(np.sqrt(runs)), 1)
     return [
-        *(sys.executable, "-m", "contactlab", "map", f"--workers={workers}", f"--output={folder}"),
-        f"--chunk={max(runs // 100, 1)}",
+        *(sys.executable, "-m", "contactlab", "-m", "sweep.keep=metrics"),
+        *(f"hydra.sweep.dir={folder}", f"sweep.workers={workers}"),
+        f"sweep.chunk={max(runs // 100, 1)}",
         f"solver.duration={DURATION}",
-        f"sweep.contact.clearance=linspace(0,2e-6,{rows})",
-        f"sweep.drive.phase=linspace(-3,3,{max(runs // rows, 1)})",
+        f"contact.clearance=linspace(0,2e-6,{rows})",
+        f"drive.phase=linspace(-3,3,{max(runs // rows, 1)})",
     ]
 
 
@@ -49,12 +51,12 @@ def undisturbed(runs: int, workers: int, folder: Path) -> tuple[float, list[floa
                 memory.append(sum(resident(process) for process in family(running.pid)))
             sleep(LOOK)
     if running.returncode:
-        raise SystemExit(f"The map ended with status {running.returncode}.")
+        raise SystemExit(f"The sweep ended with status {running.returncode}.")
     return perf_counter() - start, memory
 
 
 def killed(runs: int, kills: int, workers: int, folder: Path, seconds: float) -> list[int]:
-    """Kill the map some times, then let it end; the chunks that were finished at each kill."""
+    """Kill the sweep some times, then let it end; the chunks that were finished at each kill."""
     choice = random.Random(0)
     found = []
     for _ in range(kills):
@@ -91,7 +93,7 @@ def resident(process: int) -> float:
 
 
 def main() -> int:
-    """Make both maps and compare them."""
+    """Make both sweeps and compare them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=100_000)
     parser.add_argument("--kills", type=int, default=3)
@@ -112,7 +114,7 @@ def main() -> int:
             )
         chunks = killed(given.runs, given.kills, given.workers, cut, seconds)
         print(f"Killed {given.kills} times, with {', '.join(map(str, chunks))} chunks finished.")
-        same = (whole / MAP).read_bytes() == (cut / MAP).read_bytes()
+        same = (whole / DATASET).read_bytes() == (cut / DATASET).read_bytes()
     print("The two files are the same." if same else "The two files differ.")
     return 0 if same else 1
 

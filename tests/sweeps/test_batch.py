@@ -2,10 +2,17 @@
 
 import os
 import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas
 import pytest
+import xarray
+from support.command_line import Command, left_behind
 from support.motors import default_motor, every_law, hertz
+from support.sweeps import METRICS_ALONE
 
 from contactlab.engine import simulate
 from contactlab.engine.propagator import Workspace
@@ -13,11 +20,8 @@ from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree
-from contactlab.sweeps.cells import Axis
-from contactlab.sweeps.grid import MotorGrid, simulate_many
-from contactlab.sweeps.many import AT_ANY_INTERVAL, USUAL
-from contactlab.sweeps.status import Status
-from contactlab.sweeps.workers import WorkerError
+from contactlab.sweeps import Status, WorkerError, sweep
+from contactlab.sweeps.plan import AT_ANY_INTERVAL, USUAL
 
 DURATION = 1e-3
 CLEARANCES = (0.0, 0.5e-6, 1e-6)
@@ -28,13 +32,14 @@ def motor_at(clearance: float, phase: float) -> Motor:
     return default_motor(clearance=clearance, phase=phase)
 
 
-def grid() -> MotorGrid:
-    return MotorGrid({"clearance": CLEARANCES, "phase": PHASES}, motor_at)
+def swept(law: ContactLaw | Callable[..., ContactLaw], **changes: Any) -> xarray.Dataset:
+    over = {"clearance": CLEARANCES, "phase": PHASES}
+    return sweep(over, motor=motor_at, law=law, **{"duration": DURATION, **changes})
 
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> None:
-    found = simulate_many(grid(), law, duration=DURATION, workers=1)
+    found = swept(law, workers=1)
     assert found["final_rotor_velocity"].dims == ("clearance", "phase")
     for clearance in CLEARANCES:
         for phase in PHASES:
@@ -47,15 +52,13 @@ def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> N
 
 @pytest.mark.parametrize("workers", [2, 3, 50])
 def test_the_number_of_workers_changes_no_bit(workers: int) -> None:
-    alone = simulate_many(grid(), hertz(), duration=DURATION, workers=1)
-    assert simulate_many(grid(), hertz(), duration=DURATION, workers=workers).identical(alone)
+    alone = swept(hertz(), workers=1)
+    assert swept(hertz(), workers=workers).identical(alone)
 
 
 def test_all_metrics_are_those_of_the_datasets() -> None:
     law = hertz()
-    found = simulate_many(
-        grid(), law, duration=DURATION, record_interval=1e-6, metrics=tuple(METRICS), workers=1
-    )
+    found = swept(law, record_interval=1e-6, metrics=tuple(METRICS), workers=1)
     for clearance, phase in ((0.0, 2.0), (1e-6, -1.0)):
         motor = motor_at(clearance, phase)
         run = simulate(motor, law, duration=DURATION, record_interval=1e-6)
@@ -75,10 +78,8 @@ def test_all_metrics_are_those_of_the_datasets() -> None:
 def test_metrics_without_records_are_the_same_at_any_interval() -> None:
     assert set(USUAL) <= set(AT_ANY_INTERVAL) <= set(METRICS)
     every = [
-        simulate_many(
-            grid(),
+        swept(
             hertz(),
-            duration=DURATION,
             record_interval=interval,
             metrics=[*AT_ANY_INTERVAL, *more],
             workers=1,
@@ -90,8 +91,7 @@ def test_metrics_without_records_are_the_same_at_any_interval() -> None:
 
 
 def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
-    found = simulate_many(
-        grid(),
+    found = swept(
         lambda clearance, phase: hertz(0.1 * (1.0 + clearance * 1e6) + 0.0 * phase),
         duration=DURATION,
         record_interval=3e-5,
@@ -107,12 +107,10 @@ def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
 
 
 def test_a_cell_with_an_open_ledger_keeps_its_numbers_and_says_so() -> None:
-    found = simulate_many(
-        MotorGrid(
-            {"voltage": [10.0, 400.0]},
-            lambda voltage: default_motor(voltage_1=voltage, voltage_2=voltage),
-        ),
-        LagrangeStick(0.8),
+    found = sweep(
+        {"voltage": [10.0, 400.0]},
+        motor=lambda voltage: default_motor(voltage_1=voltage, voltage_2=voltage),
+        law=LagrangeStick(0.8),
         duration=5e-3,
         record_interval=5e-3,
         contact_step=1e-5,
@@ -130,9 +128,10 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
             raise ValueError("no negative voltage here")
         return default_motor(voltage_1=voltage, voltage_2=voltage)
 
-    found = simulate_many(
-        MotorGrid({"voltage": [-1.0, 100.0, 1e9]}, motor),
-        hertz(),
+    found = sweep(
+        {"voltage": [-1.0, 100.0, 1e9]},
+        motor=motor,
+        law=hertz(),
         duration=DURATION,
         record_interval=1e-5,
         series=["gap"],
@@ -148,10 +147,11 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
 
 
 def test_an_axis_brings_its_unit() -> None:
-    axes = {"clearance": Axis("clearance", CLEARANCES, "m"), "phase": PHASES}
-    found = simulate_many(MotorGrid(axes, motor_at), LagrangeStick(0.3), duration=1e-4, workers=1)
-    assert found["clearance"].attrs == {"units": "m"}
-    assert found["phase"].attrs == {}
+    clearance = xarray.DataArray([*CLEARANCES], attrs={"units": "m"})
+    over = {"clearance": clearance, "phase": PHASES}
+    found = sweep(over, motor=motor_at, law=LagrangeStick(0.3), duration=1e-4, workers=1)
+    assert found["clearance"].attrs == {"key": "clearance", "units": "m"}
+    assert found["phase"].attrs == {"key": "phase"}
 
 
 def test_a_worker_that_is_killed_is_told() -> None:
@@ -162,8 +162,8 @@ def test_a_worker_that_is_killed_is_told() -> None:
             os.kill(os.getpid(), signal.SIGKILL)
         return default_motor(phase=phase)
 
-    with pytest.raises(WorkerError, match="exit code -9"):
-        simulate_many(MotorGrid({"phase": PHASES}, motor), hertz(), duration=1e-4, workers=2)
+    with pytest.raises(WorkerError, match="A worker process died"):
+        sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=2)
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -183,9 +183,7 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell(workers: int) -> None
     before = signal.signal(signal.SIGUSR2, time_is_up)
     try:
         with pytest.raises(TimeoutError, match="time is up"):
-            simulate_many(
-                MotorGrid({"phase": PHASES}, motor), hertz(), duration=1e-4, workers=workers
-            )
+            sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=workers)
     finally:
         signal.signal(signal.SIGUSR2, before)
 
@@ -204,13 +202,73 @@ def test_what_cannot_be_kept_is_refused_in_a_sentence(
     changes: dict[str, list[str]], words: str
 ) -> None:
     with pytest.raises(ValueError, match=words):
-        simulate_many(grid(), hertz(), duration=DURATION, **changes)
+        swept(hertz(), **changes)
 
 
-@pytest.mark.parametrize("axes", [{}, {"phase": []}])
-def test_a_grid_without_values_is_refused(axes: dict[str, list[float]]) -> None:
-    with pytest.raises(ValueError, match="has no values"):
-        MotorGrid(axes, motor_at)
+def test_a_sweep_without_values_is_refused() -> None:
+    with pytest.raises(ValueError, match="Nothing is swept"):
+        sweep({}, motor=motor_at, law=hertz(), duration=1e-4)
+    with pytest.raises(ValueError, match="phase has no values"):
+        sweep({"phase": []}, motor=motor_at, law=hertz(), duration=1e-4)
+
+
+def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> None:
+    """Names, values, units and bits are the same, so that both align."""
+    given = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
+    found = sweep(given, duration=1e-3, base=["drive.phase=1"], workers=1)
+    lines = ["law=newton,hertz_penalty", "contact.clearance=linspace(0, 2 um, 3)", "drive.phase=1"]
+    command(*METRICS_ALONE, *lines, "solver.duration=1 ms", "hydra.sweep.dir=here")
+    with xarray.open_dataset("here/sweep.nc") as commanded:
+        xarray.testing.assert_equal(commanded, found)
+        assert commanded["clearance"].attrs == found["clearance"].attrs
+        assert commanded["clearance"].attrs["key"] == "contact.clearance"
+        assert (
+            "clearance" in commanded["clearance"].attrs["long_name"]
+            or commanded["clearance"].units == "m"
+        )
+    stored = sweep(given, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
+    xarray.testing.assert_equal(stored, found)
+
+
+SAMPLES = [
+    {"clearance": "1 um", "law": "newton", "drive.phase": 0.1},
+    {"clearance": 2e-6, "law": "hertz_penalty", "drive.phase": 0.2},
+]
+
+
+def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> None:
+    found = sweep(SAMPLES, duration=1e-3, workers=1)
+    assert found["clearance"].dims == ("run",)
+    pandas.DataFrame(SAMPLES).to_csv("table.csv", index=False)
+    short = ("sweep.samples=table.csv", "solver.duration=1 ms", "record.picture=false")
+    assert command("-m", *short, "sweep.keep=metrics", "hydra.sweep.dir=metrics")[0] == 0
+    assert command("-m", *short, "hydra.sweep.dir=runs")[0] == 0
+    for folder in ("metrics", "runs"):
+        with xarray.open_dataset(f"{folder}/sweep.nc") as read:
+            ordered = read.sortby("phase")
+            for name in ("clearance", "law", "phase", "final_rotor_velocity", "peak_force"):
+                assert np.array_equal(ordered[name], found[name]), (folder, name)
+    # What a sweep leaves is a table for another.
+    again = ("sweep.samples=metrics/sweep.nc", "solver.duration=1 ms", "sweep.keep=metrics")
+    status, _, err = command("-m", *again, "hydra.sweep.dir=again")
+    assert status == 0, err
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("clearance\n1e-6\n\n-1\n", "contact.clearance is -1 m; it must be at least 0 m"),
+        ("clearance,law\n1e-6,newton\n1e-6,\n", "sweep.samples has no law in row 2"),
+        ("clearence\n1e-6\n", "Did you mean contact.clearance?"),
+        ("law\nnewtonn\n", "law is 'newtonn'; it must be one of"),
+    ],
+)
+def test_a_faulty_table_is_refused_in_a_sentence(command: Command, table: str, words: str) -> None:
+    Path("table.csv").write_text(table)
+    status, _, err = command("-m", "sweep.samples=table.csv")
+    assert status == 2
+    assert words in err
+    assert left_behind() == [Path("table.csv")]
 
 
 def test_a_workspace_serves_motors_that_differ_in_all_a_response_depends_on() -> None:

@@ -1,14 +1,14 @@
-"""Maps of three chunks whose runs are made up."""
+"""Sweeps of three chunks whose runs are made up."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from contactlab.sweeps.cells import Axis
-from contactlab.sweeps.chunks import MapFolder
-from contactlab.sweeps.many import Answers, Report, Wanted
-from contactlab.sweeps.plan import Plan
+from contactlab.sweeps.answers import Answers
+from contactlab.sweeps.dataset import Axis
+from contactlab.sweeps.plan import Outputs, Plan
+from contactlab.sweeps.store import Store
 
 CELLS, CHUNK = 9, 3
 
@@ -17,15 +17,17 @@ def plan(first: float = 0.0, series: tuple[str, ...] = ()) -> Plan:
     return Plan(
         axes=(Axis("drive.phase", tuple(first + np.arange(CELLS, dtype=float)), "rad"),),
         groups=(),
+        choices=((),),
         bases=({"law": {"name": "newton"}},),
-        wanted=Wanted(("peak_force",), series),
+        samples=False,
+        outputs=Outputs(("peak_force",), series),
         chunk=CHUNK,
         code="code",
     )
 
 
 class Made:
-    """Stands for the processes of a map: a run's peak force is the number of its cell.
+    """Stands for the processes of a sweep: a run's peak force is the number of its cell.
 
     Args:
         meanwhile: what happens while the runs are made.
@@ -34,7 +36,7 @@ class Made:
     def __init__(self, meanwhile: Callable[[], object] = lambda: None) -> None:
         self.meanwhile = meanwhile
 
-    def answers(self, cells: Sequence[int], _: Report | None = None) -> Answers:
+    def answers(self, cells: Sequence[int]) -> Answers:
         self.meanwhile()
         time = np.linspace(0.0, 1.0, 5)
         return Answers(
@@ -46,9 +48,9 @@ class Made:
         )
 
 
-def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> MapFolder:
-    """A map of three chunks, some of which are finished."""
-    folder = MapFolder(path, plan(**of_plan))
+def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> Store:
+    """A sweep of three chunks, some of which are finished."""
+    folder = Store(path, plan(**of_plan))
     folder.begin()
     for chunk in range(finished):
         folder.run(chunk, Made())

@@ -1,0 +1,238 @@
+"""What the arguments of a sweep say: swept values by Hydra's grammar and ours, and the rest composed."""
+
+import random
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, final
+
+import pandas
+import xarray
+from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
+from hydra.types import HydraContext
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from contactlab.cli.app import choices_of
+from contactlab.cli.arguments import quoted
+from contactlab.cli.checking import sentences
+from contactlab.config import ConfigurationError
+from contactlab.config.faults import one_line
+from contactlab.config.nesting import Value
+from contactlab.sweeps.plan import Configuration, Plan
+from contactlab.sweeps.values import FORMS, SweepError, is_spaced, spread
+
+
+@final
+class Arguments:
+    """Reads the arguments of a sweep.
+
+    Args:
+        overrides: as Hydra parses them.
+        section: the section `sweep` as Hydra composes it.
+    """
+
+    def __init__(self, overrides: Iterable[Override], section: Mapping[str, Any]) -> None:
+        self.columns: dict[str, list[Value]] = {}
+        self.faults: list[str] = []
+        self._typed: dict[str, list[str]] = {}
+        self._order: dict[str, tuple[str, str]] = {}
+        settings = dict(section)
+        for override in overrides:
+            key, line = override.key_or_group, str(override.input_line)
+            values, typed = self._values(override)
+            if key.startswith("sweep."):
+                # A list of names is written as that of values is.
+                if override.is_sweep_override():
+                    settings[key.removeprefix("sweep.")] = values
+                continue
+            if key in self._order:
+                self.faults.append(
+                    f"{key} is given more than once; it must be either swept or set, and once. Leave the "
+                    "others out."
+                )
+            swept = override.is_sweep_override() or any(map(is_spaced, values))
+            self._order[key] = ("" if swept else line, line.partition("=")[0])
+            if swept:
+                self.columns[key], self._typed[key] = values, typed
+        self.settings = settings
+        if self.columns and settings["samples"] is not None:
+            self.faults.append(
+                f"{', '.join(self.columns)} and the table of sweep.samples are swept at once; it must be one "
+                "of them. Put all into the table, or leave it out."
+            )
+
+    @property
+    def fixed(self) -> list[str]:
+        """The overrides that all runs have."""
+        return [line for line, _ in self._order.values() if line]
+
+    def texts(self, plan: Plan) -> dict[str, list[str]]:
+        """Give all values of each key as an override has them: as typed, where they were typed one by one."""
+        texts = {}
+        for axis in plan.axes:
+            typed = self._typed.get(axis.key, ())
+            as_typed = len(typed) == len(axis.values)
+            texts[axis.key] = [*typed] if as_typed else [_text(value) for value in axis.values]
+        return texts
+
+    def lines(self, chosen: Mapping[str, str]) -> list[str]:
+        """Give the overrides of a run from the texts of its swept values."""
+        swept = dict(chosen)
+        lines = [
+            line or f"{prefix}={swept.pop(key)}" for key, (line, prefix) in self._order.items()
+        ]
+        return [*lines, *(f"{key}={text}" for key, text in swept.items())]
+
+    def _values(self, override: Override) -> tuple[list[Any], list[str]]:
+        """Give the values of an override, and how they are typed."""
+        line = str(override.input_line)
+        if override.is_delete():
+            return [], []
+        if not override.is_sweep_override():
+            return [_plain(override.value())], [line.partition("=")[2]]
+        if isinstance(said := override.value(), RangeSweep):
+            text = f"range({said.start},{said.stop},{said.step})"
+            if not said.shuffle:
+                return [text], []
+            try:
+                values = spread(override.key_or_group, text, float)
+            except SweepError as error:
+                self.faults.append(str(error))
+                return [], []
+            random.shuffle(values)
+            return values, [_text(value) for value in values]
+        if not override.is_discrete_sweep():
+            self.faults.append(f"{line} cannot be swept; a swept parameter must have {FORMS}.")
+            return [], []
+        values = [_plain(value) for value in override.sweep_iterator(Transformer.identity)]
+        return values, [str(text) for text in override.sweep_string_iterator()]
+
+
+@final
+class HydraComposer:
+    """Composes configurations by Hydra, once for every combination of options; see `planning.Composer`."""
+
+    def __init__(self, context: HydraContext, config: DictConfig, fixed: Sequence[str]) -> None:
+        self._loader = context.config_loader
+        self._config = config
+        self._fixed = list(fixed)
+        self._places: dict[tuple[Value, ...], DictConfig] = {}
+        self.choices: dict[tuple[Value, ...], dict[str, str | None]] = {}
+
+    def options(self, key: str) -> list[str]:
+        """Give the options of a group; none for what is no group."""
+        return self._loader.get_group_options(key)
+
+    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
+        """Give the configuration with these options, all else as it is set.
+
+        Raises:
+            ConfigurationError: it cannot be composed.
+        """
+        lines = [*self._fixed, *(f"{group}={option}" for group, option in chosen.items())]
+        try:
+            composed = self._loader.load_sweep_config(self._config, lines)
+        # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
+        except Exception as error:
+            raise ConfigurationError(sentences(error, lines)) from error
+        everything: dict[str, Any] = OmegaConf.to_container(composed, resolve=False)  # type: ignore[assignment]
+        sweep = everything["hydra"]["sweep"]
+        # The folder is told before Hydra knows the job.
+        sweep["subdir"] = str(sweep["subdir"]).replace("${hydra:", "${hydra.")
+        place = OmegaConf.create(everything)
+        OmegaConf.copy_cache(self._config, place)
+        options = tuple(chosen.values())
+        self._places[options], self.choices[options] = place, choices_of(composed.hydra)
+        return {key: value for key, value in everything.items() if key not in ("hydra", "sweep")}
+
+    def resolve(self, configuration: Configuration) -> Configuration:
+        """Put values in the place of references to them.
+
+        Raises:
+            ConfigurationError: one refers to what there is not.
+        """
+        if "${" not in str(configuration):
+            return configuration
+        try:
+            return OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)  # type: ignore[return-value]
+        except OmegaConfBaseException as error:
+            raise ConfigurationError(
+                [f"{one_line(error)} Correct the reference in ${{...}}."]
+            ) from error
+
+    def folder(
+        self,
+        chosen: tuple[Value, ...],
+        lines: Sequence[str],
+        values: Mapping[str, Value],
+        cell: int,
+    ) -> str:
+        """Name the folder of a run, as Hydra does.
+
+        Args:
+            chosen: the options of the swept groups.
+            lines: its overrides.
+            values: its swept values, by key.
+            cell: its number.
+
+        Raises:
+            ConfigurationError: the name refers to what there is not.
+        """
+        place = self._places[chosen]
+        said = place.hydra.job.config.override_dirname
+        told = sorted(line for line in lines if line.partition("=")[0] not in said.exclude_keys)
+        place.hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
+        place.hydra.job.num, place.hydra.job.id = cell, str(cell)
+        try:
+            for key, value in values.items():
+                OmegaConf.update(place, key, value, force_add=True)
+            return str(OmegaConf.select(place, "hydra.sweep.subdir"))
+        except OmegaConfBaseException as error:
+            raise ConfigurationError(
+                [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
+            ) from error
+
+
+def table(path: str) -> dict[str, list[Value]]:
+    """Read a table of samples, CSV or netCDF: its values by the names of its columns.
+
+    Raises:
+        ConfigurationError: it cannot be read, or lacks a value.
+    """
+    try:
+        if path.endswith(".csv"):
+            rows = pandas.read_csv(path, skipinitialspace=True)
+        else:
+            with xarray.open_dataset(path, decode_times=False) as dataset:
+                keys = {
+                    name: str(v.attrs.get("key", name)) for name, v in dataset.variables.items()
+                }
+                rows = dataset.to_dataframe().rename(columns=keys)
+    # A file can be anything.
+    except Exception as error:
+        raise ConfigurationError(
+            [
+                f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, CSV "
+                "or netCDF, whose columns are keys and whose rows are runs."
+            ]
+        ) from error
+    empty = [
+        f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "
+        "leave the row out."
+        for name in rows
+        for row in rows[name].isna().to_numpy().nonzero()[0]
+    ]
+    if empty:
+        raise ConfigurationError(empty)
+    return {str(name).strip(): rows[name].tolist() for name in rows}
+
+
+def _plain(value: Any) -> Any:
+    return value.text if isinstance(value, QuotedString) else value
+
+
+def _text(value: Value) -> str:
+    """Give a value as an override has it."""
+    if isinstance(value, str):
+        return value if re.fullmatch(r"[\w.+-]+", value, re.ASCII) else quoted(value)
+    return str(value).lower() if isinstance(value, bool) else repr(value)

@@ -1,0 +1,325 @@
+"""The sweep of a command line: every run checked before the first, what is complete skipped, all collected.
+
+Hydra's own sweeper hands every job to the launcher, so that a cluster would be asked for a node to find a run
+complete. Here the jobs are known and sound, and the launcher is given those that are to run: a job each where
+runs leave their folders, a job a chunk where they leave their metrics alone.
+"""
+
+import os
+import platform
+import sys
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, final
+
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.plugins import Plugins
+from hydra.plugins.sweeper import Sweeper
+from hydra.types import HydraContext, TaskFunction
+from omegaconf import DictConfig, OmegaConf
+
+from contactlab.cli import terminal
+from contactlab.cli.arguments import quoted
+from contactlab.cli.checking import (
+    announce,
+    announce_series,
+    misplaced,
+    sentences,
+    sets_friction,
+)
+from contactlab.cli.jobs import refusals, write_log
+from contactlab.cli.sweep_arguments import Arguments, HydraComposer, table
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
+from contactlab.config import ConfigurationError, validate
+from contactlab.config.faults import one_line
+from contactlab.config.rules import idle_friction
+from contactlab.results.files import LOG, told
+from contactlab.settings import Sweep
+from contactlab.sweeps.batch import WorkerError, processors
+from contactlab.sweeps.collection import collect
+from contactlab.sweeps.dataset import summary
+from contactlab.sweeps.manifest import extend_manifest, resume, sentence
+from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
+from contactlab.sweeps.planning import NOTHING, Columns, full_keys, planned, setups_of
+from contactlab.sweeps.state import Job, key_of
+from contactlab.sweeps.store import CHUNKS, Store
+from contactlab.sweeps.values import SweepError
+
+MOST_JOBS = 100_000
+"""Runs that leave a folder each, which takes a fifth of a second beside the run."""
+
+
+@final
+class ContactlabSweeper(Sweeper):
+    """Plans, checks, resumes and collects a sweep.
+
+    Args:
+        max_batch_size: jobs that a launcher is given at once; None is all.
+        params: what is swept beside the arguments, values by key.
+    """
+
+    def __init__(
+        self, max_batch_size: int | None = None, params: Mapping[str, str] | None = None
+    ) -> None:
+        self._size = max_batch_size
+        self._params = dict(params or {})
+
+    def setup(
+        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
+    ) -> None:
+        """See `Sweeper.setup`."""
+        self._context, self._task, self._config = hydra_context, task_function, config
+        self._parser = OverridesParser.create(config_loader=hydra_context.config_loader)
+
+    def sweep(self, arguments: list[str]) -> None:
+        """Run a sweep, or go on with it.
+
+        Raises:
+            SystemExit: with the status of the worst run, or that of what was refused.
+        """
+        lines = [*(f"{key}={value}" for key, value in self._params.items()), *arguments]
+        try:
+            status = self._swept(lines)
+        except ConfigurationError as error:
+            status = refuse(dict.fromkeys(error.faults))
+        except SweepError as error:
+            status = refuse([str(error)])
+        if status:
+            raise SystemExit(status)
+
+    def _swept(self, lines: Sequence[str]) -> int:
+        try:
+            overrides = self._parser.parse_overrides(list(lines))
+            folder = Path(str(self._config.hydra.sweep.dir))
+            section: Any = OmegaConf.to_container(self._config.sweep, resolve=True)
+        # Hydra lets the errors of what it calls through.
+        except Exception as error:
+            raise ConfigurationError(sentences(error, lines)) from error
+        arguments = Arguments(overrides, section)
+        composer = HydraComposer(self._context, self._config, arguments.fixed)
+        faults = [*misplaced(lines, swept=True), *arguments.faults]
+        try:
+            validate({**composer.compose({}), "sweep": arguments.settings})
+        except ConfigurationError as error:
+            # What else is wrong may be set right by what is swept.
+            faults += [fault for fault in error.faults if fault.startswith("sweep.")]
+        if faults:
+            raise ConfigurationError(faults)
+        settings = Sweep(**arguments.settings)
+        samples = settings.samples is not None
+        columns: Columns = arguments.columns
+        if settings.samples is not None:
+            columns = full_keys(table(settings.samples), composer)
+        plan = planned(
+            composer,
+            columns,
+            _outputs(settings),
+            samples=samples,
+            chunk=settings.chunk,
+            progress=terminal.progress,
+        )
+        set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
+        if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
+            tell(f"contactlab: {words}", sys.stderr)
+        if settings.keep == "metrics":
+            return self._metrics(plan, settings, folder)
+        jobs = self._jobs(plan, arguments, composer)
+        return self._folders(jobs, settings, folder, samples)
+
+    def _folders(
+        self,
+        jobs: Sequence[tuple[str, Job, list[str]]],
+        settings: Sweep,
+        folder: Path,
+        samples: bool,
+    ) -> int:
+        """Run jobs that leave a folder each, but for those that are complete; give the worst status."""
+        for name, count in Counter(name for name, _, _ in jobs).items():
+            if count > 1:
+                raise ConfigurationError(
+                    [
+                        f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite "
+                        "each other; it must differ from job to job. Leave it out, and give every value "
+                        "once."
+                    ]
+                )
+        there = [folder / name for name, _, _ in jobs if (folder / name).exists()]
+        longest = folder / max((name for name, _, _ in jobs), key=len)
+        if faults := [fault for path in {*there, longest} for fault in refusals(path)]:
+            raise ConfigurationError(faults)
+        done, said = resume([(folder / name, job.key) for name, job, _ in jobs])
+        print(said, flush=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        extend_manifest(folder, {name: job for name, job, _ in jobs}, samples)
+        pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
+        status = COMPLETE
+        if pending:
+            announce(job.configuration for _, job, _ in pending)
+            OmegaConf.save(self._config, folder / "multirun.yaml")
+            where = f"hydra.sweep.dir={quoted(str(folder))}"
+            batch = [
+                [*lines, where, f"hydra.sweep.subdir={quoted(name)}"] for name, _, lines in pending
+            ]
+            status = self._launched(self._task, batch, folder)
+        _collected(folder, settings)
+        return status
+
+    def _jobs(
+        self, plan: Plan, arguments: Arguments, composer: HydraComposer
+    ) -> list[tuple[str, Job, list[str]]]:
+        """Build every run; give the name of its folder, what it is asked for, and its overrides."""
+        if plan.cells > MOST_JOBS:
+            raise ConfigurationError(
+                [
+                    f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs are asked for; a sweep of "
+                    f"folders must have at most {MOST_JOBS}. Take fewer values, or sweep.keep=metrics, "
+                    "which keeps numbers alone."
+                ]
+            )
+        jobs = []
+        texts = arguments.texts(plan)
+        resolve = composer.resolve if "${" in str(plan.bases) else None
+        for cell, setup in setups_of(plan, resolve, terminal.progress):
+            places = zip(texts.items(), plan.places(cell), strict=True)
+            lines = arguments.lines({key: column[place] for (key, column), place in places})
+            point = plan.point(cell)
+            options = tuple(point[group] for group in plan.groups)
+            values = {key: point[key] for key in point if key not in plan.groups}
+            name = composer.folder(options, lines, values, cell)
+            job = Job(key_of(setup), tuple(lines), composer.choices[options], setup.configuration)
+            jobs.append((name, job, lines))
+        return jobs
+
+    def _metrics(self, plan: Plan, settings: Sweep, folder: Path) -> int:
+        """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
+        faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
+        if not plan.axes:
+            faults.append(NOTHING)
+        if "${" in str(plan.bases):
+            faults.append(
+                "The configuration has references in ${...}; a sweep of metrics must have their values, "
+                "which may depend on what is swept. Write the values."
+            )
+        if faults:
+            raise ConfigurationError(faults)
+        if plan.samples:
+            deque(setups_of(plan, None, terminal.progress), maxlen=0)
+        store = Store(folder, plan)
+        store.begin()
+        print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
+        if plan.outputs.series:
+            # A run that is refused is told of at its place.
+            with suppress(ConfigurationError):
+                announce_series(plan.cells, len(plan.outputs.series), Setups(plan)(0).configuration)
+        try:
+            with terminal.raising():
+                status = self._chunks(store, store.missing(), settings.workers)
+                dataset = store.merge()
+        except WorkerError as error:
+            tell(str(error), sys.stderr)
+            return INCOMPLETE
+        except OSError as error:
+            tell(f"The sweep could not be written: {told(error)}", sys.stderr)
+            return INCOMPLETE
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                "Interrupted. The chunks that are finished are kept: the same command goes on there."
+            ) from None
+        print(summary(dataset, store.file))
+        return max(status, int(dataset.attrs["runs_absent"] > 0))
+
+    def _chunks(self, store: Store, missing: Sequence[int], workers: int | None) -> int:
+        """Run the chunks that are missing, here or by a launcher."""
+        if not missing:
+            return COMPLETE
+        if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
+            with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
+                store.run_missing(workers, show)
+            return COMPLETE
+        where = quoted(str(store.path.absolute()))
+        own = [
+            f"hydra.sweep.dir={quoted(str((store.path / CHUNKS).absolute()))}",
+            "hydra.sweep.subdir=log/${hydra.job.num}",
+            "hydra.output_subdir=null",
+        ]
+        batch = [
+            [f"+chunk.folder={where}", f"+chunk.number={n}", f"+chunk.workers={workers or 0}", *own]
+            for n in missing
+        ]
+        self._config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
+        return self._launched(run_chunk, batch, store.path)
+
+    def _launched(self, task: TaskFunction, batch: list[list[str]], folder: Path) -> int:
+        """Have a launcher run jobs; give the status of the worst, and tell why they cannot be run."""
+        status = COMPLETE
+        try:
+            # Between the jobs an exception, at which a launcher ends the processes that it has begun.
+            with terminal.raising():
+                launcher = Plugins.instance().instantiate_launcher(
+                    hydra_context=self._context, task_function=task, config=self._config
+                )
+                size = self._size or len(batch)
+                for first in range(0, len(batch), size):
+                    jobs = batch[first : first + size]
+                    for returned in launcher.launch(jobs, initial_job_idx=first):
+                        # The exception of a job that failed is raised by looking at it.
+                        status = max(status, int(returned.return_value or 0))
+        # A worker that is killed, a cluster that takes no jobs: the launchers raise what they like.
+        except Exception as error:
+            tell(
+                f"The sweep stopped: {type(error).__name__}: {one_line(error)} What is complete stays, "
+                "and the same command goes on from there.",
+                sys.stderr,
+            )
+            with suppress(OSError):
+                write_log(folder / LOG, error)
+            status = INCOMPLETE
+        return status
+
+
+def run_chunk(settings: DictConfig) -> int:
+    """Run one chunk of a sweep that keeps metrics; launchers import it from here.
+
+    Raises:
+        SweepError: this machine has other code than the sweep was begun with.
+    """
+    asked = settings.chunk
+    store = Store.opened(Path(asked.folder))
+    if code_digest_of(store.plan.bases) != store.plan.code:
+        raise SweepError(
+            f"The sweep in '{store.path}' was begun by other code than {platform.node()} has; both must be "
+            "the same, laws of other packages included. Install one version everywhere."
+        )
+    # The processes of a launcher share a machine, unless a cluster gives each some processors.
+    workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
+    with store.batch(min(workers, processors())) as batch:
+        store.run(asked.number, batch)
+    return COMPLETE
+
+
+def _collected(folder: Path, settings: Sweep) -> None:
+    """Collect what is there; a failure of that is told and is none of the sweep."""
+    try:
+        with terminal.raising():
+            outputs = _outputs(settings)
+            metrics = () if settings.metrics is None else outputs.metrics
+            dataset = collect(folder, series=outputs.series, metrics=metrics)
+            print(summary(dataset, dataset.encoding["source"]))
+    except SweepError as error:
+        tell(f"The runs could not be collected: {error}", sys.stderr)
+    except OSError as error:
+        tell(f"The runs could not be collected: {told(error)}", sys.stderr)
+
+
+def _outputs(settings: Sweep) -> Outputs:
+    """Take what is kept of a run.
+
+    Raises:
+        ConfigurationError: there is no such metric or series.
+    """
+    try:
+        return Outputs.named(settings.metrics, settings.series or ())
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error

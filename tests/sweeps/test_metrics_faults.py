@@ -1,0 +1,81 @@
+"""A faulty command line of a sweep that keeps metrics is refused in a sentence before anything runs."""
+
+import pytest
+from support.command_line import Command, left_behind
+from support.sweeps import METRICS_ALONE
+
+FAULTS = [
+    (["drive.phase=1"], "Nothing is swept"),
+    (["contact.clearence=1,2"], "Did you mean contact.clearance?"),
+    (["contact.clearance=linspace(0,2e-6)"], "does not have three arguments"),
+    (["contact.clearance=linspace(0,2e-6,0)"], "has the count '0'"),
+    (["contact.clearance=linspace(0,2e-6,1.5)"], "has the count '1.5'"),
+    (["contact.clearance=linspace(0 kg,1 m,3)"], "whose unit 'kg' cannot be converted to m"),
+    (["contact.clearance=linspace(a,1 m,3)"], "'a', which is not a number"),
+    (["contact.clearance=geomspace(0,1e-6,4)"], "Use linspace"),
+    (["contact.clearance=range(1,1)"], "has no values"),
+    (["contact.clearance=foo(1)"], "cannot be read"),
+    (["contact.clearance=interval(0,1)"], "cannot be swept"),
+    (["drive.phase=1,2", "contact.clearance="], "contact.clearance is ''"),
+    (["=1"], "has no key"),
+    (["drive.phase=[1],[2]"], "each must be a number"),
+    (
+        ["contact.clearance=-1e-6,1e-6"],
+        "contact.clearance is -1e-06 m; it must be at least 0 m",
+    ),
+    (["resonator.shapes=linspace(2,3,3)"], "resonator.shapes is 2.5"),
+    (["law=hertz,newton"], "law is 'hertz'"),
+    (["law=hertz,newton"], "Did you mean hertz_penalty?"),
+    (["law=composed", "law.normal.name=linear,line"], "of one law/normal to another"),
+    (
+        ["law=composed", "law.normal.name=linear", "drive.phase=1,2"],
+        "of one law/normal to another",
+    ),
+    (["drive.phase=range(0,1,1e-9)"], "has 1e+09 values; it must have at most 10000000"),
+    (["drive.phase=range(0,inf,1)"], "does not end"),
+    (["drive.phase=range(0,nan,1)"], "does not end"),
+    (["drive.phase=linspace(0,1,1000000000)"], "at most 10000000"),
+    (["drive.phase=linspace(0,1," + "9" * 5000 + ")"], "at most 10000000"),
+    (["drive.phase=linspace(0,inf,3)"], "both ends must be finite"),
+    (["rotor.initial_velocity=linspace(-1e308,1e308,3)"], "both ends must be finite"),
+    (
+        ["drive.phase=linspace(0,1,10000)", "drive.voltage_1=linspace(0,1,10000)"],
+        "10000 x 10000 = 1e+08 runs are asked for; a sweep must have at most 10000000",
+    ),
+    (["drive.phase=1,2", "--workerz=2"], "unrecognized arguments: --workerz=2"),
+    (["drive.phase=1,2", "drive.phase=3"], "given more than once"),
+    (["drive.phase=1,2", "drive.phase=3"], "given more than once"),
+    (["drive.phase=1,1"], "has a value twice"),
+    (["contact.clearance=1e-6,1 um"], "has a value twice"),
+    (["drive.phase=1,2", "law=hertzz"], "law is 'hertzz'"),
+    (["drive.phase=1,2", "solver.duratio=1"], "Did you mean solver.duration?"),
+    (["drive.phase=1,2", "rotor.load_torque=${contact.clearance}"], "references in ${...}"),
+    (["drive.phase=1,2", "sweep.metrics=peak_farce"], "Did you mean peak_force?"),
+    (["drive.phase=1,2", "sweep.series=gab"], "Did you mean gap?"),
+    (["solver.duration=1e-3,2e-3", "sweep.series=gap"], "at the same times in every run"),
+    (["drive.phase=1,2", "sweep.keep=numbers"], "sweep.keep is 'numbers'"),
+    (
+        ["drive.phase=1,2", "sweep.keep=runs", "sweep.workers=2"],
+        "it must come with sweep.keep=metrics",
+    ),
+    (["drive.phase=1,2", "sweep.samples=nowhere.csv"], "swept at once"),
+    (["sweep.samples=nowhere.csv"], "sweep.samples is 'nowhere.csv' and cannot be read"),
+    (["drive.phase=1,2", "sweep.workers=0"], "sweep.workers is 0; it must be at least 1"),
+    (["drive.phase=1,2", "sweep.chunk=-1"], "sweep.chunk is -1; it must be at least 1"),
+    (["drive.phase=1,2", "--config-dir=nowhere"], "It must be a folder"),
+    (["drive.phase=1,2", "hydra/launcher=jubilee"], "hydra/launcher is 'jubilee'"),
+    (["drive.phase=1,2", "hydra.launcher.n_jobs=2"], "n_jobs"),
+    (["hydra.run.dir=a,b"], "Sweeping over Hydra's configuration is not supported"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), FAULTS, ids=[" ".join(f)[:80] for f, _ in FAULTS])
+def test_a_faulty_sweep_is_refused_in_a_sentence_before_anything_runs(
+    arguments: list[str], words: str, command: Command
+) -> None:
+    status, out, err = command(*METRICS_ALONE, *arguments)
+    assert status == 2
+    assert words in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert left_behind() == []
