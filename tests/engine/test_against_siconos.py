@@ -15,7 +15,7 @@ from foreign.problem import CASE_A, MOTORS, problem_of
 from foreign.siconos_run import CHOICE, SiconosRun, find_siconos, missing_siconos, siconos_runs
 from numpy.typing import NDArray
 from oracle import solve_rigid_stick
-from support.long_forms import cases
+from support.command_line import cases
 from support.motors import default_motor, final, oracle_motor, run, total
 
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MoreauJean, Newton

@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 from oracle import SlipOnlyRun, solve_rigid_slip, solve_rigid_stick
-from support.long_forms import cases
-from support.motors import PLACEMENT_1, default_motor, oracle_motor, run
-from support.random_motors import random_motor
+from support.command_line import cases
+from support.motors import PLACEMENT_1, default_motor, oracle_motor, random_motor, run
 
 from contactlab.laws import LagrangeSlip
 from contactlab.trajectory import Trajectory

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 import xarray
-from support.long_forms import cases
-from support.packages import Elsewhere
+from support.command_line import Elsewhere, cases
 from support.sweeps import QUICK
 
 LAW = """

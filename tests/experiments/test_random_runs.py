@@ -12,8 +12,7 @@ from types import ModuleType
 
 import pandas as pd
 import pytest
-from support.command_line import Command
-from support.long_forms import cases
+from support.command_line import Command, cases
 
 from contactlab.metrics import INVARIANTS
 
