@@ -6,7 +6,7 @@ resonators, materials, drive, rotor, contact and solver alike.
 
 from dataclasses import MISSING, dataclass
 from dataclasses import fields as dataclass_fields
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from math import inf, isfinite
 from types import NoneType
 from typing import Annotated, Any, final, get_args, get_origin, get_type_hints
@@ -68,6 +68,10 @@ class Parameter:
         return " and ".join(
             f"{word} {bound:g}{self.label}" for word, bound in bounds.items() if isfinite(bound)
         )
+
+
+positive = partial(Parameter, above=0.0)
+not_negative = partial(Parameter, at_least=0.0)
 
 
 @final

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, final
 
 from contactlab.checks import check_fields
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, positive
 
 
 @final
@@ -12,13 +12,11 @@ from contactlab.parameter import Parameter
 class Solver:
     """How long and how finely to integrate."""
 
-    duration: Annotated[float, Parameter("T", "s", "simulated time", above=0.0)] = 0.02
+    duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
     contact_step: Annotated[
         float | None,
-        Parameter(
-            *("h", "s", "largest step while in contact"),
-            above=0.0,
-            hint="Leave it out for the law's own default.",
+        positive(
+            "h", "s", "largest step in contact", hint="Leave it out for the law's own default."
         ),
     ] = None
     tolerance: Annotated[
@@ -40,10 +38,8 @@ class Solver:
 class Record:
     """What is kept; it does not change the motion."""
 
-    interval: Annotated[float, Parameter("", "s", "time between records", above=0.0)] = 1e-6
-    picture: Annotated[
-        bool, Parameter("", "1", "whether run.png is drawn; it takes longer than a usual run")
-    ] = True
+    interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
+    picture: Annotated[bool, Parameter("", "1", "whether run.png is drawn; it takes long")] = True
 
     def __post_init__(self) -> None:
         check_fields(self)

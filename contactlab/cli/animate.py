@@ -11,12 +11,10 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
 from contactlab.config.quantity import UnitError, to_si
-from contactlab.results.files import damage
+from contactlab.metrics import read_run
 
 if TYPE_CHECKING:
-    import xarray
-
-    from contactlab.plot.animation_data import Run
+    from contactlab.plot.animation_data import Recording
 
 FILM_TIME = 10.0
 """How long an animation lasts [s], whatever it shows."""
@@ -108,7 +106,7 @@ def _animate(wanted: Namespace) -> None:
     try:
         if output.suffix.lower() == ".mp4":
             encoder()
-        run = run_of(_dataset(source))
+        run = run_of(read_run(source))
         start, end = _window(run, wanted.start, wanted.duration)
         film = film_of(run, start, end, frames)
     except UnfitRunError as fault:
@@ -116,7 +114,7 @@ def _animate(wanted: Namespace) -> None:
             f"'{source}' {fault}; it must be a run.nc that contactlab wrote. Choose another one, or another "
             "part of it with --start and --duration."
         ) from fault
-    except NoEncoderError as fault:
+    except (NoEncoderError, ValueError) as fault:
         raise RefusalError(str(fault)) from fault
     _advise(run, end - start, frames)
     from contactlab.plot.animation import Animation
@@ -157,25 +155,9 @@ def _number(option: str, text: str, unit: str) -> float:
         raise RefusalError(f"{option} is '{text}', {fault}; write it like {example}.") from fault
 
 
-def _dataset(source: Path) -> "xarray.DataTree":
-    """All of a dataset, the file closed."""
-    import xarray
-
-    if damaged := damage(source):
-        raise RefusalError(damaged)
-    try:
-        # Plain numbers as they were written: times in seconds are not to become dates.
-        with xarray.open_datatree(source, engine="netcdf4", decode_cf=False) as tree:
-            return tree.load()
-    # The netCDF library tells of a damaged file by any of these.
-    except (OSError, RuntimeError, ValueError, AttributeError, KeyError) as fault:
-        raise RefusalError(
-            f"'{source}' cannot be read as netCDF ({fault}); it must be a run.nc that contactlab wrote. "
-            "Choose another file, or run it again."
-        ) from fault
-
-
-def _window(run: "Run", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
+def _window(
+    run: "Recording", start_text: str | None, duration_text: str | None
+) -> tuple[float, float]:
     """Start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
@@ -201,7 +183,7 @@ def _window(run: "Run", start_text: str | None, duration_text: str | None) -> tu
     return begin, min(begin + duration, last)
 
 
-def _advise(run: "Run", duration: float, frames: int) -> None:
+def _advise(run: "Recording", duration: float, frames: int) -> None:
     """Say so if the picture will not show the vibration."""
     if run.coarse:
         print(

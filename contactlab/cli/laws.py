@@ -1,15 +1,17 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
 from collections.abc import Iterator
+from dataclasses import MISSING
 from textwrap import fill
 from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
 from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
-from contactlab.laws.declaration import SHARED, Member, members_of
+from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.part import Friction, Part
 from contactlab.laws.registry import PARTS, Origin, law_class, origins
+from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion
 
 WIDTH = 100
@@ -92,7 +94,7 @@ def _described(owner: type[ContactLaw | Part], title: str, origin: str) -> str:
     """All that a law or a part says of itself."""
     rows = {
         "equation": owner.equation,
-        **{f"parameter {m.name}": described_parameter(m) for m in members_of(owner)},
+        **{f"parameter {n}": described_parameter(n, m) for n, m in members_of(owner).items()},
         **declared_rows(owner),
         "source": owner.source,
         "package": origin,
@@ -102,18 +104,19 @@ def _described(owner: type[ContactLaw | Part], title: str, origin: str) -> str:
     return "\n".join([title, *([_wrapped(first)] if first else []), *lines])
 
 
-def described_parameter(member: Member) -> str:
+def described_parameter(name: str, member: DeclaredField) -> str:
     """Symbol, unit, meaning, default and range of a number; the options of a part."""
-    said = member.parameter
+    said, given = member.parameter, member.default
     if said is None:
-        options = ", ".join(PARTS[member.family])
-        default = f", default {member.default.name}" if member.default is not None else ""
-        return f"a part, law/{member.family}={options}{default}"
+        family = family_of(member)
+        default = "" if given is MISSING else f", default {given.name}"
+        return f"a part, law/{family}={', '.join(PARTS[family])}{default}"
     unit = "" if said.units == "1" else f" [{said.units}]"
-    if member.name == SHARED:
+    default = "must be given"
+    if name == SHARED:
         default = "contact.friction_coefficient"
-    else:
-        default = "must be given" if member.default is None else f"default {member.default:g}"
+    elif given is not MISSING:
+        default = "default none" if given is None else f"default {given:g}"
     return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
 
 
@@ -130,10 +133,11 @@ def declared_rows(owner: Any) -> dict[str, str]:
         rows["stick"] = _of_parts(
             owner.exact_stick, {True: "exact", False: "not exact: it gives, creeps or chatters"}
         )
-        rows["memory"] = _of_parts(getattr(owner, "memory", ()))
-        if rows["memory"] and not isinstance(owner.memory, property):
-            even = getattr(owner, "memory_parity", ODD) == EVEN
-            rows["memory"] += f", {'even' if even else 'odd'} in a mirror"
+        word = "internal variable"
+        rows[word] = _of_parts(getattr(owner, "internal_variables", ()))
+        if rows[word] and not isinstance(owner.internal_variables, property):
+            even = getattr(owner, "internal_parity", ODD) == EVEN
+            rows[word] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):
             rows["breaks"] = _of_parts(violations)

@@ -2,7 +2,7 @@
 
 import random
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, final
 
 import pandas
@@ -18,7 +18,8 @@ from contactlab.cli.checking import sentences
 from contactlab.config import ConfigurationError
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
-from contactlab.sweeps.plan import Configuration, Plan
+from contactlab.settings import Sweep
+from contactlab.sweeps.plan import Configuration, Outputs, Plan
 from contactlab.sweeps.values import FORMS, SweepError, is_spaced, spread
 
 
@@ -66,22 +67,23 @@ class Arguments:
         """The overrides that all runs have."""
         return [line for line, _ in self._order.values() if line]
 
-    def texts(self, plan: Plan) -> dict[str, list[str]]:
-        """Give all values of each key as an override has them: as typed, where they were typed one by one."""
+    def lines(self, plan: Plan) -> Callable[[int], list[str]]:
+        """Give what gives the overrides of each run, with its values as typed where they were one by one."""
         texts = {}
         for axis in plan.axes:
             typed = self._typed.get(axis.key, ())
             as_typed = len(typed) == len(axis.values)
-            texts[axis.key] = [*typed] if as_typed else [_text(value) for value in axis.values]
-        return texts
+            texts[axis.key] = typed if as_typed else [_text(value) for value in axis.values]
 
-    def lines(self, chosen: Mapping[str, str]) -> list[str]:
-        """Give the overrides of a run from the texts of its swept values."""
-        swept = dict(chosen)
-        lines = [
-            line or f"{prefix}={swept.pop(key)}" for key, (line, prefix) in self._order.items()
-        ]
-        return [*lines, *(f"{key}={text}" for key, text in swept.items())]
+        def lines_of(cell: int) -> list[str]:
+            places = zip(texts.items(), plan.places(cell), strict=True)
+            chosen = {key: column[place] for (key, column), place in places}
+            lines = [
+                line or f"{name}={chosen.pop(key)}" for key, (line, name) in self._order.items()
+            ]
+            return [*lines, *(f"{key}={text}" for key, text in chosen.items())]
+
+        return lines_of
 
     def _values(self, override: Override) -> tuple[list[Any], list[str]]:
         """Give the values of an override, and how they are typed."""
@@ -193,6 +195,18 @@ class HydraComposer:
             ) from error
 
 
+def outputs_of(settings: Sweep) -> Outputs:
+    """Take what is kept of a run.
+
+    Raises:
+        ConfigurationError: there is no such metric or series.
+    """
+    try:
+        return Outputs.named(settings.metrics, settings.series or ())
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error
+
+
 def table(path: str) -> dict[str, list[Value]]:
     """Read a table of samples, CSV or netCDF: its values by the names of its columns.
 
@@ -204,10 +218,11 @@ def table(path: str) -> dict[str, list[Value]]:
             rows = pandas.read_csv(path, skipinitialspace=True)
         else:
             with xarray.open_dataset(path, decode_times=False) as dataset:
-                keys = {
-                    name: str(v.attrs.get("key", name)) for name, v in dataset.variables.items()
-                }
-                rows = dataset.to_dataframe().rename(columns=keys)
+                said = {name: values.attrs for name, values in dataset.variables.items()}
+                # The dataset of a sweep says which of its variables are keys.
+                keys = {name: text["key"] for name, text in said.items() if "key" in text}
+                rows = dataset.to_dataframe()
+                rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
     # A file can be anything.
     except Exception as error:
         raise ConfigurationError(

@@ -30,7 +30,7 @@ from contactlab.cli.checking import (
     sets_friction,
 )
 from contactlab.cli.jobs import refusals, write_log
-from contactlab.cli.sweep_arguments import Arguments, HydraComposer, table
+from contactlab.cli.sweep_arguments import Arguments, HydraComposer, outputs_of, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
@@ -41,8 +41,8 @@ from contactlab.sweeps.batch import WorkerError, processors
 from contactlab.sweeps.collection import collect
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.manifest import extend_manifest, resume, sentence
-from contactlab.sweeps.plan import Outputs, Plan, Setups, code_digest_of
-from contactlab.sweeps.planning import NOTHING, Columns, full_keys, planned, setups_of
+from contactlab.sweeps.plan import Plan, Setups, code_digest_of
+from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
@@ -108,15 +108,11 @@ class ContactlabSweeper(Sweeper):
         if faults:
             raise ConfigurationError(faults)
         settings = Sweep(**arguments.settings)
-        samples = settings.samples is not None
-        columns: Columns = arguments.columns
-        if settings.samples is not None:
-            columns = full_keys(table(settings.samples), composer)
         plan = planned(
             composer,
-            columns,
-            _outputs(settings),
-            samples=samples,
+            full_keys(table(settings.samples), composer) if settings.samples else arguments.columns,
+            outputs_of(settings),
+            samples=settings.samples is not None,
             chunk=settings.chunk,
             progress=terminal.progress,
         )
@@ -125,34 +121,28 @@ class ContactlabSweeper(Sweeper):
             tell(f"contactlab: {words}", sys.stderr)
         if settings.keep == "metrics":
             return self._metrics(plan, settings, folder)
-        jobs = self._jobs(plan, arguments, composer)
-        return self._folders(jobs, settings, folder, samples)
+        return self._folders(self._jobs(plan, arguments, composer), settings, folder)
 
     def _folders(
-        self,
-        jobs: Sequence[tuple[str, Job, list[str]]],
-        settings: Sweep,
-        folder: Path,
-        samples: bool,
+        self, jobs: Sequence[tuple[str, Job, list[str]]], settings: Sweep, folder: Path
     ) -> int:
         """Run jobs that leave a folder each, but for those that are complete; give the worst status."""
-        for name, count in Counter(name for name, _, _ in jobs).items():
-            if count > 1:
-                raise ConfigurationError(
-                    [
-                        f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite "
-                        "each other; it must differ from job to job. Leave it out, and give every value "
-                        "once."
-                    ]
-                )
-        there = [folder / name for name, _, _ in jobs if (folder / name).exists()]
-        longest = folder / max((name for name, _, _ in jobs), key=len)
-        if faults := [fault for path in {*there, longest} for fault in refusals(path)]:
+        names = Counter(name for name, _, _ in jobs)
+        faults = [
+            f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite each other; "
+            "it must differ from job to job. Leave it out, and give every value once."
+            for name, count in names.items()
+            if count > 1
+        ]
+        # Of folders that are not there yet the longest name tells.
+        tried = {*(folder / name for name in names if (folder / name).exists())}
+        faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
+        if faults:
             raise ConfigurationError(faults)
         done, said = resume([(folder / name, job.key) for name, job, _ in jobs])
         print(said, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, {name: job for name, job, _ in jobs}, samples)
+        extend_manifest(folder, {name: job for name, job, _ in jobs}, bool(settings.samples))
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
         status = COMPLETE
         if pending:
@@ -179,11 +169,10 @@ class ContactlabSweeper(Sweeper):
                 ]
             )
         jobs = []
-        texts = arguments.texts(plan)
+        lines_of = arguments.lines(plan)
         resolve = composer.resolve if "${" in str(plan.bases) else None
         for cell, setup in setups_of(plan, resolve, terminal.progress):
-            places = zip(texts.items(), plan.places(cell), strict=True)
-            lines = arguments.lines({key: column[place] for (key, column), place in places})
+            lines = lines_of(cell)
             point = plan.point(cell)
             options = tuple(point[group] for group in plan.groups)
             values = {key: point[key] for key in point if key not in plan.groups}
@@ -217,11 +206,9 @@ class ContactlabSweeper(Sweeper):
             with terminal.raising():
                 status = self._chunks(store, store.missing(), settings.workers)
                 dataset = store.merge()
-        except WorkerError as error:
-            tell(str(error), sys.stderr)
-            return INCOMPLETE
-        except OSError as error:
-            tell(f"The sweep could not be written: {told(error)}", sys.stderr)
+        except (WorkerError, OSError) as error:
+            why = told(error) if isinstance(error, OSError) else str(error)
+            tell(f"The sweep stopped: {why}", sys.stderr)
             return INCOMPLETE
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
@@ -261,9 +248,8 @@ class ContactlabSweeper(Sweeper):
                     hydra_context=self._context, task_function=task, config=self._config
                 )
                 size = self._size or len(batch)
-                for first in range(0, len(batch), size):
-                    jobs = batch[first : first + size]
-                    for returned in launcher.launch(jobs, initial_job_idx=first):
+                for at in range(0, len(batch), size):
+                    for returned in launcher.launch(batch[at : at + size], initial_job_idx=at):
                         # The exception of a job that failed is raised by looking at it.
                         status = max(status, int(returned.return_value or 0))
         # A worker that is killed, a cluster that takes no jobs: the launchers raise what they like.
@@ -303,23 +289,10 @@ def _collected(folder: Path, settings: Sweep) -> None:
     """Collect what is there; a failure of that is told and is none of the sweep."""
     try:
         with terminal.raising():
-            outputs = _outputs(settings)
-            metrics = () if settings.metrics is None else outputs.metrics
-            dataset = collect(folder, series=outputs.series, metrics=metrics)
+            kept = outputs_of(settings)
+            metrics = () if settings.metrics is None else kept.metrics
+            dataset = collect(folder, series=kept.series, metrics=metrics)
             print(summary(dataset, dataset.encoding["source"]))
-    except SweepError as error:
-        tell(f"The runs could not be collected: {error}", sys.stderr)
-    except OSError as error:
-        tell(f"The runs could not be collected: {told(error)}", sys.stderr)
-
-
-def _outputs(settings: Sweep) -> Outputs:
-    """Take what is kept of a run.
-
-    Raises:
-        ConfigurationError: there is no such metric or series.
-    """
-    try:
-        return Outputs.named(settings.metrics, settings.series or ())
-    except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+    except (SweepError, OSError) as error:
+        why = told(error) if isinstance(error, OSError) else str(error)
+        tell(f"The runs could not be collected: {why}", sys.stderr)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
+from types import NoneType
 from typing import Any, Final, Literal, final
 
 from pydantic import BaseModel
@@ -131,7 +132,7 @@ def keys_of_law(owner: Any) -> Keys:
     Raises:
         ValueError: it has fields that cannot be keys.
     """
-    names = [member.name for member in members_of(owner)]
+    names = list(members_of(owner))
     if taken := [name for name in names if name.startswith("_") or name in _RESERVED]:
         raise ValueError(
             f"{owner.name} has parameters named {', '.join(taken)}, which configurations use themselves; "
@@ -207,25 +208,34 @@ def _defaults(keys: Keys) -> dict[str, Any]:
     }
 
 
-def full_keys(found: object, path: str) -> Iterator[str]:
-    """Give every full key of what stands under a path, of every choice in it."""
-    if isinstance(found, Choice):
+def full_keys(found: Any, path: str) -> Iterator[tuple[str, DeclaredField]]:
+    """Give what is declared of every full key below a path, of every choice."""
+    if isinstance(found, DeclaredField):
+        yield path, found
+    elif isinstance(found, Choice):
         for keys in found.options.values():
             yield from full_keys(keys, path)
-    elif isinstance(found, dict):
-        for name, below in found.items():
-            yield from full_keys(below, f"{path}.{name}")
     else:
-        yield path
+        for name, below in found.items():
+            yield from full_keys(below, f"{path}.{name}" if path else name)
 
 
 @cache
 def known_keys(law: str = "") -> list[str]:
     """Give every full key of every choice, or of one law alone where it is named; a broken one has none."""
     choice = laws(*([law] if law else law_names()))
-    tables = {"law": choice.options.get(law, {"name": None}) if law else choice, **GROUPS}
-    found = [key for group, below in tables.items() for key in full_keys(below, group)]
-    return list(dict.fromkeys(found))
+    own = choice.options.get(law, _named("name", law, {})) if law else choice
+    return list(dict(full_keys({"law": own, **GROUPS}, "")))
+
+
+def help_on_keys() -> str:
+    """Give a line for every key but those of laws: what it is, its unit, and what null stands for."""
+    return "\n  ".join(
+        f"{key:<31} {said.meaning}{said.label and f' [{said.unit}]'}"
+        f"{'. ' + said.hint if NoneType in field.kinds else ''}"
+        for key, field in dict(full_keys(GROUPS, "")).items()
+        if (said := field.parameter)
+    )
 
 
 def told_by(section: str) -> str:

@@ -1,6 +1,5 @@
 """The schema of a configuration: pydantic models made from the groups' tables of keys."""
 
-from collections.abc import Iterator
 from functools import cache
 from typing import Annotated, Any, ClassVar, Union
 
@@ -73,14 +72,16 @@ def declared_in(checked: Section) -> dict[str, Parameter]:
     Args:
         checked: a configuration as `contactlab.config.validate` gives it, or a section of one.
     """
-    return dict(_declared(checked))
-
-
-def _declared(section: Section) -> Iterator[tuple[str, Parameter]]:
-    for name, field in type(section).model_fields.items():
-        value = getattr(section, name)
-        if isinstance(value, Section):
-            yield from _declared(value)
+    found: dict[str, Parameter] = {}
+    for name, field in type(checked).model_fields.items():
+        if isinstance(value := getattr(checked, name), Section):
+            found |= declared_in(value)
         for said in field.metadata:
             if isinstance(said, Quantity):
-                yield f"{section.path}{name}", said.parameter
+                found[f"{checked.path}{name}"] = said.parameter
+    return found
+
+
+def units_of(checked: Section) -> dict[str, str]:
+    """Give the unit of every key that holds a number, in the words of the CF conventions."""
+    return {key: said.units for key, said in declared_in(checked).items()}

@@ -18,7 +18,7 @@ LARGEST_TURN: Final = 0.01
 
 
 def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
-    """Give the step in contact [s] of a law on a resonator, never longer than the law's `default_contact_step`.
+    """Give the step in contact [s] of a law on a resonator, at most the law's `default_contact_step`.
 
     A rigid law that projects puts the tip back onto the closed gap after every step, after an impact at
     speed v by about v h / 2. That bends the modes, which costs or gives energy of the order of rate h

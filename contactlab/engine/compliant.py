@@ -41,10 +41,7 @@ def step_compliant(run: Run, law: Law) -> int:
     """
     state, step, levels = run.state, run.step, run.propagator.levels.size
     step.kind = COLLOCATED
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
-    for i in range(NODES):
-        # The directions of the start stand for those of the nodes.
-        step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
+    gap, rate, slip = _face_start(run)
     known = start_forces(run, law, gap, rate, slip)
     normal = known[0]
     if state.contact.duration == 0.0:
@@ -90,6 +87,16 @@ def step_compliant(run: Run, law: Law) -> int:
     state.level_before = level
     state.level = _following_level(run, level, error)
     return event
+
+
+@inner_kernel
+def _face_start(run: Run) -> tuple[float, float, float]:
+    """Give gap, gap rate and slip where the step begins; its directions stand for those of the nodes."""
+    step = run.step
+    gap, rate, slip, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
+    for i in range(NODES):
+        step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
+    return gap, rate, slip
 
 
 @inner_kernel

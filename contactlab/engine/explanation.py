@@ -63,7 +63,7 @@ def explain(run: Run, witness: Witness, contact_step: float) -> tuple[Ending, st
 
 
 def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple[Ending, str]:
-    """Give the ending of a run that reached its end: complete, or with a ledger that is open and a sentence."""
+    """Give the ending of a run that reached its end: complete, or with an open ledger and a sentence."""
     residual = float(np.abs(series["energy_residual"]).max())
     openness = openness_of(state, residual)
     # A ledger that is no number is not closed.

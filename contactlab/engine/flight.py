@@ -157,8 +157,9 @@ def curvature_bound(run: Run, h: float) -> float:
     th_rate = abs(th_rate) + th_acc * h
     u = abs(u) + u_rate * h
     th = abs(th) + th_rate * h
-    tip, radius = plant.geometry.tip_length, plant.geometry.radius
-    excess = plant.geometry.clearance + u + 0.5 * tip * th * th
+    tip: float = plant.geometry.tip_length
+    radius: float = plant.geometry.radius
+    excess: float = plant.geometry.clearance + u + 0.5 * tip * th * th
     lever = tip * th * (tip + radius + excess) / radius
     speed = u_rate + tip * th_rate
     return u_acc + lever * th_acc + tip * th_rate * th_rate + speed * speed / radius
@@ -185,7 +186,7 @@ def coarseness(run: Run) -> float:
         slope += mode.row_th * mode.q[START]
     tip = plant.geometry.tip_length
     lever = tip * abs(slope) * (1.0 + tip / plant.geometry.radius)
-    return max((abs(u) + lever * th) / REACH, 1.0)
+    return float(max((abs(u) + lever * th) / REACH, 1.0))
 
 
 @inner_kernel

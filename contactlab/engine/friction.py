@@ -162,7 +162,7 @@ def nudge_of(slip: float, least: float) -> float:
 def steepness_of(
     law: Law, at: tuple[float, float, float], normal: float, internal: float, friction: float
 ) -> float:
-    """Give how steeply friction falls with the slip [N s/m] at gap, gap rate and slip; zero where it rises."""
+    """Give how steeply friction falls with the slip [N s/m] at gap, gap rate and slip; zero if it rises."""
     gap, rate, slip = at
     dv = nudge_of(slip, HELD_SLIP)
     steeper = law.friction(gap, rate, slip + dv, normal, internal, law.parameters)[0]

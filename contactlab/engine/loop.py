@@ -54,10 +54,8 @@ def advance_compliant(
     for _ in range(budget):
         if not _opens_step(run, records, TOUCH_REFINEMENT):
             return
-        if run.state.phase == TOUCHING:
-            event = _checked(run, step_compliant(run, law))
-        else:
-            event = step_flight(run, law)
+        touching = run.state.phase == TOUCHING
+        event = _checked(run, step_compliant(run, law)) if touching else step_flight(run, law)
         commit(run, law, records)
         _act(run, records, event, TOUCH_REFINEMENT)
         if event != NOTHING and event != TOUCH and event != RELEASE:
@@ -79,10 +77,8 @@ def advance_rigid(
     for _ in range(budget):
         if not _opens_step(run, records, 0):
             return
-        if run.state.phase == TOUCHING:
-            event = _checked(run, step_rigid(run, law))
-        else:
-            event = step_flight(run, law)
+        touching = run.state.phase == TOUCHING
+        event = _checked(run, step_rigid(run, law)) if touching else step_flight(run, law)
         commit(run, law, records)
         _act(run, records, event, 0)
 

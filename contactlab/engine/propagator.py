@@ -172,7 +172,7 @@ class Workspace:
 @part_kernel
 def step_length(propagator: Propagator, level: int) -> float:
     """Give the length of a level's step [s]."""
-    return propagator.rule.longest * 0.5**level
+    return float(propagator.rule.longest * 0.5**level)
 
 
 @kernel

@@ -44,6 +44,7 @@ from contactlab.laws.declaration import LawError
 from contactlab.laws.intake import check_words, fault_of_answers, guarded, kernel_parameters
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
+from contactlab.variables import CONTACTS
 
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact. The step
@@ -76,10 +77,10 @@ def simulate(
 
     A run that goes on from another's `Trajectory.state` is the run that was never cut, bit for bit: the same
     steps (the one that the cut shortened is taken again, whole), the clock and the drive's phase go on, a
-    contact that was cut goes on as one contact, and so do ledger, residual, rotor angle and statistics, all of
-    them since t = 0. Its first record is the state that it starts from; where the cut falls on a record of
-    the interval, its records are those of the uncut run. Only where nothing vibrates at all does the
-    length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
+    contact that was cut goes on as one contact, and so do ledger, residual, rotor angle and statistics,
+    all of them since t = 0. Its first record is the state that it starts from; where the cut falls on a
+    record of the interval, its records are those of the uncut run. Only where nothing vibrates at all does
+    the length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
     stands then goes on under the new ones.
 
     Args:
@@ -159,7 +160,7 @@ def simulate(
         time=time,
         series=series,
         contact_mode=modes,
-        contacts={name: rows[name].copy() for name in rows.dtype.names},
+        contacts={variable.name: rows[variable.name].copy() for variable in CONTACTS},
         statistics={name: int(state[name]) for name in COUNTS},
         ending=ending,
         message=message,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import product
 from math import ceil, prod
-from typing import Any, Final, Protocol, final
+from typing import Any, Final, Protocol
 
 from contactlab.config import ConfigurationError, Setup, build, validate
 from contactlab.config.nesting import Value, flat
@@ -29,6 +29,11 @@ CHUNK: Final = 1000
 
 MOST_CHUNKS: Final = 1000
 """Clusters take arrays of about so many tasks."""
+
+NOTHING: Final = (
+    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no "
+    "sweep."
+)
 
 TIMES: Final = ("solver.duration", "record.interval")
 """Keys that the times of the records depend on."""
@@ -89,31 +94,51 @@ def planned(
     Raises:
         ConfigurationError: with every fault that was found.
     """
-    planner = _Planner(samples, composer.resolve, progress)
-    planner.refuse_columns(columns, outputs)
     groups = tuple(key for key in columns if composer.options(key))
-    planner.refuse_options(columns, groups, composer)
-    planner.stop()
-    options = [[*columns[group]] for group in groups]
-    choices = tuple(
-        dict.fromkeys(zip(*options, strict=True) if samples and groups else product(*options))
-    )
+    faults = [*_faults_of(columns, outputs)]
+    for group in groups:
+        options = composer.options(group)
+        for value in columns[group]:
+            if value not in options:
+                hint = suggestion(str(value), options, "Choose from them.")
+                faults.append(
+                    f"{group} is {describe(value)}; it must be one of {', '.join(options)}. {hint}"
+                )
+    _raise(faults)
+    listing = [columns[group] for group in groups]
+    combined = zip(*listing, strict=True) if samples and groups else product(*listing)
+    choices = tuple(dict.fromkeys(combined))
     bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
     values = {key: column for key, column in columns.items() if key not in groups}
-    found = {axis.key: axis for axis in planner.axes(bases, values)}
-    planner.stop()
-    axes = tuple(found.get(key) or Axis(key, tuple(column)) for key, column in columns.items())
+    trials = _trials(bases, values)
+    declared = _declared(trials, composer.resolve) if values else {}
+    axes = []
+    for key, column in columns.items():
+        said = declared.get(key)
+        units, meaning = (said.units, said.meaning) if said else ("", "")
+        try:
+            found = [*column] if key in groups else _spread(key, column, units, samples)
+        except (SweepError, UnitError) as error:
+            faults.append(str(error) if isinstance(error, SweepError) else f"{key}: {error}.")
+            continue
+        # Each of a table's rows is built, which tells more than its values one by one.
+        if not samples and key not in groups:
+            with progress(len(found), "values", f"Checking {key}") as show:
+                found = _as_run(key, found, trials, composer.resolve, faults, show)
+        if not samples and len({*found}) < len(found):
+            faults.append(f"{key} has a value twice; give every value once.")
+        axes.append(Axis(key, tuple(found), units, meaning))
+    _raise(faults)
     cells = len(axes[0].values) if samples else prod(len(axis.values) for axis in axes)
     if cells > MOST_RUNS:
         sizes = " x ".join(str(len(axis.values)) for axis in axes)
-        raise ConfigurationError(
-            [
-                f"{sizes} = {cells:.4g} runs are asked for; a sweep must have at most {MOST_RUNS}, whose "
-                "numbers fit into memory. Take fewer values."
-            ]
-        )
+        faults = [
+            f"{sizes} = {cells:.4g} runs are asked for; a sweep must have at most {MOST_RUNS}, whose "
+            "numbers fit into memory. Take fewer values."
+        ]
+    _raise(faults)
     return Plan(
-        axes=axes,
+        axes=tuple(axes),
         groups=groups,
         choices=choices,
         bases=bases,
@@ -149,8 +174,7 @@ def setups_of(
             except ConfigurationError as error:
                 faults += error.faults
             show(cell + 1)
-    if faults:
-        raise ConfigurationError(list(dict.fromkeys(faults)))
+    _raise(faults)
 
 
 def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
@@ -162,141 +186,82 @@ def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]
     known = flat(composer.compose({}))
     found: dict[str, Sequence[Value]] = {}
     for name, column in columns.items():
-        ends = [] if composer.options(name) or name in known else short_ends(name, known)
+        ends = [] if composer.options(name) or name in known else _ending(name, known)
         if len(ends) > 1:
             raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
         found[ends[0] if ends else name] = column
     return found
 
 
-def short_ends(name: str, known: Iterable[str]) -> list[str]:
+def _raise(faults: Sequence[str]) -> None:
+    if faults:
+        raise ConfigurationError(list(dict.fromkeys(faults)))
+
+
+def _ending(name: str, known: Iterable[str]) -> list[str]:
     """Give the keys that end in a name, whose parts may be joined as in the names of a dataset."""
     return [key for key in known if f"_{key.replace('.', '_')}".endswith(f"_{name}")]
 
 
-NOTHING: Final = (
-    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no "
-    "sweep."
-)
-
-
-@final
-class _Planner:
-    """Finds the axes of a plan, and collects the faults."""
-
-    def __init__(self, samples: bool, resolve: Resolve, progress: Progress) -> None:
-        self._faults: list[str] = []
-        self._samples = samples
-        self._resolve = resolve
-        self._progress = progress
-
-    def stop(self) -> None:
-        """Raise what is wrong so far.
-
-        Raises:
-            ConfigurationError: something is.
-        """
-        if self._faults:
-            raise ConfigurationError(list(dict.fromkeys(self._faults)))
-
-    def refuse_columns(self, columns: Columns, outputs: Outputs) -> None:
-        """Note what can be no sweep at all."""
-        for key, column in columns.items():
-            if not len(column):
-                self._faults.append(f"{key} has no values; it must have one at least. Name one.")
-            for value in column:
-                if not isinstance(value, float | int | str):
-                    self._faults.append(
-                        f"{key} has the value {value}; each must be a number, a text or true or false."
-                    )
-        for key in {*columns}.intersection(TIMES) if outputs.series else ():
-            self._faults.append(
-                f"{key} is swept and series are kept; they must be at the same times in every run. "
-                "Keep none, or set it."
+def _faults_of(columns: Columns, outputs: Outputs) -> Iterator[str]:
+    """Say what can be no sweep at all."""
+    for key, column in columns.items():
+        if not len(column):
+            yield f"{key} has no values; it must have one at least. Name one."
+        for value in column:
+            if not isinstance(value, float | int | str):
+                yield f"{key} has the value {value}; each must be a number, a text or true or false."
+        if outputs.series and key in TIMES:
+            yield (
+                f"{key} is swept and series are kept; they must be at the same times in every run. Keep "
+                "none, or set it."
             )
 
-    def refuse_options(self, columns: Columns, groups: Sequence[str], composer: Composer) -> None:
-        """Note options that a group does not have, and those that are there twice."""
-        for group in groups:
-            options = composer.options(group)
-            for value in columns[group]:
-                if value not in options:
-                    hint = suggestion(str(value), options, "Choose from them.")
-                    self._faults.append(
-                        f"{group} is {describe(value)}; it must be one of {', '.join(options)}. {hint}"
-                    )
-            self._refuse_twice(group, columns[group])
 
-    def axes(self, bases: Sequence[Configuration], columns: Columns) -> list[Axis]:
-        """Find the axes of swept keys, every value of which at least some combination admits."""
-        trials = _trials(bases, columns)
-        declared = self._declared(trials) if columns else {}
-        if self._faults:
-            return []
-        found = []
-        for key, column in columns.items():
-            said = declared.get(key)
-            units, meaning = (said.units, said.meaning) if said else ("", "")
-            try:
-                values = _spread(key, column, units, self._samples)
-            except SweepError as error:
-                self._faults.append(str(error))
-                continue
-            except UnitError as error:
-                self._faults.append(f"{key}: {error}.")
-                continue
-            # Each of a table's rows is built, which tells more than its values one by one.
-            if not self._samples:
-                with self._progress(len(values), "values", f"Checking {key}") as show:
-                    values = self._as_run(trials, key, values, show)
-            self._refuse_twice(key, values)
-            found.append(Axis(key, tuple(values), units, meaning))
-        return found
+def _declared(trials: Sequence[Configuration], resolve: Resolve) -> dict[str, Parameter]:
+    """Give what is declared of the keys of some sound combination of values.
 
-    def _refuse_twice(self, key: str, values: Sequence[Value]) -> None:
-        if len({*values}) < len(values) and not self._samples:
-            self._faults.append(f"{key} has a value twice; give every value once.")
+    Raises:
+        ConfigurationError: no combination is sound.
+    """
+    first: ConfigurationError | None = None
+    for trial in trials:
+        try:
+            return declared_in(validate(resolve(trial)))
+        except ConfigurationError as error:
+            first = first or error
+    assert first is not None
+    raise first
 
-    def _declared(self, trials: Sequence[Configuration]) -> dict[str, Parameter]:
-        """Give what is declared of the keys of some sound combination of values."""
+
+def _as_run(
+    key: str,
+    values: Sequence[Value],
+    trials: Sequence[Configuration],
+    resolve: Resolve,
+    faults: list[str],
+    show: Callable[[float], object],
+) -> list[Value]:
+    """Give the values as they run; a fault is noted for each that no combination tried admits."""
+    path = key.split(".")
+    resolved: list[Value] = []
+    for count, value in enumerate(values, 1):
         first: ConfigurationError | None = None
         for trial in trials:
             try:
-                return declared_in(validate(self._resolve(trial)))
+                found: Any = build(resolve(with_key(trial, path, value))).configuration
             except ConfigurationError as error:
                 first = first or error
-        assert first is not None
-        self._faults += first.faults
-        return {}
-
-    def _as_run(
-        self,
-        trials: Sequence[Configuration],
-        key: str,
-        values: Sequence[Value],
-        show: Callable[[float], object],
-    ) -> list[Value]:
-        """Give the values as they run; a fault is noted for each that no combination tried admits."""
-        path = key.split(".")
-        resolved: list[Value] = []
-        for count, value in enumerate(values, 1):
-            first: ConfigurationError | None = None
-            for trial in trials:
-                try:
-                    found: Any = build(self._resolve(with_key(trial, path, value))).configuration
-                except ConfigurationError as error:
-                    first = first or error
-                    continue
-                for step in path:
-                    found = found[step]
-                # A radius that a stiffness was computed from is gone from what runs.
-                resolved.append(value if found is None else found)
-                break
-            else:
-                assert first is not None
-                self._faults += first.faults
-            show(count)
-        return resolved
+                continue
+            for step in path:
+                found = found[step]
+            # A radius that a stiffness was computed from is gone from what runs.
+            resolved.append(value if found is None else found)
+            break
+        else:
+            faults += first.faults if first else []
+        show(count)
+    return resolved
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:

@@ -15,8 +15,9 @@ from support.command_line import Command, left_behind
 from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_trajectory
 
 from contactlab.cli import animate
+from contactlab.laws.base import FREE, SLIP, STICK
 from contactlab.plot.animation import COLOUR, LONGEST, Animation, arrow_outline
-from contactlab.plot.animation_data import FREE, SLIP, STICK, Film, UnfitRunError, film_of, run_of
+from contactlab.plot.animation_data import Film, UnfitRunError, film_of, run_of
 from contactlab.results.netcdf import to_datatree, write_tree
 
 PERIOD = 1.0 / FREQUENCY
@@ -283,7 +284,7 @@ REFUSALS = {
     "no file": (["gone.nc"], "There is no file 'gone.nc'"),
     "folder without run": (["empty"], "There is no file 'empty/run.nc'"),
     "no netCDF": (["text.nc"], "'text.nc' cannot be read as netCDF"),
-    "other netCDF": (["other.nc"], "'other.nc' lacks time, tip_tangential_displacement"),
+    "other netCDF": (["other.nc"], "'other.nc' has no variable 'time'"),
     "unknown suffix": (["run.nc", "--output", "a.avi"], "'a.avi', it must end in .gif or .mp4"),
     "no suffix": (["run.nc", "--output", "a"], "'a', it must end in"),
     "no folder": (["run.nc", "--output", "no/a.gif"], "there is no folder 'no'; create it"),

@@ -129,9 +129,9 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
         return default_motor(voltage_1=voltage, voltage_2=voltage)
 
     found = sweep(
-        {"voltage": [-1.0, 100.0, 1e9]},
+        {"voltage": [-1.0, 100.0, 1e5]},
         motor=motor,
-        law=hertz(),
+        law=hertz(stiffness=1e3),
         duration=DURATION,
         record_interval=1e-5,
         series=["gap"],
