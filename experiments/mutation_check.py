@@ -1,14 +1,13 @@
-"""Break the physics on purpose, one line at a time, and see the tests turn red each time.
+"""Break the physics on purpose, one place at a time, and see the tests turn red each time.
 
     python experiments/mutation_check.py [--only WORD] [--list] [--workers N] [--output DIR]
 
-Every error is put into a copy of the project; the tests that should notice it first are run there, and
-where they stay green the whole suite. The unchanged copy must be green under the same tests. The status
-is 1 where an error is caught by nobody.
+Every error of `mutations.yaml` is put into a copy of the project; the tests that should notice it first
+are run there, and where they stay green the whole suite. The unchanged copy must be green under the same
+tests. The status is 1 where an error is caught by nobody.
 """
 
 import argparse
-import csv
 import os
 import re
 import shutil
@@ -16,13 +15,13 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from mutation.kinds import Mutation
-from mutation.mutations import MUTATIONS
+import pandas as pd
+import yaml
 from tqdm import tqdm
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -30,17 +29,52 @@ PARTS = ("contactlab", "conf", "tests", "experiments", "pyproject.toml", "README
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What became of an error.
+class Mutation:
+    """One error put into one file.
 
     Args:
-        name: of the error.
-        caught: whether a test failed.
-        by: the first test that did.
-        seconds: how long it took.
+        name: the error in words.
+        file: below the project's root.
+        old, new: text that stands exactly once in the file, however it is broken into lines, and what
+            it becomes.
+        tests: the test files that are asked first.
     """
 
     name: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...] = ()
+
+    def apply(self, project: Path) -> None:
+        """Put the error into a project.
+
+        Raises:
+            ValueError: the old text does not stand exactly once.
+        """
+        path = project / self.file
+        source = path.read_text(encoding="utf-8") if path.is_file() else ""
+        pattern = r"(?<!\w)" + r"\s+".join(map(re.escape, self.old.split())) + r"(?!\w)"
+        if (count := len(re.findall(pattern, source))) != 1:
+            raise ValueError(
+                f"'{self.name}': its text stands {count} times in {self.file}; it must stand once. "
+                "Bring experiments/mutations.yaml up to date."
+            )
+        path.write_text(re.sub(pattern, lambda _: self.new, source), encoding="utf-8")
+
+
+MUTATIONS = tuple(
+    Mutation(name, file, m["old"], m["new"], tuple(f"tests/{t}.py" for t in m["tests"].split()))
+    for file, errors in yaml.safe_load((ROOT / "experiments/mutations.yaml").read_text()).items()
+    for name, m in errors.items()
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of an error: whether a test caught it, which did first, and how long it took [s]."""
+
+    error: str
     caught: bool
     by: str
     seconds: float
@@ -57,7 +91,7 @@ def copy_project(target: Path) -> None:
 
 
 def run_tests(project: Path, tests: Sequence[str]) -> tuple[bool, str]:
-    """Whether the tests of a copy are green, and the first that is not."""
+    """Tell whether the tests of a copy are green, and the first that is not."""
     # Nothing of the compiled code of another copy, and nothing left behind.
     places = {"PYTHONPATH": str(project), "NUMBA_CACHE_DIR": str(project / "kernels")}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
@@ -71,34 +105,19 @@ def run_tests(project: Path, tests: Sequence[str]) -> tuple[bool, str]:
     return done.returncode == 0, found[1] if found else done.stdout[-200:].strip()
 
 
-def try_out(mutation: Mutation) -> Outcome:
-    """Put one error into a copy and run the tests."""
+def try_out(mutation: Mutation | None, tests: Sequence[str]) -> Outcome:
+    """Put one error, or none, into a copy and run tests; the whole suite where an error stays unseen."""
     started = perf_counter()
     with TemporaryDirectory() as folder:
         project = Path(folder)
         copy_project(project)
-        path = mutation.find(project)
-        path.write_text(mutation.apply(path.read_text(encoding="utf-8")), encoding="utf-8")
-        green, by = run_tests(project, mutation.tests)
-        if green:
+        if mutation:
+            mutation.apply(project)
+        green, by = run_tests(project, tests)
+        if green and mutation:
             green, by = run_tests(project, ())
-    return Outcome(mutation.name, not green, "" if green else by, perf_counter() - started)
-
-
-def try_unchanged(tests: Sequence[str]) -> bool:
-    """Whether an unchanged copy is green."""
-    with TemporaryDirectory() as folder:
-        copy_project(Path(folder))
-        return run_tests(Path(folder), tests)[0]
-
-
-def write_table(outcomes: Sequence[Outcome], folder: Path) -> None:
-    """One row an error."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "mutation_check.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["error", "caught", "by", "seconds"])
-        writer.writerows([o.name, o.caught, o.by, f"{o.seconds:.0f}"] for o in outcomes)
+    seconds = round(perf_counter() - started)
+    return Outcome(mutation.name if mutation else "", not green, "" if green else by, seconds)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -113,18 +132,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.list or not chosen:
         print(*(f"{m.file}: {m.name}" for m in MUTATIONS), sep="\n")
         return 0 if chosen else 2
-    if not try_unchanged(sorted({test for m in chosen for test in m.tests})):
-        print("The unchanged project fails these tests; mend it first.", file=sys.stderr)
+    if (unchanged := try_out(None, sorted({t for m in chosen for t in m.tests}))).caught:
+        words = f"The unchanged project fails {unchanged.by}; mend it first."
+        print(words, file=sys.stderr)
         return 2
     outcomes = []
     with ThreadPoolExecutor(options.workers) as pool:
-        tasks = [pool.submit(try_out, mutation) for mutation in chosen]
+        tasks = [pool.submit(try_out, mutation, mutation.tests) for mutation in chosen]
         for task in tqdm(as_completed(tasks), total=len(tasks), unit=" errors", disable=None):
             outcome = task.result()
             outcomes.append(outcome)
             verdict = f"caught by {outcome.by}" if outcome.caught else "CAUGHT BY NOBODY"
-            tqdm.write(f"{outcome.name}: {verdict} ({outcome.seconds:.0f} s)")
-    write_table(outcomes, options.output)
+            tqdm.write(f"{outcome.error}: {verdict} ({outcome.seconds:.0f} s)")
+    options.output.mkdir(parents=True, exist_ok=True)
+    table = pd.DataFrame(map(asdict, outcomes))
+    table.to_csv(options.output / "mutation_check.csv", index=False)
     missed = sum(not outcome.caught for outcome in outcomes)
     print(f"{len(outcomes)} errors, {len(outcomes) - missed} caught, {missed} not.")
     return 1 if missed else 0

@@ -12,21 +12,18 @@ command line of every such run is printed.
 """
 
 import argparse
-import csv
 import os
 import shlex
 import sys
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
-from functools import lru_cache
-from math import isnan, nan
+from concurrent.futures import ProcessPoolExecutor
+from functools import lru_cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
+import pandas as pd
 from harness import with_values
 from random_configuration import COMPOSED, random_configuration
 from tqdm import tqdm
@@ -35,52 +32,16 @@ from contactlab.config import ConfigurationError, build, compose
 from contactlab.engine import simulate
 from contactlab.metrics import FAIL, INVARIANTS, METRICS, Run, assess
 
-LAWFUL: Final = (
-    "tension",
-    "cone_excess",
-    "friction_gain",
-    "normal_gain",
-    "contact_gain",
-    "stick_slip",
+FIGURES: Final = (
+    *INVARIANTS,
+    *("tension", "cone_excess", "friction_gain", "normal_gain", "contact_gain", "stick_slip"),
 )
-"""Metrics of what most laws promise; some declare that they break them."""
+"""The invariants, and metrics of what most laws promise; some declare that they break them."""
 
 CHUNK: Final = 20
 """Motors a task."""
 
-REFUSED: Final = "refused"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of one configuration.
-
-    Args:
-        number: of the configuration.
-        law: the law's name, with the friction's of a composed one.
-        ending: of the run, or REFUSED.
-        message: why it did not reach its end.
-        contacts: how many.
-        steps: of the solver, rejected ones included.
-        seconds: that it took.
-        figures: metrics by key.
-    """
-
-    number: int
-    law: str
-    ending: str
-    message: str = ""
-    contacts: int = 0
-    steps: int = 0
-    seconds: float = 0.0
-    figures: Mapping[str, float] | None = None
-
-    @property
-    def broken(self) -> list[str]:
-        """Invariants that a complete run breaks."""
-        figures = self.figures or {}
-        judged = self.ending == "complete"
-        return [k for k, m in INVARIANTS.items() if judged and m.verdict(figures[k]) == FAIL]
+COMPLETE, REFUSED = "complete", "refused"
 
 
 @lru_cache
@@ -88,8 +49,14 @@ def _base(groups: frozenset[tuple[str, str]]) -> dict[str, Any]:
     return compose([f"{group}={option}" for group, option in sorted(groups)])
 
 
-def outcome_of(number: int, seed: int = 0) -> Outcome:
-    """Run one random configuration and take its figures."""
+def outcome_of(number: int, seed: int = 0) -> dict[str, Any]:
+    """Run one random configuration.
+
+    Returns:
+        Its `number`, its `law` with the friction's name of a composed one, the `ending` of the run or
+        REFUSED, the `message` why it did not reach its end, `contacts`, `steps` of the solver with the
+        rejected ones, `seconds` that it took, and its figures.
+    """
     groups, values = random_configuration(number, seed)
     law = groups["law"]
     name = f"{law}, {groups['law/friction']}" if law == COMPOSED else law
@@ -97,7 +64,8 @@ def outcome_of(number: int, seed: int = 0) -> Outcome:
     try:
         setup = build(with_values(_base(frozenset(groups.items())), values))
     except ConfigurationError as fault:
-        return Outcome(number, name, REFUSED, str(fault))
+        outcome = {"ending": REFUSED, "message": str(fault), "contacts": 0, "steps": 0}
+        return {"number": number, "law": name, "seconds": 0.0, **outcome}
     run = simulate(
         setup.motor,
         setup.law,
@@ -106,91 +74,87 @@ def outcome_of(number: int, seed: int = 0) -> Outcome:
         contact_step=setup.contact_step,
         tolerance=setup.tolerance,
     )
-    record = Run.of_trajectory(run, setup.configuration)
     steps = ("flight_steps", "contact_steps", "rejected_steps")
-    return Outcome(
-        number=number,
-        law=name,
-        ending=run.ending.name.lower(),
-        message=run.message,
-        contacts=len(run.contacts["start_time"]),
-        steps=sum(run.statistics[name] for name in steps),
-        seconds=perf_counter() - started,
-        figures=assess(record, {*INVARIANTS, *LAWFUL}),
-    )
+    return {
+        "number": number,
+        "law": name,
+        "seconds": perf_counter() - started,
+        "ending": run.ending.name.lower(),
+        "message": run.message,
+        "contacts": len(run.contacts["start_time"]),
+        "steps": sum(run.statistics[name] for name in steps),
+        **assess(Run.of_trajectory(run, setup.configuration), set(FIGURES)),
+    }
 
 
-def outcomes_of(numbers: Iterable[int], seed: int = 0) -> list[Outcome]:
-    """Run some configurations, one after the other."""
-    return [outcome_of(number, seed) for number in numbers]
+def broken(outcome: Mapping[str, Any]) -> list[str]:
+    """Name the invariants that a complete run breaks."""
+    judged = INVARIANTS if outcome["ending"] == COMPLETE else {}
+    return [key for key, metric in judged.items() if metric.verdict(outcome[key]) == FAIL]
 
 
-def search(numbers: range, workers: int, seed: int) -> list[Outcome]:
+def outcomes_of(numbers: Iterable[int], seed: int = 0) -> pd.DataFrame:
+    """Run some configurations, one after the other; gives a row for each, see `outcome_of`."""
+    rows = pd.DataFrame([outcome_of(number, seed) for number in numbers])
+    return rows.reindex(columns=rows.columns.union(FIGURES, sort=False))
+
+
+def search(numbers: range, workers: int, seed: int) -> pd.DataFrame:
     """Run configurations in several processes; the outcomes in order of their numbers."""
     chunks = [numbers[i : i + CHUNK] for i in range(0, len(numbers), CHUNK)]
-    found: list[Outcome] = []
-    with (
-        ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool,
-        tqdm(total=len(numbers), unit=" motors", disable=None) as bar,
-    ):
-        tasks = {pool.submit(outcomes_of, chunk, seed): len(chunk) for chunk in chunks}
-        for task in as_completed(tasks):
-            found += task.result()
-            bar.update(tasks[task])
-    return sorted(found, key=lambda outcome: outcome.number)
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        parts = pool.map(partial(outcomes_of, seed=seed), chunks)
+        rows = list(tqdm(parts, total=len(chunks), unit=f" x {CHUNK} motors", disable=None))
+    return pd.concat(rows, ignore_index=True)
 
 
-def worst(outcomes: Sequence[Outcome], key: str) -> float:
-    """Largest figure of the runs that say complete; NaN where none has it."""
-    figures = [o.figures[key] for o in outcomes if o.figures and o.ending == "complete"]
-    return max((figure for figure in figures if not isnan(figure)), default=nan)
+def table(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Give a row a law: how its runs end, and the worst of every figure among the complete ones."""
+    by_law = outcomes.groupby("law")
+    rows = by_law.agg(
+        motors=("number", "size"),
+        contacts=("contacts", "sum"),
+        endings=("ending", lambda e: ", ".join(f"{n} {w}" for w, n in e.value_counts().items())),
+        longest=("seconds", "max"),
+    )
+    complete = outcomes[outcomes["ending"] == COMPLETE]
+    return rows.join(complete.groupby("law")[list(FIGURES)].max())
 
 
-def table(outcomes: Sequence[Outcome]) -> list[dict[str, object]]:
-    """One row a law: how its runs end, and the worst of every figure among the complete ones."""
-    rows: list[dict[str, object]] = []
-    for law in sorted({o.law for o in outcomes}):
-        of_law = [o for o in outcomes if o.law == law]
-        endings = Counter(o.ending for o in of_law)
-        row: dict[str, object] = {
-            "law": law,
-            "motors": len(of_law),
-            "contacts": sum(o.contacts for o in of_law),
-            "endings": ", ".join(f"{count} {ending}" for ending, count in endings.most_common()),
-            "longest": max(o.seconds for o in of_law),
-        }
-        rows.append(row | {key: worst(of_law, key) for key in (*INVARIANTS, *LAWFUL)})
-    return rows
-
-
-def page(outcomes: Sequence[Outcome], command: str) -> str:
-    """The table as Markdown: laws in rows, the worst figures of their complete runs in columns."""
-    rows = table(outcomes)
+def page(outcomes: pd.DataFrame, command: str) -> str:
+    """Give the table as Markdown: laws in rows, the worst figures of their complete runs in columns."""
+    rows = table(outcomes).reset_index()
     heads = ["law", "motors", "contacts", "endings"]
-    lines = [
-        "# Random motors",
-        "",
-        f"<!-- Made by {command}. Do not edit. -->",
-        "",
-        f"{len(outcomes)} random configurations of the command, far wider than a workshop's, judged from "
-        "their results alone (`experiments/random_runs.py`). A refused configuration was told so in a "
-        "sentence before it ran; a run that is not complete says why. The second table has the worst figure "
-        "of every invariant among the complete runs; what each means and why its bound is what it is stands "
-        "in [plausibility.md](plausibility.md). `contactlab verify RUN` holds any recorded run to them.",
-        "",
-        _cells(heads),
-        _cells(["---"] * len(heads)),
-        *(_cells([row[head] for head in heads]) for row in rows),
-        "",
-        _cells(["worst of", *INVARIANTS]),
-        _cells(["---"] * (1 + len(INVARIANTS))),
-        _cells(["bound", *(f"{metric.bound:g}" for metric in INVARIANTS.values())]),
-        *(_cells([row["law"], *(f"{row[key]:.1e}" for key in INVARIANTS)]) for row in rows),
-        "",
-    ]
-    broken = sum(bool(outcome.broken) for outcome in outcomes)
-    lines += [f"Complete runs that break an invariant: {broken}.", ""]
-    return "\n".join(lines)
+    faults = sum(bool(broken(outcome)) for outcome in outcomes.to_dict("records"))
+    return "\n".join(
+        [
+            "# Random motors",
+            "",
+            f"<!-- Made by {command}. Do not edit. -->",
+            "",
+            f"{len(outcomes)} random configurations of the command, far wider than a workshop's, judged "
+            "from their results alone (`experiments/random_runs.py`). A refused configuration was told so "
+            "in a sentence before it ran; a run that is not complete says why. The second table has the "
+            "worst figure of every invariant among the complete runs; what each means and why its bound "
+            "is what it is stands in [plausibility.md](plausibility.md). `contactlab verify RUN` holds "
+            "any recorded run to them.",
+            "",
+            _cells(heads),
+            _cells(["---"] * len(heads)),
+            *(_cells(row) for row in rows[heads].itertuples(index=False)),
+            "",
+            _cells(["worst of", *INVARIANTS]),
+            _cells(["---"] * (1 + len(INVARIANTS))),
+            _cells(["bound", *(f"{metric.bound:g}" for metric in INVARIANTS.values())]),
+            *(
+                _cells([row["law"], *(f"{row[key]:.1e}" for key in INVARIANTS)])
+                for row in rows.to_dict("records")
+            ),
+            "",
+            f"Complete runs that break an invariant: {faults}.",
+            "",
+        ]
+    )
 
 
 def _cells(cells: Iterable[object]) -> str:
@@ -198,34 +162,27 @@ def _cells(cells: Iterable[object]) -> str:
 
 
 def command_line(number: int, seed: int = 0) -> str:
-    """The command that runs a configuration."""
+    """Give the command that runs a configuration."""
     groups, values = random_configuration(number, seed)
     words = [f"{group}={option}" for group, option in groups.items()]
     words += [f"{key}={'null' if value is None else value}" for key, value in values.items()]
     return shlex.join(["contactlab", *words])
 
 
-def show(outcomes: Sequence[Outcome], seed: int) -> None:
+def show(outcomes: pd.DataFrame, seed: int) -> None:
     """Print the table, how runs ended that are not complete, and every broken invariant."""
     rows = table(outcomes)
-    width = max(len(str(row["law"])) for row in rows)
-    print(f"{'law':{width}} {'motors':>7} {'contacts':>9} {'longest':>8}  endings")
-    for row in rows:
-        counts = f"{row['motors']:>7} {row['contacts']:>9} {row['longest']:7.1f}s"
-        print(f"{row['law']:{width}} {counts}  {row['endings']}")
+    print(rows[["motors", "contacts", "longest", "endings"]].to_string(float_format="%.1f s"))
     print("\nWorst figure of the runs that say complete:")
-    for key in (*INVARIANTS, *LAWFUL):
-        print(f"\n{key} (<= {METRICS[key].bound:g})")
-        print(*(f"{row['law']:{width}} {row[key]:.1e}" for row in rows), sep="\n")
-    for outcome in outcomes:
-        if outcome.ending not in {"complete", REFUSED}:
-            print(f"\n{outcome.number} {outcome.law}: {outcome.ending}. {outcome.message}")
-    for outcome in outcomes:
-        if outcome.broken:
-            figures = outcome.figures or {}
-            said = ", ".join(f"{key} {figures[key]:.3g}" for key in outcome.broken)
-            print(f"\nBroken: {outcome.number} {outcome.law}: {said}")
-            print(f"  {command_line(outcome.number, seed)}")
+    worst = rows[list(FIGURES)].T.assign(bound=[METRICS[key].bound for key in FIGURES])
+    print(worst.to_string(float_format="%.1e"))
+    for outcome in outcomes.to_dict("records"):
+        words = f"{outcome['number']} {outcome['law']}"
+        if outcome["ending"] not in {COMPLETE, REFUSED}:
+            print(f"\n{words}: {outcome['ending']}. {outcome['message']}")
+        if faults := broken(outcome):
+            print(f"\nBroken: {words}: {', '.join(f'{key} {outcome[key]:.3g}' for key in faults)}")
+            print(f"  {command_line(outcome['number'], seed)}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -243,17 +200,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     numbers = range(options.first, options.first + options.motors)
     outcomes = search(numbers, options.workers, options.seed)
     show(outcomes, options.seed)
-    with options.csv.open("w", newline="") as file:
-        rows = table(outcomes)
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    table(outcomes).to_csv(options.csv)
     if options.page:
-        command = (
-            f"python experiments/random_runs.py --motors {options.motors} --seed {options.seed}"
-        )
+        script = "python experiments/random_runs.py"
+        command = f"{script} --motors {options.motors} --seed {options.seed}"
         options.page.write_text(page(outcomes, command), encoding="utf-8")
-    return 1 if any(outcome.broken for outcome in outcomes) else 0
+    return int(any(broken(outcome) for outcome in outcomes.to_dict("records")))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import settings
 from support.command_line import Command
 from support.sweeps import Simulations
+from threadpoolctl import threadpool_limits
 
 from contactlab import engine
 from contactlab.cli import main as cli
@@ -37,7 +38,9 @@ simulate(block(1.0), HertzPenalty(0.3), duration=1e-4, record_interval=1e-4)
 
 
 def pytest_configure() -> None:
-    """Let Ctrl-C reach what the tests start, though the tests may run in a shell's background."""
+    """Keep small matrices from threads; let Ctrl-C reach what tests start in a shell's background."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    threadpool_limits(1, user_api="blas")
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

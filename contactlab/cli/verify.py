@@ -9,15 +9,8 @@ from time import perf_counter
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
-from contactlab.laws import law_class, law_names
 from contactlab.metrics import read_run
-from contactlab.testing import Claim
-from contactlab.testing.contract.bench import Bench
-from contactlab.testing.contract.properties import PROPERTIES, check
-from contactlab.testing.flights.touchdowns import random_touchdowns
-from contactlab.testing.forms import CLOSED_FORMS
-from contactlab.testing.recorded import invariants_of
-from contactlab.testing.references import REFERENCES
+from contactlab.testing import Claim, all_claims, invariants_of
 
 NUMBERS = "{:>17} {:>15} {:>10}  {}"
 WIDEST_CLAIM = 82
@@ -43,7 +36,7 @@ def main(arguments: list[str]) -> int:
     )
     wanted = parser.read(arguments)
     try:
-        groups = list(_of_runs(wanted.runs)) if wanted.runs else _groups()
+        groups = list(_of_runs(wanted.runs)) if wanted.runs else all_claims()
     except ValueError as fault:
         raise RefusalError(str(fault)) from fault
     started = perf_counter()
@@ -77,33 +70,6 @@ def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterabl
         path = Path(source)
         tree = read_run(path / "run.nc" if path.is_dir() else path)
         yield source, partial(invariants_of, tree)
-
-
-def _groups() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
-    """Headings and their claims."""
-    for form in CLOSED_FORMS:
-        yield _first_line(form), form
-    for reference in REFERENCES:
-        yield _first_line(reference), reference
-    yield _first_line(random_touchdowns), random_touchdowns
-    for name in law_names():
-        try:
-            law = law_class(name)()
-        # A law of another package may be broken, or have a parameter that has no default.
-        except Exception as error:
-            yield f"The contract of {name} is not checked: {error}", tuple
-            continue
-        bench = Bench(law)
-
-        def contract(bench: Bench = bench) -> Iterator[Claim]:
-            for name in PROPERTIES:
-                yield from check(bench, name)
-
-        yield f"The contract of {law.name}: {law.equation}", contract
-
-
-def _first_line(function: Callable[..., object]) -> str:
-    return (function.__doc__ or "").strip().splitlines()[0]
 
 
 def _row(claim: Claim, width: int) -> str:

@@ -12,7 +12,6 @@ what is claimed and what is found.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close
-from contactlab.testing.contract.suite import LawContract
-from contactlab.testing.recorded import invariants_of
+from contactlab.testing.contract import LawContract, all_claims, invariants_of
 
-__all__ = ["Claim", "LawContract", "at_least", "at_most", "close", "invariants_of"]
+__all__ = ["Claim", "LawContract", "all_claims", "at_least", "at_most", "close", "invariants_of"]

@@ -1,5 +1,12 @@
-"""One statement that can be wrong: what is expected, what is found, and how far they may be apart."""
+"""One statement that can be wrong, and the catalogues of functions that make such statements.
 
+@proof(CLOSED_FORMS)
+def hertz_impact() -> Claims:
+    '''A ball against a Hertz contact (Johnson 1985, sec. 11.4).'''
+    yield close("Hertz impact: duration", found, expected, 1e-6, "s")
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -7,7 +14,7 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class Claim:
-    """A checked statement.
+    """Hold what is found to what is expected.
 
     Args:
         statement: the claim in words.
@@ -49,7 +56,7 @@ class Claim:
         return "holds" if self.true else "FAILS"
 
     def excused(self, excuse: str) -> "Claim":
-        """The same claim, declared to be broken."""
+        """Give the same claim, declared to be broken."""
         return replace(self, excuse=excuse)
 
     def __str__(self) -> str:
@@ -67,20 +74,43 @@ def close(
     found: float,
     expected: float,
     relative: float,
-    *,
-    scale: float | None = None,
     units: str = "1",
+    scale: float | None = None,
 ) -> Claim:
-    """A claim of equality within `relative` of a scale, by default the expected value."""
+    """Claim equality within `relative` of a scale, by default the expected value."""
     size = abs(expected) if scale is None else scale
     return Claim(statement, float(expected), float(found), relative * size, "=", units)
 
 
 def at_most(statement: str, found: float, bound: float, units: str = "1") -> Claim:
-    """A claim of an upper bound."""
+    """Claim an upper bound."""
     return Claim(statement, float(bound), float(found), 0.0, "<=", units)
 
 
 def at_least(statement: str, found: float, bound: float, units: str = "1") -> Claim:
-    """A claim of a lower bound."""
+    """Claim a lower bound."""
     return Claim(statement, float(bound), float(found), 0.0, ">=", units)
+
+
+Claims = Iterator[Claim]
+Proof = Callable[..., Claims]
+"""Yields claims; the first line of its docstring is their heading."""
+
+CLOSED_FORMS: dict[str, Proof] = {}
+"""Small plants against what can be written down, by the function's name."""
+
+REFERENCES: dict[str, Proof] = {}
+"""The paper's motor and random flights against what others found."""
+
+PROPERTIES: dict[str, Proof] = {}
+"""The contract of a law: each takes a `Bench`."""
+
+
+def proof(catalogue: dict[str, Proof]) -> Callable[[Proof], Proof]:
+    """Put the decorated function into a catalogue, in the order of the source."""
+    return lambda function: catalogue.setdefault(function.__name__, function)
+
+
+def heading(function: Proof) -> str:
+    """Give the first line of a proof's docstring."""
+    return (function.__doc__ or "").strip().partition("\n")[0]

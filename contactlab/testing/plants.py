@@ -1,21 +1,24 @@
-"""Small plants whose motion is known in closed form, each a `Motor` like any other.
+"""Small plants whose motion is known in closed form, each a `Motor` like any other, and laws for them.
 
 A block has two rigid-body modes, one normal and one along a belt. Springs turn them into oscillators, a
 weight presses it on, a tone pushes it. Tip length and rotor radius are so large that the contact is flat,
-and the rotor is a belt.
+and the rotor is a belt. The laws are not in the registry: no motor should run with them by accident.
 """
 
-from math import sqrt
+from dataclasses import dataclass, replace
+from math import inf, pi, sqrt
+from typing import Annotated, ClassVar, final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contactlab.motor import NormalModes
+from contactlab.arrays import Array
+from contactlab.compiled import kernel
+from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
-
-Array = NDArray[np.float64]
+from contactlab.parameter import Parameter
 
 FLAT = 1e9
 """Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
@@ -25,8 +28,20 @@ HEAVY = 1e18
 
 
 def silent_drive() -> Drive:
-    """A drive without a tone."""
+    """Give a drive without a tone."""
     return Drive(np.empty(0), np.empty((2, 0), dtype=np.complex128))
+
+
+def paper_motor() -> Motor:
+    """Give the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
+    return Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -pi / 5.0))
+
+
+def mirrored(motor: Motor) -> Motor:
+    """Give the same motor seen in a mirror that exchanges left and right."""
+    velocity, torque = -motor.rotor.initial_velocity, -motor.rotor.load_torque
+    rotor = replace(motor.rotor, initial_velocity=velocity, load_torque=torque)
+    return replace(motor, modes=replace(motor.modes, tip_slope=-motor.modes.tip_slope), rotor=rotor)
 
 
 def block(
@@ -45,15 +60,13 @@ def block(
     belt_mass: float = HEAVY,
     belt_velocity: float = 0.0,
 ) -> Motor:
-    """A block over a belt.
+    """Give a block over a belt.
 
     Args:
         mass: m [kg].
-        height: gap at the start [m]; negative is pressed in.
-        gap_rate: its rate at the start [m/s].
+        height, gap_rate: gap [m] and its rate [m/s] at the start; a negative height is pressed in.
         way, velocity: along the belt at the start [m], [m/s].
-        weight: constant force towards the belt [N].
-        push: constant force along the belt [N].
+        weight, push: constant forces towards the belt and along it [N].
         normal_stiffness: of a spring that pulls the block to a gap of zero [N/m].
         stiffness: of a spring that pulls the block to way zero [N/m].
         push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
@@ -61,11 +74,7 @@ def block(
         belt_velocity: along the way, at the start [m/s].
     """
     root = sqrt(mass)
-    drive = silent_drive()
-    if push_amplitude != 0.0:
-        drive = Drive(
-            np.array([push_frequency]), np.array([[push_amplitude], [0.0]], dtype=np.complex128)
-        )
+    tone = Drive(np.array([push_frequency]), np.array([[push_amplitude], [0.0]], dtype=complex))
     modes = NormalModes(
         stiffness=np.array([normal_stiffness, stiffness]) / mass,
         damping=np.zeros(2),
@@ -77,7 +86,7 @@ def block(
     )
     return Motor(
         modes=modes,
-        drive=drive,
+        drive=tone if push_amplitude != 0.0 else silent_drive(),
         geometry=ContactGeometry(FLAT, FLAT, 0.0),
         rotor=Rotor(inertia=belt_mass * FLAT**2, initial_velocity=belt_velocity / FLAT),
         preload=np.array([weight, push]) / root,
@@ -89,32 +98,22 @@ def block(
 
 
 def way_of(theta: Array) -> Array:
-    """Way along the belt [m] from the recorded tip slope."""
+    """Give the way along the belt [m] of a recorded tip slope."""
     return np.asarray(-FLAT * np.sin(theta))
 
 
 def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
-    """A body of several coupled modes and a rotor, about to touch; drawn from a seed.
-
-    Args:
-        seed: of the rows, stiffnesses, dampings and velocities.
-        modes: how many.
-        approach: gap rate at the touch-down [m/s].
-    """
+    """Draw a body of several coupled modes and a rotor, about to touch at a gap rate of `approach` [m/s]."""
     rng = np.random.default_rng(seed)
     geometry = ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0)
     tip_displacement = rng.normal(size=modes) * 20.0
     tip_slope = rng.normal(size=modes) * 1e3
     velocity = rng.normal(size=modes) * 1e-3
     # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
-    velocity += (
-        (approach - tip_displacement @ velocity)
-        * tip_displacement
-        / (tip_displacement @ tip_displacement)
-    )
+    squared = tip_displacement @ tip_displacement
+    velocity += (approach - tip_displacement @ velocity) * tip_displacement / squared
     rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
     height = 1e-12
-    displacement = -height * tip_displacement / (tip_displacement @ tip_displacement)
     return Motor(
         modes=NormalModes(
             stiffness=rate**2,
@@ -127,5 +126,82 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
         drive=silent_drive(),
         geometry=geometry,
         rotor=Rotor(inertia=float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0),
-        start=ModalState(displacement, velocity),
+        start=ModalState(-height * tip_displacement / squared, velocity),
     )
+
+
+_STIFFNESS = Parameter("k", "N m-1", "contact stiffness", above=0.0)
+_DAMPING = Parameter("c", "N s m-1", "contact damping", at_least=0.0)
+
+
+@kernel
+def dashpot_force(
+    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
+) -> tuple[float, float, float, float]:
+    """Give normal force [N], friction bound [N], stored energy [J] and normal loss [W].
+
+    The parameters are k, c, the static and the kinetic coefficient, and the least normal force.
+    """
+    elastic = -parameters[0] * gap
+    normal = max(elastic - parameters[1] * gap_rate, parameters[4])
+    mu = parameters[2] if slip == 0.0 else parameters[3]
+    return normal, mu * normal, -0.5 * elastic * gap, (elastic - normal) * gap_rate
+
+
+@final
+@dataclass(frozen=True)
+class SpringDashpot(PenaltyLaw):
+    """A linear spring and dashpot that push only, with static and kinetic friction.
+
+    N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
+    """
+
+    name: ClassVar[str] = "spring_dashpot"
+    equation: ClassVar[str] = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
+    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
+    default_contact_step: ClassVar[float] = 4e-6
+    # The force has a kink where it ends, and no step ends there.
+    convergence_order: ClassVar[float] = 0.75
+
+    stiffness: Annotated[float, _STIFFNESS]
+    damping: Annotated[float, _DAMPING] = 0.0
+    static_friction: Annotated[float, Parameter("mu_s", "1", "static", at_least=0.0)] = 0.0
+    kinetic_friction: Annotated[float, Parameter("mu_k", "1", "kinetic", at_least=0.0)] = 0.0
+
+    @property
+    def friction_limit(self) -> float:
+        """Largest |F|/N [1]."""
+        return max(self.static_friction, self.kinetic_friction)
+
+    def parameters(self) -> Array:
+        """What the kernel receives: see `dashpot_force`."""
+        return np.array([*self.describe().values(), 0.0])
+
+    @property
+    def force(self) -> PenaltyKernel:
+        """The kernel; see `PenaltyLaw.force`."""
+        return dashpot_force
+
+
+@final
+@dataclass(frozen=True)
+class TensileDashpot(PenaltyLaw):
+    """The same without its limit, N = k d + c ddot: it pulls before the gap opens. No friction."""
+
+    name: ClassVar[str] = "tensile_dashpot"
+    equation: ClassVar[str] = "N = k d + c ddot"
+    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    default_contact_step: ClassVar[float] = 4e-6
+    allows_tension: ClassVar[bool] = True
+
+    stiffness: Annotated[float, _STIFFNESS]
+    damping: Annotated[float, _DAMPING]
+
+    def parameters(self) -> Array:
+        """What the kernel receives: see `dashpot_force`."""
+        return np.array([self.stiffness, self.damping, 0.0, 0.0, -inf])
+
+    @property
+    def force(self) -> PenaltyKernel:
+        """The kernel; see `PenaltyLaw.force`."""
+        return dashpot_force

@@ -5,12 +5,10 @@ Its numbers are those of two event-driven solvers that share no code with this p
 relative tolerance of 1e-10, every switch an event); the tests run one of them again.
 """
 
-from collections.abc import Iterator
-
 from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor import RitzResonator
-from contactlab.testing.claim import Claim, close
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.claim import REFERENCES, Claim, Claims, close, proof
+from contactlab.testing.plants import paper_motor
 from contactlab.testing.runs import last, run
 from contactlab.trajectory import Trajectory
 
@@ -56,62 +54,55 @@ SLIP_ONLY_VELOCITY = -0.4836
 CASE_A_DURATION = 5e-3
 
 
-def printed_table() -> Iterator[Claim]:
+@proof(REFERENCES)
+def printed_table() -> Claims:
     """The ten numbers of Table 1, to half a unit of the printed digit."""
     for placement, (start, end) in PLACEMENTS.items():
         resonator = RitzResonator(patch_start=start, patch_end=end)
         couplings, frequencies = TABLE_1[placement]
+        coupling, frequency = resonator.matrices.coupling, resonator.modes.natural_frequency
         for i, printed in enumerate(couplings):
-            found = float(resonator.matrices.coupling[i, 0])
-            yield Claim(
-                f"Table 1, {placement}: coupling {i + 1}1", printed, found, 0.5e-3, units="N V-1"
-            )
+            words = f"Table 1, {placement}: coupling {i + 1}1"
+            yield Claim(words, printed, float(coupling[i, 0]), 0.5e-3, units="N V-1")
         for i, printed in enumerate(frequencies):
-            found = float(resonator.modes.natural_frequency[i])
-            yield Claim(f"Table 1, {placement}: frequency {i + 1}", printed, found, 5.0, units="Hz")
+            words = f"Table 1, {placement}: frequency {i + 1}"
+            yield Claim(words, printed, float(frequency[i]), 5.0, units="Hz")
 
 
-def compliant_case_a() -> Iterator[Claim]:
+@proof(REFERENCES)
+def compliant_case_a() -> Claims:
     """The Hertz contact at default settings."""
     for mu, expected in HERTZ_CASE_A.items():
-        trajectory = run(paper_motor(), HertzPenalty(1e10, mu), CASE_A_DURATION)
+        made = run(paper_motor(), HertzPenalty(1e10, mu), CASE_A_DURATION)
         words = f"case A, hertz_penalty, mu {mu:g}"
-        yield close(f"{words}: contacts", trajectory.contacts["duration"].size, 16, 0.0)
+        yield close(f"{words}: contacts", made.contacts["duration"].size, 16, 0.0)
         for name, (value, digit, units) in expected.items():
-            found = _measure(trajectory, name)
+            found = _measure(made, name)
             yield Claim(f"{words}: {name.replace('_', ' ')}", value, found, digit, units=units)
 
 
-def rigid_case_a() -> Iterator[Claim]:
+@proof(REFERENCES)
+def rigid_case_a() -> Claims:
     """The rigid laws, extrapolated from two steps; the impact's force is its impulse over the step."""
-    coarse, fine = (
-        run(paper_motor(), LagrangeStick(0.3), CASE_A_DURATION, step) for step in (5e-8, 2.5e-8)
+    steps = ((LagrangeStick(0.3), 5e-8), (LagrangeSlip(0.3), 2e-8))
+    (coarse, fine), (slipping, finest) = (
+        [run(paper_motor(), law, CASE_A_DURATION, size) for size in (step, 0.5 * step)]
+        for law, step in steps
     )
     for name, (value, left, units) in RIGID_CASE_A.items():
         found = 2.0 * _measure(fine, name) - _measure(coarse, name)
         words = f"case A, lagrange_stick, step to zero: {name.replace('_', ' ')}"
         yield Claim(words, value, found, left, units=units)
-    coarse, fine = (
-        run(paper_motor(), LagrangeSlip(0.3), CASE_A_DURATION, step) for step in (2e-8, 1e-8)
-    )
-    yield Claim(
+    words, found = (
         "case A, lagrange_slip, step 10 ns: rotor velocity",
-        SLIP_ONLY_VELOCITY,
-        last(fine, "rotor_velocity"),
-        1e-4,
-        units="rad s-1",
+        last(finest, "rotor_velocity"),
     )
-    peaks = [float(t.contacts["peak_normal_force"].max()) for t in (coarse, fine)]
-    yield close(
-        "case A, lagrange_slip: peak force at half the step", peaks[1] / peaks[0], 2.0, 1e-3
-    )
+    yield Claim(words, SLIP_ONLY_VELOCITY, found, 1e-4, units="rad s-1")
+    peaks = [float(made.contacts["peak_normal_force"].max()) for made in (slipping, finest)]
+    words = "case A, lagrange_slip: peak force at half the step"
+    yield close(words, peaks[1] / peaks[0], 2.0, 1e-3)
 
 
-def _measure(trajectory: Trajectory, name: str) -> float:
+def _measure(made: Trajectory, name: str) -> float:
     """Last record of a series, or the sum of a column of the contacts."""
-    if name in trajectory.series:
-        return last(trajectory, name)
-    return float(trajectory.contacts[name].sum())
-
-
-REFERENCES = (printed_table, compliant_case_a, rigid_case_a)
+    return last(made, name) if name in made.series else float(made.contacts[name].sum())

@@ -14,7 +14,7 @@ import pytest
 import xarray
 import yaml
 from support.command_line import Command, left_behind
-from support.conf_files import CONF, options
+from support.configurations import CONF, options
 from support.synthetic import synthetic_trajectory
 
 from contactlab import engine

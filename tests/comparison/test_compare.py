@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray
 from support.command_line import Command
-from support.compared import LAWS, leave, leave_all
+from support.configurations import LAWS, leave, leave_all
 
 from contactlab import load
 from contactlab.comparison import ComparisonError, compare

@@ -5,7 +5,7 @@ from pathlib import Path
 import hydra
 import pytest
 from hydra.core.global_hydra import GlobalHydra
-from support.conf_files import composed
+from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
 from contactlab.config.composition import conf_directory, started

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-from support.conf_files import CONF, altered, composed, options
+from support.configurations import CONF, altered, composed, options
 
 from contactlab.config import ConfigurationError, build, groups, validate
 from contactlab.config.groups import keys_of_law, known_keys

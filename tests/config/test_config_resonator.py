@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.conf_files import altered, composed, options
+from support.configurations import altered, composed, options
 
 from contactlab.config import ConfigurationError, build
 from contactlab.motor import FiniteElementResonator

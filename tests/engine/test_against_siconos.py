@@ -15,7 +15,7 @@ from foreign.problem import CASE_A, MOTORS, problem_of
 from foreign.siconos_run import CHOICE, SiconosRun, find_siconos, missing_siconos, siconos_runs
 from numpy.typing import NDArray
 from oracle import solve_rigid_stick
-from support.long_forms import cases
+from support.command_line import cases
 from support.motors import default_motor, final, oracle_motor, run, total
 
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MoreauJean, Newton
@@ -36,13 +36,10 @@ RESTITUTION = 0.5
 STATES = ("rotor_velocity", "rotor_angle", "tip_normal_displacement", "tip_slope")
 IMPULSES = ("normal_impulse", "friction_impulse")
 
-SHORT = (
-    CASE_A,
-    "no clearance, loaded and damped, turning backwards",
-    "high voltages, far away, very high friction",
+motors = pytest.mark.parametrize("name", cases(MOTORS, (CASE_A,)))
+bouncing = pytest.mark.parametrize(
+    "name", cases(MOTORS, ("no clearance, loaded and damped, turning backwards",))
 )
-
-motors = pytest.mark.parametrize("name", cases(MOTORS, SHORT))
 
 
 @dataclass(frozen=True)
@@ -197,7 +194,7 @@ def test_siconos_tells_the_law_that_always_slips_from_ours(siconos: str) -> None
     assert abs(slipping - limit) > 100.0 * TOLERANCE * our_limit(CASE_A).travel["rotor_velocity"]
 
 
-@motors
+@bouncing
 @pytest.mark.parametrize("law", [Newton, MoreauJean], ids=lambda law: law.name)
 def test_siconos_with_restitution_extrapolates_to_our_bounces(
     siconos: str, name: str, law: type[Newton] | type[MoreauJean]

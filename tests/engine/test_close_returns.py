@@ -15,7 +15,7 @@ from support.motors import default_motor, hertz, run
 from contactlab.engine.plant import plant_of
 from contactlab.engine.propagator import propagator_for
 from contactlab.motor.drive import Drive
-from contactlab.testing.flights.closed import Flight, flight_of
+from contactlab.testing.flights import Flight, flight_of
 
 SOFT = hertz(0.0, stiffness=1e-6)
 """Pushes with 1e-15 N at the depths below."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.conf_files import composed
+from support.configurations import composed
 from support.motors import case_a, default_resonator, every_law, hertz, run
 
 from contactlab.checks import SMALLEST_STEP

@@ -9,7 +9,7 @@ from support.motors import case_a, default_motor, every_law, final, hertz, run
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
 from contactlab.motor.drive import Drive
-from contactlab.testing.flights.closed import flight_of
+from contactlab.testing.flights import flight_of
 from contactlab.trajectory import Trajectory
 from contactlab.variables import CONTACTS, SERIES
 

@@ -11,8 +11,7 @@ from contactlab.engine.plant import plant_of
 from contactlab.engine.propagator import Propagator, propagator_for
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.motor.motor import Motor
-from contactlab.testing.flights.closed import Flight, flight_of
-from contactlab.testing.flights.shaped import double_well, drive_through
+from contactlab.testing.flights import Flight, double_well, drive_through, flight_of
 
 Array = NDArray[np.float64]
 

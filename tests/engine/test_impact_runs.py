@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from contactlab.laws import LagrangeStick, MoreauJean, Newton, Poisson, Stronge
-from contactlab.testing.contract.bench import MOTOR_DURATION, paper_motor
-from contactlab.testing.plants import block
-from contactlab.testing.runs import first, run
+from contactlab.testing.plants import block, paper_motor
+from contactlab.testing.runs import MOTOR_DURATION, first, run
 from contactlab.trajectory import Trajectory
 
 Law = type[Newton] | type[Poisson] | type[Stronge] | type[MoreauJean]

@@ -2,8 +2,7 @@
 
 import pytest
 from oracle import solve_rigid_stick
-from support.motors import oracle_motor
-from support.random_motors import random_motor
+from support.motors import oracle_motor, random_motor
 
 
 def test_a_release_shorter_than_a_step_is_a_release() -> None:

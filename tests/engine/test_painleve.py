@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import numpy as np
 import pytest
-from support.conf_files import composed
+from support.configurations import composed
 
 from contactlab.compiled import kernel
 from contactlab.config import build

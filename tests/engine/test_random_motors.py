@@ -17,9 +17,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from oracle import OracleRun, solve_hertz, solve_rigid_stick
-from support.long_forms import cases
-from support.motors import default_motor, hertz, oracle_motor, run
-from support.random_motors import random_motor, random_stiffness
+from support.command_line import cases
+from support.motors import default_motor, hertz, oracle_motor, random_motor, random_stiffness, run
 
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.trajectory import Trajectory

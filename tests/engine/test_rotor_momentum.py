@@ -9,7 +9,7 @@ from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LagrangeStick
 from contactlab.laws.base import ContactLaw
 from contactlab.metrics import METRICS, Run, assess
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 
 
 def momentum(law: ContactLaw, damping: float, torque: float, passed_on: float = 1.0) -> float:

@@ -8,7 +8,7 @@ from support.motors import case_a, default_motor, every_law, hertz, run
 
 from contactlab.laws import ContactLaw
 from contactlab.motor.motor import Motor
-from contactlab.testing.flights.closed import Flight, flight_of
+from contactlab.testing.flights import Flight, flight_of
 
 TIME_DIGIT = 1e-12
 """Touch-downs are known to better than this [s]: gap round-off 1e-21 m over rates above 1e-8 m/s."""

@@ -10,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 import xarray
-from support.conf_files import CONF
+from support.configurations import CONF
 
 EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 

@@ -13,7 +13,7 @@ from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, Stronge
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import LuGre
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 from contactlab.trajectory import Trajectory
 
 DURATION = 4e-4
@@ -29,7 +29,7 @@ from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LawError, PenaltyLaw, Stronge
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import LuGre
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 
 @kernel
 def bound(normal, parameters):

@@ -13,7 +13,7 @@ from scipy.special import ellipe, ellipk
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick, hertz_stiffness
 from contactlab.laws.base import SLIP, STICK
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 
 Answer = tuple[float, float, int]
 Delassus = tuple[float, float, float]

@@ -15,10 +15,10 @@ from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
 from contactlab.laws.normal import Linear
 from contactlab.laws.part import Friction
-from contactlab.testing.contract.bench import Bench, paper_motor
-from contactlab.testing.contract.properties import PROPERTIES, check
-from contactlab.testing.plants import block
-from contactlab.testing.runs import run
+from contactlab.testing.claim import PROPERTIES
+from contactlab.testing.contract import check
+from contactlab.testing.plants import block, paper_motor
+from contactlab.testing.runs import Bench, run
 
 WEIGHT, STIFFNESS, MU = 10.0, 1e7, 0.3
 

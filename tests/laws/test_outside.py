@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import xarray
 import yaml
-from support.packages import EXAMPLE, Elsewhere
+from support.command_line import EXAMPLE, Elsewhere
 
 SHORT = "solver.duration=0.2 ms"
 

@@ -17,7 +17,7 @@ from contactlab.laws import FRICTION_COEFFICIENT, ContactLaw, HertzPenalty, Lagr
 from contactlab.laws.base import PENALTY_SIGNATURE, MultiplierLaw, PenaltyKernel, PenaltyLaw
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 from contactlab.trajectory import Ending, Trajectory
 
 Told = pytest.CaptureFixture[str]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray
 from support.command_line import Command
-from support.plausibility_runs import case_a_tree
+from support.configurations import case_a_tree
 
 from contactlab.laws import LAWS
 from contactlab.metrics import INVARIANTS, METRICS

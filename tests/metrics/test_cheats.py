@@ -5,8 +5,8 @@ from typing import Annotated, final
 
 import pytest
 import xarray
+from support.configurations import of_law
 from support.motors import hertz
-from support.plausibility_runs import of_law
 
 from contactlab.compiled import kernel
 from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw

@@ -5,7 +5,7 @@ from math import isnan
 import numpy as np
 import pytest
 import xarray
-from support.plausibility_runs import case_a_tree
+from support.configurations import case_a_tree
 
 from contactlab.metrics import (
     NOT_APPLICABLE,

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import xarray
 from oracle import OracleRun, solve_hertz, solve_rigid_stick
-from support.conf_files import composed
+from support.configurations import DURATION, case_a_tree, composed, configured, datatree
 from support.motors import oracle_motor
-from support.plausibility_runs import DURATION, case_a_tree, configured, datatree
 
 from contactlab.laws.registry import PARTS
 from contactlab.metrics import (

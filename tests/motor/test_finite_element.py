@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracle.stepped_beam import natural_frequencies
-from support.beams import stepped_beam
-from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
+from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator, stepped_beam
 from threadpoolctl import threadpool_limits
 
 from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator

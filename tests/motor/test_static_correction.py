@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from oracle.stepped_beam import response
-from support.beams import stepped_beam
-from support.motors import PLACEMENT_1, PLACEMENT_2, final, hertz, run
+from support.motors import PLACEMENT_1, PLACEMENT_2, final, hertz, run, stepped_beam
 
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive

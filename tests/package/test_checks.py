@@ -21,7 +21,7 @@ from contactlab.motor.materials import Steel
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.parameter import Parameter
 from contactlab.sweeps import sweep
-from contactlab.testing.contract.bench import paper_motor
+from contactlab.testing.plants import paper_motor
 
 MOTOR = paper_motor()
 MODES, DRIVE = MOTOR.modes, MOTOR.drive

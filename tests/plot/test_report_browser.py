@@ -9,7 +9,7 @@ from html import unescape
 from pathlib import Path
 
 import pytest
-from support.compared import leave_all
+from support.configurations import leave_all
 
 from contactlab.comparison import compare
 

@@ -5,7 +5,7 @@ import random
 from pathlib import Path
 
 import pytest
-from support.folders import left_run
+from support.sweeps import left_run
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.comparison import ComparisonError, compare

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from support.command_line import Command
-from support.folders import left_run
-from support.stores import begun
+from support.sweeps import begun, left_run
 
 from contactlab.comparison import compare
 from contactlab.sweeps import collect

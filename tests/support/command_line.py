@@ -1,7 +1,18 @@
-"""Helpers for tests of the command."""
+"""Helpers for tests of the command, in this process and in others with packages of their own; long forms."""
 
-from collections.abc import Callable
+import os
+import subprocess
+import sys
+import tomllib
+import zipfile
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
+
+import pytest
+
+import contactlab
 
 Command = Callable[..., tuple[int, str, str]]
 """Takes arguments; gives exit status, output and errors."""
@@ -9,3 +20,79 @@ Command = Callable[..., tuple[int, str, str]]
 
 def left_behind() -> list[Path]:
     return list(Path().rglob("*"))
+
+
+EXAMPLE = Path(__file__).parents[1].joinpath("example_law")
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """A folder with packages, and another to run in.
+
+    Args:
+        packages: where they are installed.
+        folder: where commands run.
+    """
+
+    packages: Path
+    folder: Path
+
+    def python(self, *arguments: str, **variables: str) -> tuple[int, str, str]:
+        """Exit status, output and errors of Python."""
+        # The contactlab that runs the tests, wherever another one may be installed.
+        own = str(Path(contactlab.__file__).resolve().parents[1])
+        paths = [str(self.packages), own, os.environ.get("PYTHONPATH", "")]
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            cwd=self.folder,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | variables,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return done.returncode, done.stdout, done.stderr
+
+    def command(self, *arguments: str, **variables: str) -> tuple[int, str, str]:
+        """Exit status, output and errors of the command."""
+        return self.python("-m", "contactlab", *arguments, **variables)
+
+    def install(
+        self, name: str, version: str, entries: Mapping[str, str], modules: Mapping[str, str]
+    ) -> None:
+        """Install a distribution by pip, from a wheel as a build tool would make it."""
+        stem = f"{name.replace('-', '_')}-{version}"
+        points = "".join(f"{law} = {entry}\n" for law, entry in entries.items())
+        files = {f"{module}.py": text for module, text in modules.items()} | {
+            f"{stem}.dist-info/METADATA": f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n",
+            f"{stem}.dist-info/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+            f"{stem}.dist-info/entry_points.txt": f"[contactlab.laws]\n{points}",
+        }
+        record = f"{stem}.dist-info/RECORD"
+        wheel = self.folder / f"{stem}-py3-none-any.whl"
+        with zipfile.ZipFile(wheel, "w") as archive:
+            for path, text in files.items():
+                archive.writestr(path, text)
+            archive.writestr(record, "".join(f"{path},,\n" for path in [*files, record]))
+        options = ["--quiet", "--no-deps", "--no-index", "--target", str(self.packages)]
+        status, _, err = self.python("-m", "pip", "install", *options, str(wheel))
+        assert status == 0, err
+        wheel.unlink()
+
+    def install_example(self) -> None:
+        """Install the example as its pyproject.toml says."""
+        project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))
+        modules = project["tool"]["setuptools"]["py-modules"]
+        self.install(
+            project["project"]["name"],
+            project["project"]["version"],
+            project["project"]["entry-points"]["contactlab.laws"],
+            {name: (EXAMPLE / f"{name}.py").read_text(encoding="utf-8") for name in modules},
+        )
+
+
+Case = TypeVar("Case")
+
+
+def cases(every: Iterable[Case], short: Collection[Case]) -> list[object]:
+    """Parameters of a test: those in `short` always run, the others are of its long form."""
+    return [case if case in short else pytest.param(case, marks=pytest.mark.long) for case in every]

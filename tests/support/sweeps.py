@@ -1,21 +1,28 @@
-"""Sweeps whose simulation is over at once, so that tests may have many of them."""
+"""Sweeps and maps whose simulation is over at once, so that tests may have many, and what they leave."""
 
 import dataclasses
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from hydra.core.plugins import Plugins
 from hydra.core.utils import JobReturn
 from hydra.plugins.launcher import Launcher
 from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig
-from support.synthetic import synthetic_trajectory
+from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.motor.motor import Motor
+from contactlab.results.netcdf import to_datatree, write_tree
+from contactlab.sweeps.answers import Answers
+from contactlab.sweeps.dataset import Axis
+from contactlab.sweeps.plan import Outputs, Plan
+from contactlab.sweeps.state import COMPLETE, Job, State, write_state
+from contactlab.sweeps.store import Store
 from contactlab.trajectory import Ending, Trajectory
 
 METRICS_ALONE = ("-m", "sweep.keep=metrics")
@@ -80,3 +87,58 @@ def state_of(place: Path) -> dict[str, Any]:
     """What a run's folder says of it."""
     read: dict[str, Any] = json.loads((place / "state.json").read_text(encoding="utf-8"))
     return read
+
+
+def left_run(folder: Path) -> Path:
+    """A run's folder as a run leaves it."""
+    folder.mkdir(parents=True)
+    digest = write_tree(to_datatree(synthetic_trajectory(), CONFIGURATION), folder / "run.nc")
+    write_state(folder, State(COMPLETE, Job(key="key"), digest=digest))
+    return folder / "run.nc"
+
+
+CELLS, CHUNK = 9, 3
+
+
+def plan(first: float = 0.0, series: tuple[str, ...] = ()) -> Plan:
+    return Plan(
+        axes=(Axis("drive.phase", tuple(first + np.arange(CELLS, dtype=float)), "rad"),),
+        groups=(),
+        choices=((),),
+        bases=({"law": {"name": "newton"}},),
+        samples=False,
+        outputs=Outputs(("peak_force",), series),
+        chunk=CHUNK,
+        code="code",
+    )
+
+
+class Made:
+    """Stands for the processes of a sweep: a run's peak force is the number of its cell.
+
+    Args:
+        meanwhile: what happens while the runs are made.
+    """
+
+    def __init__(self, meanwhile: Callable[[], object] = lambda: None) -> None:
+        self.meanwhile = meanwhile
+
+    def answers(self, cells: Sequence[int]) -> Answers:
+        self.meanwhile()
+        time = np.linspace(0.0, 1.0, 5)
+        return Answers(
+            metrics=np.array(cells, dtype=float)[:, np.newaxis],
+            status=np.zeros(len(cells), dtype=np.int8),
+            reason=[""] * len(cells),
+            series={"gap": np.outer(cells, time)},
+            time=time,
+        )
+
+
+def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> Store:
+    """A sweep of three chunks, some of which are finished."""
+    folder = Store(path, plan(**of_plan))
+    folder.begin()
+    for chunk in range(finished):
+        folder.run(chunk, Made())
+    return folder

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from support.stores import CELLS, Made, begun, plan
+from support.sweeps import CELLS, Made, begun, plan
 
 from contactlab.sweeps import SweepError, store
 from contactlab.sweeps.dataset import DATASET

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from support.conf_files import composed
-from support.packages import Elsewhere
+from support.command_line import Elsewhere
+from support.configurations import composed
 from support.sweeps import QUICK
 
 from contactlab.config import build

@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from contactlab.testing import Claim
-from contactlab.testing.forms import CLOSED_FORMS
-from contactlab.testing.forms.impacts import dashpot_impacts, modal_impacts
-from contactlab.testing.forms.impacts import hertz_impact as hertz
+from contactlab.testing.claim import CLOSED_FORMS
+from contactlab.testing.closed_forms import dashpot_impacts, hertz_impact, modal_impacts
 
 Form = Callable[..., Iterator[Claim]]
 
@@ -17,7 +16,7 @@ def assert_all(claims: Iterator[Claim]) -> None:
     assert not failed, "\n".join(failed)
 
 
-@pytest.mark.parametrize("form", CLOSED_FORMS, ids=lambda form: form.__name__)
+@pytest.mark.parametrize("form", CLOSED_FORMS.values(), ids=list(CLOSED_FORMS))
 def test_closed_form(form: Form) -> None:
     assert_all(form())
 
@@ -25,7 +24,7 @@ def test_closed_form(form: Form) -> None:
 @pytest.mark.parametrize("speed", [1e-3, 0.05, 2.0])
 @pytest.mark.parametrize("stiffness", [1e7, 1e12])
 def test_hertz_impact_at_other_speeds_and_stiffnesses(speed: float, stiffness: float) -> None:
-    assert_all(hertz(1e-2, speed, stiffness))
+    assert_all(hertz_impact(1e-2, speed, stiffness))
 
 
 @pytest.mark.parametrize("ratio", [0.01, 0.1, 0.6, 0.9])

@@ -9,23 +9,15 @@ import numpy as np
 import pytest
 
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws import (
-    LAWS,
-    ContactLaw,
-    LagrangeStick,
-    MultiplierLaw,
-    Newton,
-    PenaltyLaw,
-)
+from contactlab.laws import LAWS, ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, STICK, MultiplierKernel, PenaltyKernel
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange_stick import stick_impulse, stick_or_slip_impulse
 from contactlab.parameter import Parameter
-from contactlab.testing import LawContract
-from contactlab.testing.contract import bench as bench_module
-from contactlab.testing.contract.bench import Bench
-from contactlab.testing.contract.properties import PROPERTIES, check
-from contactlab.testing.runs import attempt
+from contactlab.testing import LawContract, runs
+from contactlab.testing.claim import PROPERTIES
+from contactlab.testing.contract import check
+from contactlab.testing.runs import Bench, attempt
 from contactlab.trajectory import Ending, Trajectory
 
 Forces = tuple[float, float, float, float]
@@ -57,49 +49,39 @@ class Cheat(PenaltyLaw):
         return self.kernel
 
 
-def honest(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
+def honest(gap, gap_rate, slip, approach, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def pulls(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
+def pulls(gap, gap_rate, slip, approach, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5 - 0.3
     return normal, p[1] * max(normal, 0.0), -0.4 * (normal + 0.3) * gap + 0.3 * gap, 0.0
 
 
-def leaves_the_cone(
-    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
-) -> Forces:
+def leaves_the_cone(gap, gap_rate, slip, approach, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, 1.1 * p[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def forgets_energy(
-    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
-) -> Forces:
+def forgets_energy(gap, gap_rate, slip, approach, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[1] * normal, -0.39 * normal * gap, 0.0
 
 
-def makes_energy(
-    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
-) -> Forces:
+def makes_energy(gap, gap_rate, slip, approach, p):
     elastic = p[0] * max(-gap, 0.0) ** 1.5
     normal = elastic * max(1.0 + 0.3 * gap_rate, 0.0)
     return normal, p[1] * normal, -0.4 * elastic * gap, (elastic - normal) * gap_rate
 
 
-def remembers_every_call(
-    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
-) -> Forces:
+def remembers_every_call(gap, gap_rate, slip, approach, p):
     p[1] = p[1] * (1.0 - 1e-6)
     normal = p[0] * max(-gap, 0.0) ** 1.5
     return normal, p[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def knows_left_from_right(
-    gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
-) -> Forces:
+def knows_left_from_right(gap, gap_rate, slip, approach, p):
     normal = p[0] * max(-gap, 0.0) ** 1.5
     mu = p[1] if slip >= 0.0 else 0.9 * p[1]
     return normal, mu * normal, -0.4 * normal * gap, 0.0
@@ -133,7 +115,7 @@ def test_a_law_that_cheats_fails_where_it_cheats(kernel: Callable[..., Forces]) 
 
 
 def test_a_law_that_is_refused_fails_with_the_sentence_and_stops_nothing() -> None:
-    def endless(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
+    def endless(gap, gap_rate, slip, approach, p):
         return p[7], p[1], 0.0, 0.0
 
     bench = Bench(Cheat(0.3, fleeting_kernel(endless)))
@@ -154,8 +136,8 @@ def test_a_run_that_does_not_end_fails_with_its_sentence_and_is_made_once(
         made.append(replace(run, ending=Ending.DIVERGED, message="Its steps do not advance."))
         return made[-1]
 
-    monkeypatch.setattr(bench_module, "attempt", stalled)
-    bench = Bench(Newton(0.3, 0.5))
+    monkeypatch.setattr(runs, "attempt", stalled)
+    bench = Bench(LAWS["newton"](0.3, 0.5))
     for name in ("no_force_when_open", "dissipates", "ledger_closes", "mirrors", "converges"):
         (claim,) = check(bench, name)
         # What a law declares to break is no excuse for a run without an end.
@@ -165,7 +147,7 @@ def test_a_run_that_does_not_end_fails_with_its_sentence_and_is_made_once(
 
 
 def test_a_law_that_carries_nothing_fails_with_a_sentence() -> None:
-    def soft(gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray) -> Forces:
+    def soft(gap, gap_rate, slip, approach, p):
         return -1e-3 * gap, 0.0, 0.5e-3 * gap * gap, 0.0
 
     (claim,) = check(Bench(Cheat(0.0, fleeting_kernel(soft))), "stick_is_exact")
@@ -182,9 +164,7 @@ def test_a_law_that_writes_to_its_parameters_is_refused() -> None:
 def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
     asked = [0.0]
 
-    def remembers_the_last_call(
-        gap: float, gap_rate: float, slip: float, approach: float, p: np.ndarray
-    ) -> Forces:
+    def remembers_the_last_call(gap, gap_rate, slip, approach, p):
         # No run asks twice of a gap and its half; who asks more often does.
         mu = 0.9 * p[1] if asked[0] == 0.5 * gap else p[1]
         asked[0] = gap
@@ -196,16 +176,7 @@ def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
     assert not all(claim.holds for claim in check(bench, "calls_leave_no_trace"))
 
 
-def reverses(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: np.ndarray,
-) -> tuple[float, float, int]:
+def reverses(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     _, p_t, mode = stick_or_slip_impulse(
         normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
     )
@@ -213,16 +184,7 @@ def reverses(
     return max(-(normal_rate - 0.5 * d_nt * p_t) / d_nn, 0.0), -0.5 * p_t, mode
 
 
-def sinks(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: np.ndarray,
-) -> tuple[float, float, int]:
+def sinks(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     p_n, p_t, mode = stick_or_slip_impulse(
         normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
     )
@@ -264,16 +226,7 @@ def test_an_approach_that_is_left_is_found() -> None:
     assert not all(claim.holds for claim in check(bench, "kernel_is_consistent"))
 
 
-def pushes_in_a_skid(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: np.ndarray,
-) -> tuple[float, float, int]:
+def pushes_in_a_skid(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     """Sound for every approach, and holds what opens beyond the critical friction by friction that pushes."""
     p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
     if p_n >= 0.0 and abs(p_t) <= p[0] * p_n:
@@ -295,29 +248,13 @@ def test_friction_that_pushes_beyond_the_critical_one_is_found() -> None:
     assert not check(bench, "dissipates")[0].holds
 
 
-def holds_what_opens(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: np.ndarray,
-) -> tuple[float, float, int]:
+def holds_what_opens(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     return abs(normal_rate) / d_nn, 0.0, SLIP
 
 
 def answers_opening_with_no_number(
-    normal_rate: float,
-    tangential_rate: float,
-    gap_rate: float,
-    slip: float,
-    d_nn: float,
-    d_nt: float,
-    d_tt: float,
-    p: np.ndarray,
-) -> tuple[float, float, int]:
+    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
+):
     p_n, p_t, mode = stick_or_slip_impulse(
         normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
     )

@@ -1,14 +1,18 @@
-"""No touch-down of random flights is missed, late or invented, however the work is divided."""
+"""No touch-down of random flights is missed, late or invented, and the judge would see it."""
 
 import csv
 import importlib.util
-from functools import cache, reduce
+from functools import cache
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
+import numpy as np
+import pandas as pd
 import pytest
 
-from contactlab.testing.flights.randomly import KINDS, Tally, added, fly, random_flight
+from contactlab.testing import random_flights
+from contactlab.testing.flights import Flight
+from contactlab.testing.random_flights import DURATION, FAULTS, KINDS, judge, judged, random_flight
 
 SCRIPT = Path(__file__).parents[2] / "experiments" / "random_flights.py"
 FLIGHTS = 600
@@ -25,21 +29,17 @@ def script() -> ModuleType:
 
 
 @cache
-def tallies() -> dict[str, Tally]:
-    return fly(0, range(FLIGHTS))
+def rows() -> pd.DataFrame:
+    return judged(0, range(FLIGHTS))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_touch_down_is_missed_late_or_invented(kind: str) -> None:
-    tally = tallies()[kind]
+    found = random_flights.tally(rows()).loc[kind]
+    assert found["flights"] > 0.1 * FLIGHTS
     # The claim is about both: flights that touch and flights that do not.
-    assert 0.2 * tally.flights < tally.touched < tally.flights
-    assert (tally.missed, tally.invented, tally.late) == (0, 0, 0), tally
-
-
-def test_every_kind_of_flight_comes() -> None:
-    assert sum(tally.flights for tally in tallies().values()) == FLIGHTS
-    assert all(tally.flights > 0.1 * FLIGHTS for tally in tallies().values())
+    assert 0.2 * found["flights"] < found["touched"] < found["flights"]
+    assert [found[fault] for fault in FAULTS] == [0, 0, 0], found
 
 
 def test_grazes_are_within_a_nanometre_of_touching() -> None:
@@ -55,9 +55,7 @@ def test_grazes_are_within_a_nanometre_of_touching() -> None:
 
 
 def test_the_figures_do_not_depend_on_the_number_of_workers() -> None:
-    expected = fly(3, range(250))
-    for workers in (1, 2):
-        assert script().measure(250, workers, 3) == expected
+    pd.testing.assert_frame_equal(script().measure(120, 2, 0), rows().head(120))
 
 
 def test_the_script_writes_its_table_and_tells_faults_by_its_status(
@@ -67,25 +65,63 @@ def test_the_script_writes_its_table_and_tells_faults_by_its_status(
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
     path = tmp_path / "table.csv"
     arguments = ["--flights", "5", "--workers", "1", "--csv", str(path)]
-    good = {kind: Tally(flights=1, touched=1, worst=4, largest_excess=0.0) for kind in KINDS}
-    for missed in (0, 1):
-        bad = good | {"graze": Tally(flights=1, touched=1, missed=missed, worst=2)}
-        monkeypatch.setattr(script(), "measure", lambda *_, table=bad: table)
+    for missed in (False, True):
+        table = rows().head(100).copy()
+        table.loc[7, "missed"] = missed
+        monkeypatch.setattr(script(), "measure", lambda *_, table=table: table)
         assert script().main(arguments) == missed
         with path.open(newline="") as file:
-            rows = list(csv.DictReader(file))
-        assert [row["kind"] for row in rows] == list(KINDS)
-        assert [row["missed"] for row in rows if row["kind"] == "graze"] == [str(missed)]
-        assert sum(int(row["missed"]) for row in rows) == missed
+            written = list(csv.DictReader(file))
+        assert {row["kind"] for row in written} == set(KINDS)
+        assert sum(int(row["missed"]) for row in written) == missed
     assert "missed" in capsys.readouterr().out
 
 
-def test_a_tally_of_two_parts_counts_both_and_names_the_worse() -> None:
-    late = Tally(flights=2, touched=1, late=1, largest_error=3e-9, largest_excess=2e-9, worst=7)
-    missed = Tally(flights=3, touched=2, missed=1, worst=9)
-    fine = Tally(flights=4, touched=4, largest_error=1e-8, largest_excess=1e-18, worst=1)
-    expected = Tally(9, 7, 1, 0, 1, 1e-8, 2e-9, 9)
-    assert reduce(added, (late, missed, fine)) == expected
-    assert reduce(added, (fine, missed, late)) == expected
-    assert added(late, fine).worst == 7
-    assert added(Tally(), fine) == fine
+def test_a_tally_counts_and_names_the_worst_flight() -> None:
+    right = dict.fromkeys(FAULTS, False) | {"touched": True}
+    table = pd.DataFrame(
+        [
+            {"kind": "a", "number": 1, **right, "error": 1e-8, "excess": 1e-18},
+            {"kind": "a", "number": 7, **right, "late": True, "error": 3e-9, "excess": 2e-9},
+            {"kind": "b", "number": 8, **right, "error": 5e-9, "excess": 4e-9},
+            {"kind": "b", "number": 9, **right, "missed": True, "error": 0.0, "excess": np.inf},
+        ]
+    )
+    found = random_flights.tally(table)
+    assert list(found["worst"]) == [7, 9]
+    assert list(found["error"]) == [1e-8, 5e-9]
+    assert found[["flights", "touched", *FAULTS]].to_numpy().tolist() == [
+        [2, 2, 0, 1, 0],
+        [2, 2, 1, 0, 0],
+    ]
+
+
+@cache
+def drawn(touches: bool) -> Flight:
+    """The first of the random flights that touches, or that does not."""
+    flights = (random_flight(0, number)[1] for number in range(100))
+    return next(f for f in flights if (f.first_touch(DURATION) is not None) == touches)
+
+
+def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -> set[str]:
+    """What the judge finds wrong with an engine that finds touch-downs at these times [s]."""
+    made = SimpleNamespace(
+        contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10}
+    )
+    monkeypatch.setattr(random_flights, "run", lambda *_: made)
+    found = judge(flight)
+    assert found["touched"] == (flight.first_touch(DURATION) is not None)
+    return {fault for fault in FAULTS if found[fault]}
+
+
+def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    touching, open_one = drawn(touches=True), drawn(touches=False)
+    when = touching.first_touch(DURATION)
+    assert when is not None
+    assert faults_of(monkeypatch, touching, when, when + 1e-5) == set()
+    assert faults_of(monkeypatch, touching) == {"missed"}
+    assert faults_of(monkeypatch, touching, when + 1e-9) == {"late"}
+    assert judge(touching)["error"] == pytest.approx(1e-9, rel=1e-6)
+    assert faults_of(monkeypatch, touching, when - 1e-9) == {"invented"}
+    assert faults_of(monkeypatch, open_one, 1e-4) == {"invented"}
+    assert faults_of(monkeypatch, open_one) == set()

@@ -1,22 +1,21 @@
 """Random free flights through the engine, and whether it finds the first touch-down of each."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from functools import cache
+from math import inf
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 
-from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
-from contactlab.testing.flights.closed import Flight, flight_of
-from contactlab.testing.flights.shaped import double_well
-
-Array = NDArray[np.float64]
+from contactlab.testing.claim import REFERENCES, Claims, at_least, at_most, proof
+from contactlab.testing.flights import Flight, double_well, flight_of
+from contactlab.testing.runs import run
 
 DURATION = 1e-3
 """Longest flight [s]."""
@@ -30,43 +29,15 @@ TIME_DIGIT = 1e-15
 KINDS: Final = ("any clearance", "graze", "double dip", "double well", "resonance")
 """How the clearance of a flight is found, see `random_flight`."""
 
+FAULTS: Final = ("missed", "late", "invented")
+"""What may be wrong with a touch-down, see `judge`."""
+
 SHAPES = (2, 4, 6)
 """Beam shapes of the resonators: up to 6 overdamped modes, decays down to a microsecond."""
 
 
-@dataclass(frozen=True)
-class Tally:
-    """What became of some flights.
-
-    Args:
-        flights: how many there were.
-        touched: those that touch, by the reference.
-        missed: those that touch and for which the engine ran past the touch-down without any.
-        invented: touch-downs of the engine where there is none, or before there is one.
-        late: touch-downs of the engine after the first one.
-        largest_error: of a time of touch-down [s].
-        largest_excess: of an error over what round-off explains of it [s].
-        worst: number of the flight with the largest excess; the first one that is missed or invented
-            comes before all others; -1 where none touched.
-    """
-
-    flights: int = 0
-    touched: int = 0
-    missed: int = 0
-    invented: int = 0
-    late: int = 0
-    largest_error: float = 0.0
-    largest_excess: float = -np.inf
-    worst: int = -1
-
-    @property
-    def faults(self) -> int:
-        """Flights of which the engine got the touch-down wrong."""
-        return self.missed + self.invented + self.late
-
-
 def random_flight(seed: int, number: int) -> tuple[str, Flight]:
-    """Kind and flight of a number; every pair of seed and number is a flight of its own.
+    """Draw kind and flight of a number; every pair of seed and number is a flight of its own.
 
         any clearance   10 nm to 3 um, by its logarithm
         graze           one of the lowest points so far dips or misses by 1e-14 to 1e-9 m
@@ -106,67 +77,61 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
     return kind, close if close.motor.geometry.clearance > 0.0 else far
 
 
-def judge(flight: Flight, number: int) -> Tally:
+def judge(flight: Flight) -> dict[str, float]:
     """Run one flight through the engine, up to its first touch-down and a little further.
+
+    Returns:
+        Whether it `touched` by the reference; whether the engine `missed` that, `invented` a touch-down
+        where there is none or before there is one, or found one too `late`; the `error` of its time [s],
+        and the `excess` of that over what round-off explains [s], infinite where there is no time.
 
     Raises:
         RuntimeError: the engine gave the run up.
     """
     expected = flight.first_touch(DURATION)
     end = DURATION if expected is None else min(expected + AFTER_TOUCH, DURATION)
-    law = HertzPenalty(stiffness=1e10, friction_coefficient=0.0)
-    run = simulate(flight.motor, law, duration=end, record_interval=end)
-    if not run.complete:
-        raise RuntimeError(f"Flight {number} did not reach its end. {run.message}")
-    found = run.contacts["start_time"]
-    if expected is None:
-        invented = int(found.size > 0)
-        return Tally(flights=1, invented=invented, worst=number if invented else -1)
-    if found.size == 0:
-        return Tally(flights=1, touched=1, missed=1, worst=number)
-    error = float(found[0]) - expected
-    rate = abs(float(flight.at(expected)[1]))
-    excess = abs(error) - flight.round_off(expected, run.statistics["flight_steps"]) / rate
-    wrong = excess > TIME_DIGIT
-    return Tally(
-        flights=1,
-        touched=1,
-        invented=int(wrong and error < 0.0),
-        late=int(wrong and error > 0.0),
-        largest_error=abs(error),
-        largest_excess=excess,
-        worst=number,
-    )
+    made = run(flight.motor, HertzPenalty(stiffness=1e10, friction_coefficient=0.0), end)
+    found = made.contacts["start_time"]
+    touched, invented = expected is not None, expected is None and found.size > 0
+    missed, late, error = touched and found.size == 0, False, 0.0
+    excess = inf if missed or invented else -inf
+    if expected is not None and found.size > 0:
+        error = float(found[0]) - expected
+        rate = abs(float(flight.at(expected)[1]))
+        excess = abs(error) - flight.round_off(expected, made.statistics["flight_steps"]) / rate
+        invented, late = excess > TIME_DIGIT and error < 0.0, excess > TIME_DIGIT and error > 0.0
+    faults = {"missed": missed, "invented": invented, "late": late}
+    return {"touched": touched, **faults, "error": abs(error), "excess": excess}
 
 
-def fly(seed: int, numbers: Iterable[int]) -> dict[str, Tally]:
-    """Run the random flights with these numbers; returns a tally for every kind."""
-    tallies = {kind: Tally() for kind in KINDS}
+def judged(seed: int, numbers: Iterable[int]) -> pd.DataFrame:
+    """Run the random flights with these numbers; gives a row for each, see `judge`."""
+    rows = []
     for number in numbers:
         kind, flight = random_flight(seed, number)
-        tallies[kind] = added(tallies[kind], judge(flight, number))
-    return tallies
+        rows.append({"kind": kind, "number": number, **judge(flight)})
+    return pd.DataFrame(rows)
 
 
-def added(first: Tally, second: Tally) -> Tally:
-    """Both together; which of them comes first does not matter."""
-    counts = {
-        item.name: getattr(first, item.name) + getattr(second, item.name)
-        for item in fields(Tally)[:5]
-    }
-    worse = min((first, second), key=_rank)
-    return Tally(
-        **counts,
-        largest_error=max(first.largest_error, second.largest_error),
-        largest_excess=max(first.largest_excess, second.largest_excess),
-        worst=worse.worst,
+def tally(flights: pd.DataFrame) -> pd.DataFrame:
+    """Count the flights of every kind; give the largest error and excess, and the number of the latter."""
+    return flights.groupby("kind").agg(
+        flights=("number", "size"),
+        **{name: (name, "sum") for name in ("touched", *FAULTS)},
+        **{name: (name, "max") for name in ("error", "excess")},
+        worst=("excess", lambda excess: flights.loc[excess.idxmax(), "number"]),
     )
 
 
-def _rank(tally: Tally) -> tuple[bool, bool, float, int]:
-    """Order of tallies by their worst flight, the worst first."""
-    gross = tally.missed + tally.invented > 0
-    return tally.worst < 0, not gross, -tally.largest_excess, tally.worst
+@proof(REFERENCES)
+def random_touchdowns(flights: int = 1000, seed: int = 0) -> Claims:
+    """Flights that touch, graze by less than a nanometre, dip twice, or dip between two samples."""
+    for kind, found in tally(judged(seed, range(flights))).iterrows():
+        words = f"random flights, {kind}"
+        yield at_least(f"{words}: of them touch", found["touched"], 1)
+        for fault in FAULTS:
+            statement = f"{words}: touch-downs {fault} of {found['flights']:.0f} flights"
+            yield at_most(statement, found[fault], 0)
 
 
 @cache
@@ -184,7 +149,7 @@ def _slow_tones(rng: np.random.Generator) -> Drive:
 def _at_resonance(
     rng: np.random.Generator, modes: NormalModes, drive: Drive
 ) -> tuple[NormalModes, Drive]:
-    """The same shapes with one small damping for all, and the first tone at the first of them."""
+    """Give the same shapes with one small damping for all, and the first tone at the first of them."""
     weak = replace(modes, damping=np.full(modes.damping.size, 10.0 ** rng.uniform(-1.0, 1.0)))
     off = rng.choice([-1.0, 0.0, 1.0]) * 10.0 ** rng.uniform(-9.0, -2.0)
     frequency = drive.frequency.copy()
@@ -193,7 +158,7 @@ def _at_resonance(
 
 
 def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
-    """Two minima 0.2 to 0.6 rad of the fastest tone apart, from 20 us on, tilted up to the barrier."""
+    """Give two minima 0.2 to 0.6 rad of the fastest tone apart, from 20 us on, tilted up to the barrier."""
     frequency = 4e3 * (np.arange(5) + rng.uniform(0.2, 1.0, 5))
     half = rng.uniform(0.1, 0.3) / (2.0 * np.pi * frequency.max())
     when = rng.uniform(2e-5, 3e-4)
@@ -210,7 +175,7 @@ def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
 
 
 def _with_fast_tone(rng: np.random.Generator, modes: NormalModes, drive: Drive) -> Drive:
-    """A drive and one more tone, which moves the tip by 1 to 100 nm once it is steady."""
+    """Give a drive and one more tone, which moves the tip by 1 to 100 nm once it is steady."""
     frequency = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
     tone = 2j * np.pi * frequency
     phasors = rng.normal(size=2) + 1j * rng.normal(size=2)

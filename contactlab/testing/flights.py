@@ -1,4 +1,4 @@
-"""Free flights from rest in closed form, and where they first touch the rotor.
+"""Free flights from rest in closed form, where they first touch the rotor, and flights of a wanted shape.
 
 Every mode is the steady answer to its tones and two exponentials that cancel it at t = 0:
 
@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from contactlab.arrays import Array
+from contactlab.motor import NormalModes
+from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 
-Array = NDArray[np.float64]
 Phasors = NDArray[np.complex128]
 
 POINTS_PER_RADIAN = 16
@@ -32,7 +34,7 @@ OPERATIONS_PER_STEP = 16
 
 @dataclass(frozen=True)
 class Flight:
-    """The tip of a motor that never touches: u and th are real parts of sums of exponentials.
+    """Hold the tip of a motor that never touches: u and th are real parts of sums of exponentials.
 
     Args:
         motor: modes, drive and geometry.
@@ -52,12 +54,12 @@ class Flight:
         return np.hstack([rates * self.u[:, None], rates * self.th[:, None]])
 
     def at(self, time: Array | float) -> tuple[Array, Array]:
-        """Gap [m] and gap rate [m/s], shape of the time, good to their own round-off."""
+        """Give gap [m] and gap rate [m/s], shape of the time, good to their own round-off."""
         waves = np.exp(np.multiply.outer(np.asarray(time, dtype=np.float64), self.exponents))
         return self._gap_and_rate((waves @ self.amplitudes).real)
 
     def round_off(self, time: float, steps: int) -> float:
-        """What float64 leaves uncertain of the gap [m] at a time [s] that was reached in so many steps.
+        """Give what float64 leaves uncertain of the gap [m] at a time [s] that was reached in so many steps.
 
         A phase that has grown to |exponent| t is rounded by eps |exponent| t, and with it the rate of
         its term, which moves the slowest mode by its round-off over that mode's own rate. Operations
@@ -75,12 +77,12 @@ class Flight:
         return float(np.finfo(np.float64).eps * spread * (gap + geometry.clearance))
 
     def with_clearance(self, clearance: float) -> "Flight":
-        """The same vibration under a rotor at another distance [m]."""
+        """Give the same vibration under a rotor at another distance [m]."""
         geometry = replace(self.motor.geometry, clearance=clearance)
         return replace(self, motor=replace(self.motor, geometry=geometry))
 
     def lowered_to(self, gap: float, when: float) -> "Flight":
-        """The same vibration with the clearance at which the gap [m] at a time [s] has this value."""
+        """Give the same vibration with the clearance at which the gap [m] at a time [s] has this value."""
         flight = self
         for _ in range(3):
             # The gap follows the clearance but for the slope of the normal, 1e-8 and less.
@@ -89,7 +91,7 @@ class Flight:
         return flight
 
     def on_grid(self, duration: float) -> tuple[Array, Array, Array]:
-        """Times [s], gaps [m] and gap rates [m/s]; at rest the rate is zero, not its round-off."""
+        """Give times [s], gaps [m] and gap rates [m/s]; at rest the rate is zero, not its round-off."""
         fastest = float(np.abs(self.exponents).max())
         side = int(np.ceil(np.sqrt(POINTS_PER_RADIAN * fastest * duration + 1.0)))
         step = duration / (side * side - 1)
@@ -103,7 +105,7 @@ class Flight:
         return time, gap, rate
 
     def minima(self, duration: float) -> tuple[Array, Array]:
-        """Times [s] and gaps [m] of the gap's local minima in (0, duration)."""
+        """Give times [s] and gaps [m] of the gap's local minima in (0, duration)."""
         time, _, rate = self.on_grid(duration)
         left = np.flatnonzero((rate[:-1] < 0.0) & (rate[1:] > 0.0))
         step = time[1]
@@ -114,7 +116,7 @@ class Flight:
         return turn, self.at(turn)[0]
 
     def first_touch(self, duration: float) -> float | None:
-        """Time at which the gap first falls to zero [s], between grid points as well, or None."""
+        """Give the time at which the gap first falls to zero [s], between grid points too, or None."""
         time, gap, rate = self.on_grid(duration)
         speed = np.abs(rate)
         speed = np.maximum(speed[:-1], speed[1:])
@@ -158,7 +160,7 @@ def _zero(function: Callable[[float], float], left: float, right: float) -> floa
 
 
 def flight_of(motor: Motor) -> Flight:
-    """The closed flight of a motor from rest."""
+    """Give the closed flight of a motor from rest."""
     modes = motor.modes
     tones = 1j * motor.drive.angular_frequency
     k, c = modes.stiffness[:, None], modes.damping[:, None]
@@ -173,3 +175,55 @@ def flight_of(motor: Motor) -> Flight:
     for row in (modes.tip_displacement, modes.tip_slope):
         tips.append(np.concatenate([row @ steady, row * amplitudes[0], row * amplitudes[1]]))
     return Flight(motor, np.concatenate([tones, first, second]), tips[0], tips[1])
+
+
+def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
+    """Give the weakest drive whose tip, from rest, has these derivatives at an instant.
+
+    The motion is linear in the phasors, so that they follow from a linear system of least norm.
+
+    Args:
+        modes: the resonator.
+        frequency: of the tones [Hz], shape (tone,); there are four real unknowns to each.
+        when: the instant [s].
+        u, th: derivatives of order 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free.
+    """
+    order = np.arange(u.size)
+    units: Phasors = np.eye(2 * frequency.size, dtype=np.complex128)
+    units = np.concatenate([units, 1j * units]).reshape(-1, 2, frequency.size)
+    answers = []
+    for unit in units:
+        flight = flight_of(Motor(modes, Drive(frequency, unit)))
+        waves = np.exp(flight.exponents * when)[:, None] * flight.exponents[:, None] ** order
+        answers.append(np.concatenate([(flight.u @ waves).real, (flight.th @ waves).real]))
+    # Derivatives in the time of the fastest tone, so that all are of one size.
+    scale = np.tile((2.0 * np.pi * frequency.max()) ** -order.astype(np.float64), 2)
+    wanted = np.concatenate([u, th])
+    given = ~np.isnan(wanted)
+    system = (np.array(answers).T * scale[:, None])[given]
+    sizes = np.linalg.lstsq(system, (wanted * scale)[given], rcond=None)[0]
+    phasors: Phasors = np.tensordot(sizes, units, axes=1)
+    return Drive(frequency, phasors)
+
+
+def double_well(
+    modes: NormalModes, frequency: Array, when: float, half: float, barrier: float, tilt: float
+) -> Flight:
+    """Give a flight whose gap has two minima, `half` before and after an instant, that stand at zero.
+
+        g(when + x) = barrier ((x/half)^2 - 1)^2 + tilt x / half
+
+    to the fifth order, and the slope th stays zero as long. Between the minima the gap bends down;
+    steps that see only its ends see nothing of it.
+
+    Args:
+        modes: the resonator.
+        frequency: of the tones [Hz], three and more.
+        when, half: [s], half a small part of the fastest period.
+        barrier, tilt: [m]; the second minimum lies above the first by twice the tilt.
+    """
+    shape = np.array([0.0, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
+    u = -shape / half ** np.arange(6.0)
+    u[0] = np.nan
+    drive = drive_through(modes, frequency, when, u, np.zeros(6))
+    return flight_of(Motor(modes, drive)).with_clearance(1e-4).lowered_to(barrier, when)

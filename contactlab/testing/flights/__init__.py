@@ -1,1 +1,0 @@
-"""Free flights whose touch-downs are known, drawn at random and shaped on purpose."""
