@@ -6,7 +6,7 @@ resonators, materials, drive, rotor, contact and solver alike.
 
 from dataclasses import MISSING, dataclass
 from dataclasses import fields as dataclass_fields
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from math import inf, isfinite
 from types import NoneType
 from typing import Annotated, Any, final, get_args, get_origin, get_type_hints
@@ -70,6 +70,10 @@ class Parameter:
         )
 
 
+positive = partial(Parameter, above=0.0)
+not_negative = partial(Parameter, at_least=0.0)
+
+
 @final
 @dataclass(frozen=True)
 class DeclaredField:
@@ -120,13 +124,9 @@ def declared_fields(owner: type) -> dict[str, DeclaredField]:
 
 @cache
 def parameters_of(owner: type) -> dict[str, Parameter]:
-    """Give the declared parameters of a class by name; a field without declaration is not among them."""
-    return {
-        name: extra
-        for name, hint in get_type_hints(owner, include_extras=True).items()
-        for extra in getattr(hint, "__metadata__", ())
-        if isinstance(extra, Parameter)
-    }
+    """Give the declared parameters of a dataclass by name; a field without declaration is not among them."""
+    declared = declared_fields(owner).items()
+    return {name: field.parameter for name, field in declared if field.parameter}
 
 
 def from_cf(units: str) -> str:

@@ -1,10 +1,10 @@
-"""How long and how finely a motor is simulated, and what is recorded: what is no physics of a run."""
+"""How long and how finely a motor is simulated, what is recorded, and how sweeps are made."""
 
 from dataclasses import dataclass
-from typing import Annotated, final
+from typing import Annotated, Literal, final
 
 from contactlab.checks import check_fields
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, positive
 
 
 @final
@@ -12,13 +12,11 @@ from contactlab.parameter import Parameter
 class Solver:
     """How long and how finely to integrate."""
 
-    duration: Annotated[float, Parameter("T", "s", "simulated time", above=0.0)] = 0.02
+    duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
     contact_step: Annotated[
         float | None,
-        Parameter(
-            *("h", "s", "largest step while in contact"),
-            above=0.0,
-            hint="Leave it out for the law's own default.",
+        positive(
+            "h", "s", "largest step in contact", hint="Leave it out for the law's own default."
         ),
     ] = None
     tolerance: Annotated[
@@ -40,10 +38,32 @@ class Solver:
 class Record:
     """What is kept; it does not change the motion."""
 
-    interval: Annotated[float, Parameter("", "s", "time between records", above=0.0)] = 1e-6
-    picture: Annotated[
-        bool, Parameter("", "1", "whether run.png is drawn; it takes longer than a usual run")
-    ] = True
+    interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
+    picture: Annotated[bool, Parameter("", "1", "whether run.png is drawn; it takes long")] = True
 
     def __post_init__(self) -> None:
         check_fields(self)
+
+
+@final
+@dataclass(frozen=True)
+class Sweep:
+    """How the runs of a sweep are made, and what is kept of them: no part of a run's own configuration."""
+
+    keep: Annotated[
+        Literal["runs", "metrics"], Parameter("", "1", "a folder a run, or numbers alone")
+    ] = "runs"
+    metrics: Annotated[
+        list[str] | str | None, Parameter("", "1", "names of metrics that are kept, or all")
+    ] = None
+    series: Annotated[
+        list[str] | str | None, Parameter("", "1", "names of time series that are kept as well")
+    ] = None
+    samples: Annotated[
+        str | None, Parameter("", "1", "table whose columns are keys and whose rows are runs")
+    ] = None
+    chunk: Annotated[
+        int | None,
+        Parameter("", "1", "runs that are kept together as they are finished", at_least=1),
+    ] = None
+    workers: Annotated[int | None, Parameter("", "1", "processes at work", at_least=1)] = None

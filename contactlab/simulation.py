@@ -38,7 +38,7 @@ _KEYS: Final = {
     "contact_step": ("solver", "contact_step"),
     "tolerance": ("solver", "tolerance"),
 }
-"""Where a configuration holds the numbers of a run."""
+"""Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
 
 
 @final
@@ -164,13 +164,8 @@ def simulate(
         ValueError: an argument out of range, one too many or one too few.
         contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
     """
-    numbers = {
-        "duration": duration,
-        "record_interval": record_interval,
-        "contact_step": contact_step,
-        "tolerance": tolerance,
-    }
-    given = {name: value for name, value in numbers.items() if value is not None}
+    numbers = (duration, record_interval, contact_step, tolerance)
+    given = {name: x for name, x in zip(_KEYS, numbers, strict=True) if x is not None}
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
         given[name] = float(value)
@@ -197,7 +192,6 @@ def simulate(
         setup = _changed(motor, given)
     else:
         setup = _setup(motor, law, given)
-    going_on: dict[str, Any] = {} if start is None else {"start": start.state}
     trajectory = trajectory_of(
         setup.motor,
         setup.law,
@@ -206,7 +200,7 @@ def simulate(
         contact_step=setup.contact_step,
         tolerance=setup.tolerance,
         progress=progress,
-        **going_on,
+        start=None if start is None else start.state,
     )
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 

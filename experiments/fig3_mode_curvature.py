@@ -8,7 +8,7 @@ from harness import changed, main, placed
 from matplotlib.figure import Figure
 
 from contactlab.config import Setup
-from contactlab.motor.beam import ClampedBeam
+from contactlab.motor.ritz import ClampedBeam
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (

@@ -90,9 +90,9 @@ def _law_values(groups: Mapping[str, str], rng: np.random.Generator) -> dict[str
     }
     values = {}
     for key, owner in owners.items():
-        for member in members_of(owner):
+        for name, member in members_of(owner).items():
             said = member.parameter
-            if said is None or member.name == SHARED or member.default is None:
+            if said is None or name == SHARED or member.default is None:
                 continue
             low, high = max(said.above, said.at_least), min(said.below, said.at_most)
             if isfinite(low) and isfinite(high):
@@ -100,5 +100,5 @@ def _law_values(groups: Mapping[str, str], rng: np.random.Generator) -> dict[str
             else:
                 value = member.default * 10.0 ** rng.uniform(-1.0, 1.0)
                 value = max(value, low if said.holds(low) else value)
-            values[f"{key}.{member.name}"] = float(value)
+            values[f"{key}.{name}"] = float(value)
     return values

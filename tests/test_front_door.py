@@ -16,21 +16,23 @@ from matplotlib.figure import Figure
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 import contactlab as cl
+from contactlab.laws import LAWS, PARTS
 from contactlab.results.netcdf import to_datatree
 from contactlab.trajectory import Ending
 
 PACKAGE = Path(cl.__file__).parent
 
-PYTHON = """
+README = (PACKAGE.parent / "README.md").read_text(encoding="utf-8")
+PYTHON = re.findall(r"## From Python\n\n```python\n(.*?)```", README, re.DOTALL)[0]
+
+CONFIGURED = """
 import contactlab as cl
 
-resonator = cl.RitzResonator(patch_start=0.914e-3, patch_end=10.146e-3)
-drive = cl.Drive.two_mode(100.0, 100.0, frequency=resonator.modes.natural_frequency[0])
-motor = cl.Motor(resonator.modes, drive, rotor=cl.Rotor(load_torque=1e-4))
-solution = cl.simulate(motor, cl.LagrangeStick(friction_coefficient=0.3), duration=1e-3)
+solution = cl.simulate(cl.build(["law=newton", "contact.clearance=0.5 um", "solver.duration=5 ms"]))
 print(solution)
 solution.plot().savefig("run.png")
 solution.save("run.nc")
+longer = cl.simulate(start=cl.load("run.nc"), duration=1e-3)
 """
 
 
@@ -51,9 +53,9 @@ def solution() -> cl.Solution:
 def test_every_name_is_there() -> None:
     assert all(hasattr(cl, name) for name in cl.__all__)
     laws = {cl.__dict__[name] for name in cl.__all__ if isinstance(cl.__dict__[name], type)}
-    assert {
-        law.name for law in laws if issubclass(law, cl.ContactLaw) and hasattr(law, "name")
-    } == {name for name in cl.law_names() if name in cl.laws.LAWS}
+    named = {law.name for law in laws if issubclass(law, cl.ContactLaw) and hasattr(law, "name")}
+    assert named == set(LAWS)
+    assert {part for family in PARTS.values() for part in family.values()} <= laws
 
 
 def test_the_version_is_that_of_the_package() -> None:
@@ -77,7 +79,7 @@ def test_no_module_goes_through_the_front_door() -> None:
                 assert "contactlab" not in {name.name for name in node.names}, file
 
 
-@pytest.mark.parametrize("text", [PYTHON], ids=["from Python"])
+@pytest.mark.parametrize("text", [PYTHON, CONFIGURED], ids=["of the README", "configured"])
 def test_an_example_is_short_and_runs(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -164,6 +166,39 @@ def test_numbers_of_any_kind_and_a_motor_without_a_drive_are_recorded() -> None:
     assert isinstance(found.plot(), Figure)
 
 
+LENGTHS = [1e-6 * records for records in (137, 250, 613)]
+"""Of the parts of a run of a millisecond, which is cut in free flight and in contact [s]."""
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_run_in_parts_is_the_run_that_was_never_cut(name: str, tmp_path: Path) -> None:
+    setup = cl.build([f"law={name}", "solver.duration=1 ms", "record.interval=1 us"])
+    whole = cl.simulate(setup)
+    assert whole.contacts.sizes["contact"] > 1
+    parts = [cl.simulate(setup, duration=LENGTHS[0])]
+    for duration in LENGTHS[1:]:
+        parts[-1].save(tmp_path / "run.nc")
+        loaded = cl.load(tmp_path / "run.nc")
+        parts.append(cl.simulate(start=parts[-1], duration=duration))
+        again = cl.simulate(start=loaded, duration=duration)
+        assert again.to_xarray().identical(parts[-1].to_xarray())
+    # What a part begins with is what the one before ends with.
+    trees = [part.to_xarray().to_dataset() for part in parts]
+    trees[1:] = [tree.isel(time=slice(1, None)) for tree in trees[1:]]
+    for quantity, values in whole.to_xarray().to_dataset().data_vars.items():
+        if "time" in values.dims:
+            joined = np.concatenate([tree[quantity].values for tree in trees])
+            assert joined.tobytes() == values.values.tobytes(), quantity
+
+
+def test_another_law_may_go_on_where_one_ended() -> None:
+    first = cl.simulate(motor(), law(), duration=2e-4)
+    second = cl.simulate(motor(), cl.law("newton"), duration=2e-4, start=first)
+    assert second["time"].values[[0, -1]] == pytest.approx([2e-4, 4e-4])
+    assert float(second["gap"][0]) == pytest.approx(float(first["gap"][-1]), rel=1e-12)
+    assert second.to_xarray().attrs["law"] == "newton"
+
+
 WRONG: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "name of a law": (
         lambda: cl.simulate(motor(), "newton", duration=1e-3),  # type: ignore[arg-type]
@@ -202,6 +237,11 @@ WRONG: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
         lambda: cl.simulate(motor(), law(), duration=1e-3, start={"time": 0.0}),  # type: ignore[arg-type]
         TypeError,
         "The start is {'time': 0.0}; it must be a Solution",
+    ),
+    "two laws": (
+        lambda: cl.simulate(cl.build([]), law()),
+        ValueError,
+        "A setup has a law of its own",
     ),
     "a state of nothing": (
         lambda: cl.simulate(start=cl.Solution(to_datatree(synthetic_trajectory(), CONFIGURATION))),

@@ -16,7 +16,7 @@ from contactlab.results.files import damage
 if TYPE_CHECKING:
     import xarray
 
-    from contactlab.plot.animation_data import Run
+    from contactlab.plot.animation_data import Recording
 
 WRITTEN, REFUSED = 0, 2
 """Exit statuses."""
@@ -195,7 +195,9 @@ def _dataset(source: Path) -> "xarray.DataTree":
         ) from fault
 
 
-def _window(run: "Run", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
+def _window(
+    run: "Recording", start_text: str | None, duration_text: str | None
+) -> tuple[float, float]:
     """Start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
@@ -221,7 +223,7 @@ def _window(run: "Run", start_text: str | None, duration_text: str | None) -> tu
     return begin, min(begin + duration, last)
 
 
-def _advise(run: "Run", duration: float, frames: int) -> None:
+def _advise(run: "Recording", duration: float, frames: int) -> None:
     """Say so if the picture will not show the vibration."""
     if run.coarse:
         print(

@@ -2,13 +2,15 @@
 
 import sys
 from collections.abc import Iterator
+from dataclasses import MISSING
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.verbs import VERBS
-from contactlab.laws.declaration import SHARED, Member, members_of
+from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.registry import PARTS, Origin, law_class, origins
+from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion
 
 if TYPE_CHECKING:
@@ -99,7 +101,7 @@ def _described(owner: "type[ContactLaw | Part]", title: str, origin: str) -> str
     """All that a law or a part says of itself."""
     rows = {
         "equation": owner.equation,
-        **{f"parameter {m.name}": described_parameter(m) for m in members_of(owner)},
+        **{f"parameter {n}": described_parameter(n, m) for n, m in members_of(owner).items()},
         **declared_rows(owner),
         "source": owner.source,
         "package": origin,
@@ -109,19 +111,19 @@ def _described(owner: "type[ContactLaw | Part]", title: str, origin: str) -> str
     return "\n".join([title, *([_wrapped(first)] if first else []), *lines])
 
 
-def described_parameter(member: Member) -> str:
+def described_parameter(name: str, member: DeclaredField) -> str:
     """Symbol, unit, meaning, default and range of a number; the options of a part."""
-    said = member.parameter
+    said, given = member.parameter, member.default
     if said is None:
-        options = ", ".join(PARTS[member.family])
-        default = f", default {member.default.name}" if member.default is not None else ""
-        return f"a part, law/{member.family}={options}{default}"
+        family = family_of(member)
+        default = "" if given is MISSING else f", default {given.name}"
+        return f"a part, law/{family}={', '.join(PARTS[family])}{default}"
     unit = "" if said.units == "1" else f" [{said.units}]"
-    if member.name == SHARED:
+    default = "must be given"
+    if name == SHARED:
         default = "contact.friction_coefficient"
-    else:
-        given = "none" if member.default is None else f"{member.default:g}"
-        default = "must be given" if member.required else f"default {given}"
+    elif given is not MISSING:
+        default = "default none" if given is None else f"default {given:g}"
     return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
 
 

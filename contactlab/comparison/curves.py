@@ -52,14 +52,10 @@ class Contact:
 
 
 def one_contact(law: Refined, near: float, length: float = 0.0) -> Contact | None:
-    """Give the contact whose touch-down is nearest to a time; None where it was not recorded.
+    """Give the contact whose touch-down is nearest to a time [s], over a length of time [s] at least.
 
-    A rigid law with restitution touches in a row of impacts, which are one contact here.
-
-    Args:
-        law: with its reruns.
-        near: [s].
-        length: time that is drawn at least [s].
+    A rigid law with restitution touches in a row of impacts, which are one contact here. None where there
+    are too few records of it.
     """
     run = law.best
     if not run.touches("start_time", "duration", "peak_normal_force"):

@@ -3,11 +3,9 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from math import isclose
 from pathlib import Path
 from typing import Any, final
 
-import numpy as np
 import xarray
 
 from contactlab.config.nesting import flat
@@ -24,9 +22,6 @@ FREE = ("law", "solver", "record", "hydra")
 
 MOST_NAMES = 2
 """Runs that a sentence names for one value."""
-
-SAME = 1e-9
-"""Relative difference at which two numbers count as one: another machine rounds otherwise."""
 
 
 @final
@@ -153,27 +148,16 @@ def _section(key: str) -> str:
 
 
 def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> Iterable[str]:
-    """Say which runs have which value, if they differ."""
-    groups: list[tuple[Any, list[str]]] = []
+    """Say which runs have which value, if they differ by more than another machine rounds otherwise."""
+    groups: dict[str, list[str]] = {}
     for run, value in values:
-        known = next((names for known, names in groups if _same(known, value)), None)
-        if known is None:
-            groups.append((value, [run.source]))
-        else:
-            known.append(run.source)
+        groups.setdefault(shown(value), []).append(run.source)
     if len(groups) > 1:
-        said = " and ".join(f"{shown(value)} in {_some(names)}" for value, names in groups)
+        said = " and ".join(f"{value} in {_some(names)}" for value, names in groups.items())
         yield (
             f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
             "the same in all runs. Leave runs out, or run one of them again."
         )
-
-
-def _same(one: Any, other: Any) -> bool:
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and bool(np.allclose(one, other, rtol=SAME, atol=0.0))
-    numbers = all(isinstance(x, int | float) and not isinstance(x, bool) for x in (one, other))
-    return isclose(one, other, rel_tol=SAME) if numbers else bool(one == other)
 
 
 def _some(names: Sequence[str]) -> str:
@@ -184,7 +168,7 @@ def _some(names: Sequence[str]) -> str:
 
 
 def shown(value: Any) -> str:
-    """Write a value in a sentence or a label."""
+    """Write a value in a sentence or a label, to nine digits."""
     if value is None:
         return "not given"
     if isinstance(value, list):

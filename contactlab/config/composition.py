@@ -18,7 +18,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.groups import content, groups
+from contactlab.config.groups import content, groups, help_on_keys
 
 CONFIG_NAME: Final = "config"
 VERSION_BASE: Final = "1.3"
@@ -26,7 +26,7 @@ VERSION_BASE: Final = "1.3"
 
 SCHEME: Final = "contactlab"
 
-_folder: ContextVar[str | None] = ContextVar("folder", default=None)
+_folder: ContextVar[Path | None] = ContextVar("folder", default=None)
 """A folder of more options, while Hydra starts."""
 
 
@@ -55,6 +55,12 @@ def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None)
         raise ConfigurationError([one_line(error)]) from error
 
 
+def options_of(group: str) -> list[str]:
+    """Give the options of a group, those of files included; none for what is no group."""
+    with started():
+        return list(GlobalHydra.instance().config_loader().get_group_options(group))
+
+
 @contextmanager
 def started(config_dir: str | Path | None = None) -> Iterator[None]:
     """Start Hydra for compositions until the end of the context; one that runs already goes on after it.
@@ -65,20 +71,16 @@ def started(config_dir: str | Path | None = None) -> Iterator[None]:
     Raises:
         ConfigurationError: the folder is not there.
     """
-    if config_dir is not None and not Path(config_dir).is_dir():
-        raise ConfigurationError(
-            [
-                f"--config-dir is '{Path(config_dir).absolute()}', which is not a directory; it must be "
-                "one. Create it."
-            ]
-        )
+    extra = None if config_dir is None else Path(config_dir).absolute()
+    if extra and not extra.is_dir():
+        words = f"--config-dir is '{extra}', which is not a directory; it must be one. Create it."
+        raise ConfigurationError([words])
     running = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()
-    folder = _folder.set(None if config_dir is None else str(Path(config_dir).absolute()))
+    folder = _folder.set(extra)
+    conf = str(conf_directory())
     try:
-        with hydra.initialize_config_dir(
-            str(conf_directory()), job_name=SCHEME, version_base=VERSION_BASE
-        ):
+        with hydra.initialize_config_dir(conf, job_name=SCHEME, version_base=VERSION_BASE):
             yield
     finally:
         _folder.reset(folder)
@@ -149,3 +151,4 @@ def _split(config_path: str) -> tuple[str, str]:
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
 for plugin in (DeclaredSource, DeclaredSearchPath):
     Plugins.instance().register(plugin)
+OmegaConf.register_new_resolver("help_on_keys", help_on_keys, replace=True)

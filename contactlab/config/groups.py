@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
+from types import NoneType
 from typing import Any, Final, Literal, final
 
 from pydantic import BaseModel
@@ -27,7 +28,7 @@ from contactlab.motor import (
     TwoMode,
 )
 from contactlab.parameter import DeclaredField, declared_fields
-from contactlab.settings import Record, Solver
+from contactlab.settings import Record, Solver, Sweep
 
 Keys = dict[str, Any]
 """What is declared, by key: a field; a table of the keys of a section below; or a choice between such."""
@@ -117,10 +118,11 @@ GROUPS: Final[dict[str, Choice]] = {
     "rotor": Choice({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(Rotor)}}),
     "solver": Choice({"default": keys_of(Solver)}),
     "record": Choice({"default": keys_of(Record)}),
+    "sweep": Choice({"default": keys_of(Sweep)}),
 }
 """The groups but that of the laws, in the order of a configuration."""
 
-NOT_OF_A_RUN: Final[frozenset[str]] = frozenset()
+NOT_OF_A_RUN: Final = frozenset({"sweep"})
 """The groups that say how runs are made: they may be left out, and a run's own configuration has none."""
 
 
@@ -130,7 +132,7 @@ def keys_of_law(owner: Any) -> Keys:
     Raises:
         ValueError: it has fields that cannot be keys.
     """
-    names = [member.name for member in members_of(owner)]
+    names = list(members_of(owner))
     if taken := [name for name in names if name.startswith("_") or name in _RESERVED]:
         raise ValueError(
             f"{owner.name} has parameters named {', '.join(taken)}, which configurations use themselves; "
@@ -206,25 +208,34 @@ def _defaults(keys: Keys) -> dict[str, Any]:
     }
 
 
-def full_keys(found: object, path: str) -> Iterator[str]:
-    """Give every full key of what stands under a path, of every choice in it."""
-    if isinstance(found, Choice):
+def full_keys(found: Any, path: str) -> Iterator[tuple[str, DeclaredField]]:
+    """Give what is declared of every full key below a path, of every choice."""
+    if isinstance(found, DeclaredField):
+        yield path, found
+    elif isinstance(found, Choice):
         for keys in found.options.values():
             yield from full_keys(keys, path)
-    elif isinstance(found, dict):
-        for name, below in found.items():
-            yield from full_keys(below, f"{path}.{name}")
     else:
-        yield path
+        for name, below in found.items():
+            yield from full_keys(below, f"{path}.{name}" if path else name)
 
 
 @cache
 def known_keys(law: str = "") -> list[str]:
     """Give every full key of every choice, or of one law alone where it is named; a broken one has none."""
     choice = laws(*([law] if law else law_names()))
-    tables = {"law": choice.options.get(law, {"name": None}) if law else choice, **GROUPS}
-    found = [key for group, below in tables.items() for key in full_keys(below, group)]
-    return list(dict.fromkeys(found))
+    own = choice.options.get(law, _named("name", law, {})) if law else choice
+    return list(dict(full_keys({"law": own, **GROUPS}, "")))
+
+
+def help_on_keys() -> str:
+    """Give a line for every key but those of laws: what it is, its unit, and what null stands for."""
+    return "\n  ".join(
+        f"{key:<31} {said.meaning}{said.label and f' [{said.unit}]'}"
+        f"{'. ' + said.hint if NoneType in field.kinds else ''}"
+        for key, field in dict(full_keys(GROUPS, "")).items()
+        if (said := field.parameter)
+    )
 
 
 def told_by(section: str) -> str:

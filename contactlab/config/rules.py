@@ -49,21 +49,6 @@ def _binds(*keys: str) -> Callable[[Rule], Rule]:
     return register
 
 
-@_binds("law.stiffness", "law.tip_radius")
-def _stiffness_is_given_once(stiffness: float | None, radius: float | None) -> Iterator[str]:
-    if stiffness is None and radius is None:
-        yield (
-            "law.stiffness and law.tip_radius are both null; exactly one of them must be a number "
-            "greater than 0. Give the stiffness in N/m^1.5 or the tip's radius in m."
-        )
-    if stiffness is not None and radius is not None:
-        yield (
-            f"law.stiffness is {stiffness:.12g} N/m^1.5 and law.tip_radius is {radius:.12g} m; "
-            "exactly one of them must be a number and the other null. "
-            "Set law.stiffness=null to have it computed from the radius."
-        )
-
-
 @_binds("placement.start", "placement.end", "resonator.length")
 def _patches_fit(start: float, end: float, length: float) -> Iterator[str]:
     if not start < end <= 0.5 * length:
@@ -136,6 +121,16 @@ def _records_fit(interval: float, duration: float) -> Iterator[str]:
             f"it must be at least {duration / MOST_RECORDS:.3g} s, for {MOST_RECORDS} records that "
             "fit into memory. Record less often; the records do not change the motion."
         )
+
+
+@_binds("sweep.keep", "sweep.chunk", "sweep.workers")
+def _processes_are_for_metrics(keep: str, chunk: int | None, workers: int | None) -> Iterator[str]:
+    for name, given in {"chunk": chunk, "workers": workers}.items():
+        if keep == "runs" and given is not None:
+            yield (
+                f"sweep.{name} is {given} and every run leaves its folder; it must come with "
+                "sweep.keep=metrics. Leave it out; hydra/launcher=joblib runs folders side by side."
+            )
 
 
 def idle_friction(laws: Iterable[Values]) -> str:

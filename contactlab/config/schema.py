@@ -1,6 +1,5 @@
 """The schema of a configuration: pydantic models made from the groups' tables of keys."""
 
-from collections.abc import Iterator
 from functools import cache
 from typing import Annotated, Any, ClassVar, Union
 
@@ -8,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model,
 
 from contactlab.config.groups import GROUPS, NOT_OF_A_RUN, Choice, Keys, laws
 from contactlab.config.quantity import Quantity
-from contactlab.parameter import DeclaredField
+from contactlab.parameter import DeclaredField, Parameter
 
 
 class Section(BaseModel):
@@ -67,23 +66,22 @@ def _section(keys: Keys, path: str) -> type[Section]:
     return section
 
 
-def units_of(checked: Section) -> dict[str, str]:
-    """Give the unit of every key that holds a number, in the words of the CF conventions.
+def declared_in(checked: Section) -> dict[str, Parameter]:
+    """Give what is declared of every key that holds a number, by full key.
 
     Args:
         checked: a configuration as `contactlab.config.validate` gives it, or a section of one.
-
-    Returns:
-        Units by full key: {"contact.clearance": "m", ...}.
     """
-    return dict(_units(checked))
-
-
-def _units(section: Section) -> Iterator[tuple[str, str]]:
-    for name, field in type(section).model_fields.items():
-        value = getattr(section, name)
-        if isinstance(value, Section):
-            yield from _units(value)
+    found: dict[str, Parameter] = {}
+    for name, field in type(checked).model_fields.items():
+        if isinstance(value := getattr(checked, name), Section):
+            found |= declared_in(value)
         for said in field.metadata:
             if isinstance(said, Quantity):
-                yield f"{section.path}{name}", said.parameter.units
+                found[f"{checked.path}{name}"] = said.parameter
+    return found
+
+
+def units_of(checked: Section) -> dict[str, str]:
+    """Give the unit of every key that holds a number, in the words of the CF conventions."""
+    return {key: said.units for key, said in declared_in(checked).items()}

@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from contactlab.config.composition import compose
 from contactlab.config.faults import ConfigurationError, one_line, sentence
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
+from contactlab.config.nesting import nested
 from contactlab.config.rules import broken_rules
 from contactlab.config.schema import Section, configuration_with
 from contactlab.engine.arguments import default_contact_step
@@ -88,22 +89,28 @@ def build(
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration, config_dir)
     resolved = validate(configuration).model_dump(exclude={*NOT_OF_A_RUN})
-    drive, solver = resolved["drive"], resolved["solver"]
-    modes = _modes(_resonator(resolved))
+    drive, solver, rotor = resolved["drive"], resolved["solver"], dict(resolved["rotor"])
+    lengths = {key: resolved["contact"][key] for key in ("tip_length", "clearance")}
+    geometry = ContactGeometry(**lengths, rotor_radius=rotor.pop("radius"))
+    try:
+        modes = _modes(_resonator(resolved))
+    except ValueError as error:
+        words = "resonator, piezoceramic and placement make no resonator"
+        raise ConfigurationError([f"{words}: {error}"]) from error
     if drive["frequency"] is None:
         drive["frequency"] = float(modes.natural_frequency[0])
     tones = Drive.two_mode(**drive)
     _refuse_undamped_resonance(tones, modes)
-    rotor = dict(resolved["rotor"])
-    geometry = {k: resolved["contact"][k] for k in ("tip_length", "clearance")}
-    geometry["rotor_radius"] = rotor.pop("radius")
     law = _law(resolved)
+    # What follows from the rotor takes its place in the configuration.
+    numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
+    resolved["law"] |= {key: getattr(law, key) for key in numbers}
     if solver["contact_step"] is None:
         solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
     return Setup(
-        motor=Motor(modes, tones, ContactGeometry(**geometry), Rotor(**rotor)),
+        motor=Motor(modes, tones, geometry, Rotor(**rotor)),
         law=law,
         duration=solver["duration"],
         record_interval=resolved["record"]["interval"],
@@ -114,7 +121,7 @@ def build(
 
 
 def validate(configuration: Values) -> Section:
-    """Check a configuration without building anything.
+    """Check a configuration without building anything but its law.
 
     Args:
         configuration: a mapping as for `build`.
@@ -122,16 +129,23 @@ def validate(configuration: Values) -> Section:
     Raises:
         ConfigurationError: with every fault that was found.
     """
-    sound: dict[str, object] = {}
+    sound: dict[str, Any] = {}
     faults: list[str] = []
     given = configuration.get("law") if isinstance(configuration, Mapping) else None
-    law = str(given.get("name")) if isinstance(given, Mapping) else "none"
+    law = str(given.get("name") if isinstance(given, Mapping) else getattr(given, "name", None))
     others = [law] if law in law_names() and law not in LAWS else []
     try:
         checked = configuration_with(*others).model_validate(configuration, context=sound)
     except ValidationError as error:
         faults = [sentence(fault, law) for fault in error.errors(include_url=False)]
-    if faults := faults + broken_rules(sound):
+    faults += broken_rules(sound)
+    needed = {"contact.friction_coefficient", "rotor.radius"}
+    if needed <= sound.keys() and not any(fault.startswith("law") for fault in faults):
+        try:
+            _law(nested(sound))
+        except ConfigurationError as error:
+            faults += error.faults
+    if faults:
         raise ConfigurationError(faults)
     return checked
 
@@ -139,52 +153,39 @@ def validate(configuration: Values) -> Section:
 def _resonator(resolved: Values) -> PatchedBeam:
     given, constants = dict(resolved["resonator"]), dict(resolved["piezoceramic"])
     bending = constants.pop("constants") == "bending"
-    try:
-        resonator: PatchedBeam = BASES[given.pop("basis")](
-            **given | {"steel": Steel(**given["steel"])},
-            piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
-            patch_start=resolved["placement"]["start"],
-            patch_end=resolved["placement"]["end"],
-        )
-        return resonator
-    except ValueError as error:
-        raise _no_resonator(error) from error
+    resonator: PatchedBeam = BASES[given.pop("basis")](
+        **given | {"steel": Steel(**given["steel"])},
+        piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
+        patch_start=resolved["placement"]["start"],
+        patch_end=resolved["placement"]["end"],
+    )
+    return resonator
 
 
 # A sweep over anything else asks for the same resonator again and again.
 @lru_cache(maxsize=256)
 def _modes(resonator: PatchedBeam) -> NormalModes:
-    try:
-        return resonator.modes
-    except ValueError as error:
-        raise _no_resonator(error) from error
-
-
-def _no_resonator(error: ValueError) -> ConfigurationError:
-    words = "resonator, piezoceramic and placement make no resonator"
-    return ConfigurationError([f"{words}: {error}"])
+    return resonator.modes
 
 
 def _law(resolved: Values) -> ContactLaw:
-    """The law; what follows from the rotor's radius takes its place in the configuration."""
-    given = resolved["law"]
+    given, name = resolved["law"], resolved["law"]["name"]
     try:
-        owner, mu = law_class(given["name"]), resolved["contact"]["friction_coefficient"]
-        law: ContactLaw = build_law(owner, given, mu).on_rotor(resolved["rotor"]["radius"])
-        given |= {
-            k: getattr(law, k) for k in given if k != "name" and not isinstance(given[k], dict)
-        }
+        mu = resolved["contact"]["friction_coefficient"]
+        law: ContactLaw = build_law(law_class(name), given, mu)
         # Those of this package are sound, and their kernels are not needed yet.
         if not is_own(type(law)):
             _take_in_once(law)
+        return law.on_rotor(resolved["rotor"]["radius"])
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         # What the law itself raised is in the sentence already.
-        told = LawError(*error.args) if isinstance(error, LawError) else error
+        told = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
+        if told.startswith(f"{name}: "):
+            raise ConfigurationError([f"law.{told.removeprefix(f'{name}: ')}"]) from error
         raise ConfigurationError(
-            [f"law={given['name']} cannot be made from its parameters: {one_line(told)}"]
+            [f"law={name} cannot be made from its parameters: {told}"]
         ) from error
-    return law
 
 
 @lru_cache(maxsize=4096)

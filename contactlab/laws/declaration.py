@@ -4,13 +4,13 @@ Refusals, configuration, options and listings all follow from this; nothing is w
 """
 
 from abc import ABC
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from inspect import get_annotations, isabstract
-from typing import Any, ClassVar, Self, final, get_args, get_type_hints
+from typing import Any, ClassVar, Self
 
 from contactlab.checks import check_fields, shown
-from contactlab.parameter import Parameter, parameters_of
+from contactlab.parameter import DeclaredField, Parameter, declared_fields, parameters_of
 
 SHARED = "friction_coefficient"
 """The parameter that is the contact's, whatever the law: laws are compared on one motor."""
@@ -118,67 +118,30 @@ def refuse_unsound(kind: type) -> None:
         raise TypeError(f"{kind.__name__} {fault}.")
 
 
-@final
-@dataclass(frozen=True)
-class Member:
-    """A field of a law or of a part.
-
-    Args:
-        name: of the field.
-        parameter: what is said of a number; None for a part.
-        family: of a part; empty for a number.
-        required: whether it has no default.
-        default: a number, a part, or None where it is required or may be left open and is.
-        optional: whether it may be left open, as None.
-        whole: whether it is annotated as a whole number, which a key of a configuration is not.
-    """
-
-    name: str
-    parameter: Parameter | None
-    family: str
-    required: bool
-    default: Any
-    optional: bool
-    whole: bool
-
-
 @cache
-def members_of(owner: type[Declared]) -> list[Member]:
-    """Give the fields of a law or a part, in their order.
+def members_of(owner: type[Declared]) -> dict[str, DeclaredField]:
+    """Give the fields of a law or a part by name, in their order: declared numbers, and parts.
 
     Raises:
-        ValueError: a sentence on a field that is neither a declared number nor a part.
+        ValueError: a sentence on a field that is neither.
     """
     try:
-        hints, declared = get_type_hints(owner), parameters_of(owner)
-        members = []
-        for field in fields(owner):  # type: ignore[arg-type]
-            hint, parameter = hints[field.name], declared.get(field.name)
-            part = isinstance(hint, type) and issubclass(hint, Declared)
-            kinds = get_args(hint) or (hint,)
-            default = None if field.default is MISSING else field.default
-            if field.default_factory is not MISSING:
-                default = field.default_factory()
-            members.append(
-                Member(
-                    field.name,
-                    parameter,
-                    hint.family if part else "",
-                    field.default is MISSING and field.default_factory is MISSING,
-                    default,
-                    type(None) in kinds,
-                    int in kinds,
-                )
-            )
+        members = declared_fields(owner)
     # An annotation or a default is any expression of somebody else's.
     except Exception as error:
         raise ValueError(
             f"{owner.name} has fields that cannot be read ({type(error).__name__}: {error})."
         ) from error
-    for member in members:
-        if not member.family and member.parameter is None:
+    for name, member in members.items():
+        if member.parameter is None and not family_of(member):
             raise ValueError(
-                f"{owner.name} has the field {member.name} without a declaration; it must be "
+                f"{owner.name} has the field {name} without a declaration; it must be "
                 "Annotated[float, Parameter(...)], or a NormalForce, Damping or Friction."
             )
     return members
+
+
+def family_of(member: DeclaredField) -> str:
+    """Give the family of a field that is a part; empty for a number."""
+    is_part = isinstance(member.kind, type) and issubclass(member.kind, Declared)
+    return str(member.kind.family) if is_part else ""

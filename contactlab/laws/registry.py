@@ -10,7 +10,7 @@ It is imported when that law is asked for, and no other, so that a package that 
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, entry_points, version
@@ -20,7 +20,7 @@ from typing import Any, final
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
-from contactlab.laws.declaration import SHARED, Declared, fault_of, members_of
+from contactlab.laws.declaration import SHARED, Declared, family_of, fault_of, members_of
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
 from contactlab.laws.lagrange_slip import LagrangeSlip
@@ -146,16 +146,17 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
     if not isinstance(name, str):
         raise TypeError(f"The name of the law is {name!r}; it must be a text like 'newton'.")
     owner = law_class(name)
-    members = {member.name: member for member in members_of(owner)}
+    members = members_of(owner)
     for given, value in parameters.items():
         if given not in members:
             hint = suggestion(given, members, f"It has {', '.join(members) or 'none'}.")
             raise TypeError(f"The law {name} has no parameter {given!r}. {hint}")
-        if (family := members[given].family) and isinstance(value, str):
+        if (family := family_of(members[given])) and isinstance(value, str):
             if value not in PARTS[family]:
                 raise ValueError(_unknown(family, value, PARTS[family]))
             parameters[given] = PARTS[family][value]()
-    if missing := [m.name for m in members.values() if m.required and m.name not in parameters]:
+    without = [name for name, member in members.items() if member.default is MISSING]
+    if missing := [name for name in without if name not in parameters]:
         raise TypeError(
             f"The law {name} lacks {', '.join(missing)}; without default it must be given."
         )
@@ -169,25 +170,24 @@ def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coeffic
         ValueError: a sentence of the law's own.
     """
     given: dict[str, Any] = {}
-    for member in members_of(owner):
-        value: Any = friction_coefficient if member.name == SHARED else values[member.name]
-        if member.family:
-            part = PARTS[member.family][value["name"]]
-            value = build_law(part, value, friction_coefficient)
-        elif member.whole and value is not None and value == value // 1:
+    for name, member in members_of(owner).items():
+        value: Any = friction_coefficient if name == SHARED else values[name]
+        if family := family_of(member):
+            value = build_law(PARTS[family][value["name"]], value, friction_coefficient)
+        elif int in member.kinds and value is not None and value == value // 1:
             # One that is not whole the law refuses.
             value = int(value)
-        given[member.name] = value
+        given[name] = value
     return owner(**given)
 
 
 def takes_shared(owner: type[Declared], values: Mapping[str, Any]) -> bool:
     """Tell whether a law, or one of its parts as they are chosen, has the parameter that is the contact's."""
     return any(
-        takes_shared(PARTS[member.family][values[member.name]["name"]], values[member.name])
-        if member.family
-        else member.name == SHARED
-        for member in members_of(owner)
+        takes_shared(PARTS[family][values[name]["name"]], values[name])
+        if (family := family_of(member))
+        else name == SHARED
+        for name, member in members_of(owner).items()
     )
 
 

@@ -171,11 +171,13 @@ def stick_slip(run: Run) -> float:
     # A spring gives way while it holds; that comes back and is no drift.
     kinds = [getattr(owner, "friction_kind", None) for owner in run.law_classes.values()]
     needed(ELASTOPLASTIC not in kinds)
-    stuck, slip = run.series("contact_mode") == STICK, np.abs(run.series("slip_velocity"))
+    stuck, slip = run.series("contact_mode") == STICK, run.series("slip_velocity")
+    # The slip is the tip's own velocity less that of the rotor's surface.
+    tip = slip + run.setting("rotor", "radius") * run.series("rotor_velocity")
     # A record next to another mode may lie on the switch itself.
     inside = stuck[1:-1] & stuck[:-2] & stuck[2:]
     needed(bool(inside.any()))
-    return float(slip[1:-1][inside].max()) / run.tangential_amplitude()
+    return float(np.abs(slip[1:-1][inside]).max()) / run.amplitude(tip)
 
 
 @metric(

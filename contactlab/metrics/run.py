@@ -191,11 +191,6 @@ class Run:
         """Give the amplitude of the tip's normal vibration [m]."""
         return self.amplitude(self.series("tip_normal_displacement"))
 
-    def tangential_amplitude(self) -> float:
-        """Give the amplitude of the tip's tangential velocity v + R Omega [m/s]."""
-        rotor = self.setting("rotor", "radius") * self.series("rotor_velocity")
-        return self.amplitude(self.series("slip_velocity") + rotor)
-
     def contact_force(self) -> float:
         """Give the mean normal force while there is contact [N]: all impulses over all durations.
 

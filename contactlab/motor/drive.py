@@ -1,6 +1,7 @@
 """Harmonic electrode voltages as phasors: U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t)."""
 
 from dataclasses import dataclass
+from functools import partial
 from math import pi
 from typing import Annotated, final
 
@@ -21,9 +22,8 @@ MOST_PHASE = 1e6
 """Beyond it, a double has fewer than ten digits of the angle within a turn."""
 
 
-def _voltage(symbol: str, tone: str) -> Parameter:
-    meaning = f"amplitude of the {tone} tone"
-    return Parameter(symbol, "V", meaning, at_least=-MOST_VOLTAGE, at_most=MOST_VOLTAGE)
+_voltage = partial(Parameter, units="V", at_least=-MOST_VOLTAGE, at_most=MOST_VOLTAGE)
+_scale = partial(Parameter, at_least=1.0 / MOST_TIME_SCALES, at_most=MOST_TIME_SCALES)
 
 
 @final
@@ -31,32 +31,17 @@ def _voltage(symbol: str, tone: str) -> Parameter:
 class TwoMode:
     """The paper's drive: both electrodes in phase at the first tone, in opposition at the second."""
 
-    voltage_1: Annotated[float, _voltage("U1", "first")] = 100.0
-    voltage_2: Annotated[float, _voltage("U2", "second")] = 100.0
+    voltage_1: Annotated[float, _voltage("U1", meaning="amplitude of the first tone")] = 100.0
+    voltage_2: Annotated[float, _voltage("U2", meaning="amplitude of the second tone")] = 100.0
     frequency: Annotated[
         float | None,
-        Parameter(
-            *("f1", "Hz", "frequency of the first tone"),
-            at_least=1.0 / MOST_TIME_SCALES,
-            at_most=MOST_TIME_SCALES,
-            hint="Leave it out for the first natural frequency.",
-        ),
+        _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency."),
     ] = None
-    frequency_ratio: Annotated[
-        float,
-        Parameter(
-            *("f2/f1", "1", "frequency of the second tone over that of the first"),
-            at_least=1.0 / MOST_TIME_SCALES,
-            at_most=MOST_TIME_SCALES,
-        ),
-    ] = 2.0
+    frequency_ratio: Annotated[float, _scale("f2/f1", "1", "second tone over first")] = 2.0
     phase: Annotated[
         float,
         Parameter(
-            *("phi", "rad", "phase of the first tone"),
-            at_least=-MOST_PHASE,
-            at_most=MOST_PHASE,
-            hint="Whole turns change nothing but the last digits.",
+            "phi", "rad", "phase of the first tone", at_least=-MOST_PHASE, at_most=MOST_PHASE
         ),
     ] = -pi / 5.0
 

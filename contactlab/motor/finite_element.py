@@ -107,17 +107,10 @@ class FiniteElementResonator(PatchedBeam):
     """
 
     kept_modes: Annotated[
-        int,
-        Parameter(
-            *("n", "1", f"number of normal modes, 1 to {MOST_KEPT_MODES}"),
-            at_least=1,
-            at_most=MOST_KEPT_MODES,
-            hint="The static correction stands for the modes beyond.",
-        ),
+        int, Parameter("n", "1", "number of normal modes", at_least=1, at_most=MOST_KEPT_MODES)
     ] = 6
     static_correction: Annotated[
-        bool,
-        Parameter("", "1", "whether up to four pseudo-modes stand for the modes left out"),
+        bool, Parameter("", "1", "whether up to four pseudo-modes stand for the modes left out")
     ] = True
 
     def _solve(self) -> NormalModes:

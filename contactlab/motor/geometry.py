@@ -17,7 +17,7 @@ from typing import Annotated, final
 
 from contactlab.checks import check_fields
 from contactlab.compiled import kernel
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, positive
 
 
 @final
@@ -25,10 +25,8 @@ from contactlab.parameter import Parameter
 class ContactGeometry:
     """Lengths of the contact; a negative clearance, for compliant laws only, presses the tip on the rotor."""
 
-    tip_length: Annotated[
-        float, Parameter("L_tip", "m", "from the beam's centre line to the tip end", above=0.0)
-    ] = 19e-3
-    rotor_radius: Annotated[float, Parameter("R", "m", "radius", above=0.0)] = 25e-3
+    tip_length: Annotated[float, positive("L_tip", "m", "from the beam to the tip end")] = 19e-3
+    rotor_radius: Annotated[float, positive("R", "m", "radius of the rotor")] = 25e-3
     clearance: Annotated[float, Parameter("g_0", "m", "gap at rest")] = 1e-6
 
     def __post_init__(self) -> None:

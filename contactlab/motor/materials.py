@@ -12,15 +12,13 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import check_fields
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, positive
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """F/m, CODATA 2018."""
 
-_DENSITY = Parameter("rho_p", "kg m-3", "density", above=0.0)
-_PERMITTIVITY = Parameter(
-    "eps33^S", "F m-1", "clamped permittivity through the thickness", above=0.0
-)
+_DENSITY = positive("rho_p", "kg m-3", "density")
+_PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
 
 
 def bending_vector(poisson_ratio: float) -> Array:
@@ -33,11 +31,11 @@ def bending_vector(poisson_ratio: float) -> Array:
 class Steel:
     """An isotropic beam material."""
 
-    youngs_modulus: Annotated[float, Parameter("E", "Pa", "Young's modulus", above=0.0)] = 210e9
+    youngs_modulus: Annotated[float, positive("E", "Pa", "Young's modulus")] = 210e9
     poisson_ratio: Annotated[
         float, Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
     ] = 0.3
-    density: Annotated[float, Parameter("rho_s", "kg m-3", "density", above=0.0)] = 7850.0
+    density: Annotated[float, positive("rho_s", "kg m-3", "density")] = 7850.0
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -64,9 +62,7 @@ class Piezoceramic:
     catalogue's values.
     """
 
-    bending_modulus: Annotated[float, Parameter("c_p", "Pa", "bending modulus", above=0.0)] = (
-        94.295e9
-    )
+    bending_modulus: Annotated[float, positive("c_p", "Pa", "bending modulus")] = 94.295e9
     bending_coupling: Annotated[float, Parameter("e_p", "C m-2", "bending coupling")] = 9.196
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
@@ -89,10 +85,10 @@ class PiezoceramicDatasheet:
     the tensor and kept with it.
     """
 
-    c11: Annotated[float, Parameter("c11^E", "Pa", "elastic constant", above=0.0)] = 168e9
+    c11: Annotated[float, positive("c11^E", "Pa", "elastic constant")] = 168e9
     c12: Annotated[float, Parameter("c12^E", "Pa", "elastic constant")] = 110e9
     c13: Annotated[float, Parameter("c13^E", "Pa", "elastic constant")] = 99.9e9
-    c33: Annotated[float, Parameter("c33^E", "Pa", "elastic constant", above=0.0)] = 123e9
+    c33: Annotated[float, positive("c33^E", "Pa", "elastic constant")] = 123e9
     e31: Annotated[float, Parameter("e31", "C m-2", "piezoelectric constant")] = -2.8
     e33: Annotated[float, Parameter("e33", "C m-2", "piezoelectric constant")] = 14.7
     poisson_ratio: Annotated[

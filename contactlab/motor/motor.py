@@ -10,7 +10,7 @@ from contactlab.checks import check_fields, check_shape
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.modes import NormalModes
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, not_negative, positive
 
 
 @final
@@ -18,20 +18,18 @@ from contactlab.parameter import Parameter
 class Rotor:
     """A rigid rotor, J Omegadot = -R F - C_r Omega - tau."""
 
-    inertia: Annotated[float, Parameter("J", "kg m2", "moment of inertia", above=0.0)] = 4.8e-5
-    damping: Annotated[
-        float,
-        Parameter("C_r", "N m s rad-1", "viscous damping", at_least=0.0, hint="0 switches it off."),
-    ] = 0.0
+    inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
+    damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
     load_torque: Annotated[
         float,
         Parameter(
-            *("tau", "N m", "load torque, towards negative rotation"),
-            hint="It acts towards negative rotation: a positive one brakes positive rotation.",
+            "tau",
+            "N m",
+            "load torque towards negative rotation: it brakes positive, drives negative",
         ),
     ] = 0.0
     initial_velocity: Annotated[
-        float, Parameter("Omega(0)", "rad s-1", "angular velocity at the start")
+        float, Parameter("Omega(0)", "rad s-1", "velocity at the start")
     ] = 0.0
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from contactlab.checks import check_fields
 from contactlab.motor.materials import Piezoceramic, Steel
 from contactlab.motor.modes import UNRESOLVED, NormalModes
-from contactlab.parameter import Parameter
+from contactlab.parameter import not_negative, positive
 
 
 @dataclass(frozen=True)
@@ -28,52 +28,20 @@ class PatchedBeam(ABC):
     C = alpha M + beta K. Not modelled: rotary inertia and shear of the layers, and adhesive between them.
     """
 
-    length: Annotated[float, Parameter("L", "m", "length between the clamps", above=0.0)] = 57e-3
-    width: Annotated[float, Parameter("w_s", "m", "width of beam and patches", above=0.0)] = 16e-3
-    beam_thickness: Annotated[float, Parameter("t_s", "m", "thickness of the beam", above=0.0)] = (
-        1e-3
-    )
-    patch_thickness: Annotated[
-        float, Parameter("t_p", "m", "thickness of one patch layer", above=0.0)
-    ] = 1e-3
-    patch_start: Annotated[
-        float,
-        Parameter(
-            *("a_11", "m", "where the patches begin, from the clamp"),
-            at_least=0.0,
-            hint="0 is the clamp.",
-        ),
-    ] = 0.914e-3
-    patch_end: Annotated[
-        float,
-        Parameter(
-            *("a_12", "m", "where they end, at most half the beam"),
-            above=0.0,
-            hint="It is measured from the same clamp.",
-        ),
-    ] = 10.146e-3
-    tip_mass: Annotated[
-        float,
-        Parameter("M_tip", "kg", "mass of the tip", at_least=0.0, hint="0 is a beam without tip."),
-    ] = 1.181e-3
+    length: Annotated[float, positive("L", "m", "length between the clamps")] = 57e-3
+    width: Annotated[float, positive("w_s", "m", "width of beam and patches")] = 16e-3
+    beam_thickness: Annotated[float, positive("t_s", "m", "thickness of the beam")] = 1e-3
+    patch_thickness: Annotated[float, positive("t_p", "m", "thickness of a patch layer")] = 1e-3
+    patch_start: Annotated[float, not_negative("a_11", "m", "where the patches begin")] = 0.914e-3
+    patch_end: Annotated[float, positive("a_12", "m", "where the patches end")] = 10.146e-3
+    tip_mass: Annotated[float, not_negative("M_tip", "kg", "mass of the tip")] = 1.181e-3
     tip_inertia: Annotated[
-        float,
-        Parameter(
-            *("I_tip", "kg m2", "inertia of the tip about its foot"),
-            at_least=0.0,
-            hint="0 is a point mass.",
-        ),
+        float, not_negative("I_tip", "kg m2", "inertia of the tip about its foot")
     ] = 1.321e-7
     steel: Steel = field(default_factory=Steel)
     piezoceramic: Piezoceramic = field(default_factory=Piezoceramic)
-    mass_damping: Annotated[
-        float,
-        Parameter("alpha", "s-1", "damping per mass", at_least=0.0, hint="0 switches it off."),
-    ] = 7.5
-    stiffness_damping: Annotated[
-        float,
-        Parameter("beta", "s", "damping per stiffness", at_least=0.0, hint="0 switches it off."),
-    ] = 2e-5
+    mass_damping: Annotated[float, not_negative("alpha", "s-1", "damping per mass")] = 7.5
+    stiffness_damping: Annotated[float, not_negative("beta", "s", "damping per stiffness")] = 2e-5
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.plot.animation_data import Film
 from contactlab.plot.overview import DENSE, explain_shades, shade
 from contactlab.plot.overview_data import drawable, envelope, steps
 from contactlab.plot.style import COLOURS
 from contactlab.results.netcdf import reached_end
 from contactlab.results.summary import prefixed, prefixed_unit
-
-Array = NDArray[np.float64]
+from contactlab.variables import CONTACT_MODE
 
 PIXELS: Final = (800, 640)
 """Width and height; multiples of 16, which every video codec takes."""
@@ -31,7 +31,6 @@ PIXELS: Final = (800, 640)
 LONGEST: Final = 0.12
 """Length of the arrow at the peak force, in parts of the film's size."""
 
-MODES: Final = ("free", "slip", "stick")
 COLOUR: Final = ("#707070", COLOURS["slip"], COLOURS["stick"])
 """Of the contact modes free, slip and stick."""
 
@@ -226,7 +225,7 @@ class Animation:
         times = (film.time - film.start) / second
         for cursor in self.cursors:
             cursor.set_xdata([times[number]] * 2)
-        self.mode.set_text(MODES[film.mode[number]])
+        self.mode.set_text(CONTACT_MODE.flags[film.mode[number]])
         self.mode.set_color(colour)
         rows = (
             ("time", times, unit),

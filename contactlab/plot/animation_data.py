@@ -15,13 +15,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
+from contactlab.laws.base import FREE, SLIP, STICK
 from contactlab.plot.overview_data import COARSE, contact_spans, drawable, drive_period
 from contactlab.results.netcdf import configuration_of
-
-Array = NDArray[np.float64]
-
-FREE, SLIP, STICK = 0, 1, 2
-"""Contact modes, as in the dataset."""
 
 REACH: Final = 0.1
 """How far the drawn vibration may reach, in parts of the smaller of tip length and rotor radius."""
@@ -47,7 +44,7 @@ class UnfitRunError(ValueError):
 
 @final
 @dataclass(frozen=True)
-class Run:
+class Recording:
     """A recorded run as far as an animation needs it: lengths of tip and rotor [m], drive period [s]."""
 
     root: xarray.Dataset
@@ -67,7 +64,7 @@ class Run:
         return bool(self.time[1] - self.time[0] > self.period / COARSE)
 
 
-def run_of(tree: xarray.DataTree) -> Run:
+def run_of(tree: xarray.DataTree) -> Recording:
     """Take a dataset apart, of a complete run or not.
 
     Raises:
@@ -86,7 +83,7 @@ def run_of(tree: xarray.DataTree) -> Run:
         raise UnfitRunError("has times that do not increase")
     configuration = configuration_of(tree)
     try:
-        run = Run(
+        run = Recording(
             root=root,
             contacts=tree.children["contacts"].to_dataset(inherit=False),
             tip_length=float(configuration["contact"]["tip_length"]),
@@ -122,7 +119,7 @@ class Film:
             longer.
     """
 
-    run: Run
+    run: Recording
     start: float
     end: float
     magnification: float
@@ -179,7 +176,7 @@ class Film:
         return {mode: times[times[:, 1] > times[:, 0]] for mode, times in clipped.items()}
 
 
-def film_of(run: Run, start: float, end: float, frames: int) -> Film:
+def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     """Choose what a number of frames show of a run, from start to end [s].
 
     Raises:
@@ -238,7 +235,7 @@ def _magnification(reach: float, size: float) -> float:
     return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= largest * (1.0 + 1e-9))
 
 
-def _modes(edges: Array, run: Run, spans: dict[str, Array]) -> NDArray[np.int8]:
+def _modes(edges: Array, run: Recording, spans: dict[str, Array]) -> NDArray[np.int8]:
     """Give the contact mode of every interval between edges."""
     lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
     # A contact of no duration is one all the same.

@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.plot.overview_data import (
     COLUMNS,
     Window,
@@ -32,8 +32,6 @@ from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import configuration_of, reached_end
 from contactlab.results.summary import prefixed, prefixed_unit
-
-Array = NDArray[np.float64]
 
 DENSE: Final[dict[Any, Any]] = STYLE | {
     "figure.dpi": 300,

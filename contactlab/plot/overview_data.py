@@ -6,11 +6,9 @@ from typing import Any, Final, final
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.results.summary import prefixed_unit
-
-Array = NDArray[np.float64]
 
 PERIODS: Final = 3
 """Drive periods at the end of a run that are shown in detail."""

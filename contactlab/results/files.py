@@ -118,16 +118,6 @@ def digest_of_file(path: Path) -> str:
         return file_digest(stream, "sha256").hexdigest()
 
 
-def told_digest(folder: Path) -> str:
-    """Give the digest of the dataset that the run's state tells; empty where none does."""
-    try:
-        found = json.loads((folder / STATE).read_text(encoding="utf-8"))["digest"]
-    # Somebody else's file of that name may be anything.
-    except (OSError, ValueError, TypeError, LookupError):
-        return ""
-    return found if isinstance(found, str) else ""
-
-
 def damage(dataset: Path) -> str:
     """Say why a dataset is not the one that its run left; nothing where it is, and where nothing tells.
 
@@ -136,8 +126,13 @@ def damage(dataset: Path) -> str:
     Raises:
         OSError: the file cannot be read.
     """
-    digest = told_digest(dataset.parent) if dataset.name == DATASET else ""
-    if not digest or digest == digest_of_file(dataset):
+    try:
+        state = json.loads((dataset.parent / STATE).read_text(encoding="utf-8"))
+        digest = state["digest"] if dataset.name == DATASET else ""
+    # Somebody else's file of that name may be anything.
+    except (OSError, ValueError, TypeError, LookupError):
+        return ""
+    if not isinstance(digest, str) or digest in ("", digest_of_file(dataset)):
         return ""
     return (
         f"'{dataset}' is not as its run left it, by the digest in {STATE} beside it; it is damaged or "

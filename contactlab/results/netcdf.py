@@ -75,8 +75,9 @@ def to_datatree(
     )
     contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
     groups = {"/": root, "/contacts": contacts}
-    if state := getattr(trajectory, "state", None):
-        groups["/state"] = xarray.Dataset({k: _as_variable(k, v) for k, v in state.items()})
+    if trajectory.state:
+        state = {name: _as_variable(name, value) for name, value in trajectory.state.items()}
+        groups["/state"] = xarray.Dataset(state)
     return xarray.DataTree.from_dict(groups)
 
 
@@ -90,8 +91,11 @@ def _as_variable(name: str, value: object) -> xarray.Variable:
 
 def state_of(tree: xarray.DataTree) -> dict[str, Any]:
     """Give the state that a run ended in, as the engine takes it; empty where none was recorded."""
-    group = tree.children.get("state")
-    return {} if group is None else {str(k): v.values[()] for k, v in group.data_vars.items()}
+    if "state" not in tree.children:
+        return {}
+    # A time of its own stands in it beside that of the records.
+    group = tree.children["state"].to_dataset(inherit=False)
+    return {str(name): values.values[()] for name, values in group.variables.items()}
 
 
 def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:

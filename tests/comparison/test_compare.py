@@ -193,26 +193,22 @@ def test_other_motors_are_refused_with_key_values_and_runs(sweep: Path, tmp_path
         compare([sweep / "0_law=lagrange_slip", longer])
 
 
-def test_two_runs_of_a_law_are_told_apart_by_its_keys_or_refused(
-    sweep: Path, tmp_path: Path
+@pytest.mark.parametrize(
+    ("law", "key", "values"),
+    [
+        ("hertz_penalty", "stiffness", ("1e+10", "5e+09")),
+        ("composed", "normal.stiffness", ("1e+10", "3e+10")),
+    ],
+)
+def test_runs_of_one_law_are_told_apart_by_its_keys_and_those_of_its_parts(
+    tmp_path: Path, law: str, key: str, values: tuple[str, str]
 ) -> None:
-    hertz = sweep / "2_law=hertz_penalty"
-    softer = leave(tmp_path / "softer", "hertz_penalty", law__stiffness=5e9)
-    runs, _ = collect([hertz, softer])
-    assert [run.label for run in runs] == [
-        "hertz_penalty (stiffness 1e+10)",
-        "hertz_penalty (stiffness 5e+09)",
-    ]
-    again = leave(tmp_path / "again", "hertz_penalty")
+    change = {f"law__{key.replace('.', '__')}": float(values[1])}
+    runs, _ = collect([leave(tmp_path / "one", law), leave(tmp_path / "two", law, **change)])
+    assert [run.label for run in runs] == [f"{law} ({key} {value})" for value in values]
+    again = leave(tmp_path / "again", law)
     with pytest.raises(ComparisonError, match="2 runs with the same parameters"):
-        collect([hertz, again])
-
-
-def test_composed_laws_are_told_apart_by_their_parts(tmp_path: Path) -> None:
-    one = leave(tmp_path / "one", "composed")
-    stiff = leave(tmp_path / "two", "composed", law__normal__stiffness=3e10)
-    labels = [run.label for run in collect([one, stiff])[0]]
-    assert labels == [f"composed (normal.stiffness {k})" for k in ("1e+10", "3e+10")]
+        collect([tmp_path / "one", again])
 
 
 def test_an_incomplete_run_is_refused(tmp_path: Path) -> None:
@@ -266,11 +262,6 @@ def test_richardson_gives_the_error_of_a_known_series() -> None:
         assert float(richardson(values, 2.0, order + 1.0)) == pytest.approx(1.0)
     growing = [np.asarray(x) for x in (1.0, 2.0, 4.0)]
     assert float(richardson(growing, 2.0, 1.0)) == pytest.approx(18.0)
-
-
-def test_a_run_without_reruns_knows_no_error(sweep: Path) -> None:
-    run = collect([sweep])[0][0]
-    assert np.isnan(Refined(run).error(lambda _: 1.0))
 
 
 def test_the_command_prints_and_writes(sweep: Path, command: Command) -> None:

@@ -63,3 +63,16 @@ def test_a_file_has_precedence_over_what_is_declared(tmp_path: Path) -> None:
     assert compose(config_dir=tmp_path)["rotor"] == {"radius": 0.05, "inertia": 2e-5}
     assert compose(["law=mine"], tmp_path)["law"] == {"name": "newton", "restitution": 0.4}
     assert compose()["rotor"] == composed()["rotor"]
+
+
+def test_how_a_sweep_is_made_is_no_part_of_a_run() -> None:
+    sweep = {"keep": "metrics", "metrics": None, "series": None, "samples": None, "chunk": 5}
+    configuration = composed() | {"sweep": sweep | {"workers": None}}
+    assert build(configuration).configuration == build().configuration
+    configuration["sweep"] = sweep | {"workers": 0, "keep": "all", "metrics": "rotor_velocity"}
+    with pytest.raises(ConfigurationError) as caught:
+        build(configuration)
+    assert [fault.partition(";")[0] for fault in caught.value.faults] == [
+        "sweep.keep is 'all'",
+        "sweep.workers is 0",
+    ]

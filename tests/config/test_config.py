@@ -13,6 +13,8 @@ from contactlab.config.groups import keys_of_law, known_keys
 from contactlab.config.rules import MOST_RECORDS
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
+from contactlab.motor import RitzResonator, Rotor, Steel
+from contactlab.settings import Record, Solver
 
 
 def faults(changes: dict[str, object], **choices: str) -> list[str]:
@@ -109,6 +111,23 @@ def test_stiffness_follows_from_the_tip_radius() -> None:
     assert isinstance(setup.law, HertzPenalty)
     assert setup.law.stiffness == hertz_stiffness(5e-3, 25e-3)
     assert setup.configuration["law"]["stiffness"] == setup.law.stiffness
+    assert setup.configuration["law"]["tip_radius"] is None
+    (fault,) = faults({"law.tip_radius": 5e-3})
+    assert "tip_radius is 0.005; exactly one of them must be a number and the other null" in fault
+
+
+def test_class_refuses_in_the_words_of_the_configuration() -> None:
+    for make, key in (
+        (lambda: Rotor(inertia=-1.0), "rotor.inertia"),
+        (lambda: RitzResonator(beam_thickness=-1.0), "resonator.beam_thickness"),
+        (lambda: Steel(density=-1.0), "resonator.steel.density"),
+        (lambda: Solver(contact_step=-1.0), "solver.contact_step"),
+        (lambda: Record(interval=-1.0), "record.interval"),
+    ):
+        with pytest.raises(ValueError, match=f"{key.rpartition('.')[2]} is -1.0") as refusal:
+            make()
+        (fault,) = faults({key: -1.0})
+        assert str(refusal.value).partition(";")[2] == fault.partition(";")[2]
 
 
 @pytest.mark.parametrize(
@@ -143,8 +162,11 @@ def test_stiffness_follows_from_the_tip_radius() -> None:
         ("rotor.damping", -1, "must be at least 0 N m s/rad"),
         ("rotor.load_torque", "strong", "it must be a number in N m, for example '2 mN m'"),
         ("law.stiffness", 0, "must be greater than 0 N/m^1.5"),
-        ("law.stiffness", None, "law.stiffness and law.tip_radius are both null"),
-        ("law.tip_radius", 5e-3, "exactly one of them must be a number and the other null"),
+        (
+            "law.stiffness",
+            None,
+            "law.stiffness is None and tip_radius is None; exactly one of them must",
+        ),
         ("law.tip_radius", -1, "must be greater than 0 m"),
         (
             "law.name",

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from contactlab.motor.beam import MOST_SHAPES, ClampedBeam
+from contactlab.motor.ritz import MOST_SHAPES, ClampedBeam
 
 LENGTH = 57e-3
 COUNTS = [1, 2, 4, 11, 12, 25, MOST_SHAPES]

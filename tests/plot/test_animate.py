@@ -15,8 +15,9 @@ from support.command_line import Command, left_behind
 from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_trajectory
 
 from contactlab.cli import animate
+from contactlab.laws.base import FREE, SLIP, STICK
 from contactlab.plot.animation import COLOUR, LONGEST, Animation, arrow_outline
-from contactlab.plot.animation_data import FREE, SLIP, STICK, Film, UnfitRunError, film_of, run_of
+from contactlab.plot.animation_data import Film, UnfitRunError, film_of, run_of
 from contactlab.results.netcdf import to_datatree, write_tree
 
 PERIOD = 1.0 / FREQUENCY

@@ -245,8 +245,3 @@ def test_the_same_run_leaves_the_same_picture(tree: xarray.DataTree, tmp_path: P
     for name in ("first.png", "second.png"):
         overview(tree, tmp_path / name)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
-
-
-def test_a_missing_folder_raises_a_sentence(tree: xarray.DataTree, tmp_path: Path) -> None:
-    with pytest.raises(OSError, match="its folder does not exist"):
-        overview(tree, tmp_path / "nowhere" / "run.png")

@@ -272,9 +272,20 @@ def test_a_file_that_cannot_grow_raises_a_sentence_and_leaves_nothing(
     write(trajectory, tmp_path / "run.nc")
 
 
-def test_a_missing_folder_raises_a_sentence(tmp_path: Path, trajectory: Trajectory) -> None:
-    with pytest.raises(OSError, match="its folder does not exist"):
-        write(trajectory, tmp_path / "nowhere" / "run.nc")
+def test_a_state_of_any_kind_survives(tmp_path: Path, trajectory: Trajectory) -> None:
+    state = {
+        "time": 5e-3,
+        "q": np.array([0.1, -0.0, np.nan]),
+        "contact.count": 3,
+        "compliant": True,
+    }
+    ended = dataclasses.replace(trajectory, state=state)
+    write(ended, tmp_path / "run.nc")
+    with xarray.open_datatree(tmp_path / "run.nc") as tree:
+        found = netcdf.state_of(tree.load())
+    assert found.keys() == state.keys()
+    for name, value in state.items():
+        assert np.asarray(found[name]).tobytes() == np.asarray(value).tobytes()
 
 
 @pytest.mark.skipif(
