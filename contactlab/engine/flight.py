@@ -64,7 +64,7 @@ def step_flight(run: Run, law: Law) -> int:
         level = _level_after_release(run, level, before, coarse)
         state.phase = SEPARATING
     h = step_length(run.propagator, level)
-    s = min(h, state.end - state.time)
+    s = h
     run.step.kind = FLIGHT
     state.length = h
     start = 0.0
@@ -72,12 +72,9 @@ def step_flight(run: Run, law: Law) -> int:
         start = _certain_opening(run, s, coarse)
         if start > 0.0:
             state.phase = OPEN
-    if s < h:
-        gap, rate, _, _, _, _, _ = contact_after(run, s)
-    else:
-        build_level(run.plant, run.propagator, level)
-        free_response(run, level, LAST)
-        gap, rate, _, _, _, _, _ = contact_at(run.plant, LAST)
+    build_level(run.plant, run.propagator, level)
+    free_response(run, level, LAST)
+    gap, rate, _, _, _, _, _ = contact_at(run.plant, LAST)
     state.flight_steps += 1
     event = NOTHING
     if state.phase == OPEN:
@@ -94,8 +91,10 @@ def step_flight(run: Run, law: Law) -> int:
         state.phase = OPEN
     coarsest = 0 if state.phase == OPEN else rule.contact_level
     state.level = max(level - 1, coarsest) if level > coarsest else level
-    state.taken = s
-    return event
+    # The end cuts a flight that was searched as if it went on: a run that goes on finds the same touch-down.
+    remaining = state.end - state.time
+    state.taken = min(s, remaining)
+    return event if s <= remaining else NOTHING
 
 
 @inner_kernel

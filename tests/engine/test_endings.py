@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from support.motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
+from contactlab.motor.motor import Motor
 from contactlab.sweeps.state import status_of
 from contactlab.testing.plants import block
 from contactlab.trajectory import Ending
@@ -18,6 +20,12 @@ from contactlab.trajectory import Ending
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
 
 laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
+
+
+def overdriven() -> Motor:
+    """A motor at 1 MV, which no configuration allows."""
+    motor = default_motor()
+    return replace(motor, drive=replace(motor.drive, phasors=1e4 * motor.drive.phasors))
 
 
 @laws
@@ -60,6 +68,7 @@ def test_a_contact_that_the_end_cuts_is_listed_without_a_separation() -> None:
 ABSURD = """
 import sys
 sys.path.insert(0, {tests!r})
+from dataclasses import replace
 import numpy as np
 from contactlab.engine import simulate
 from contactlab.trajectory import Ending
@@ -69,7 +78,9 @@ from support.motors import default_motor, every_law, hertz
 np.seterr(all="ignore")
 for law in every_law():
     for volts in (1e6, 1e9, 1e15, 1e30, 1e150):
-        motor = default_motor(voltage_1=volts, voltage_2=volts)
+        motor = default_motor()
+        louder = volts / 100.0 * motor.drive.phasors
+        motor = replace(motor, drive=replace(motor.drive, phasors=louder))
         result = simulate(motor, law, duration=1e-3, record_interval=1e-5)
         print(law.name, volts, result.ending is Ending.DIVERGED, result.message)
 for stiffness in (1e20, 1e100, 1e300):
@@ -119,7 +130,7 @@ def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(
 
 def test_a_run_that_drowns_is_told_by_where_the_tip_is() -> None:
     with np.errstate(all="ignore"):
-        motor = default_motor(voltage_1=1e6, voltage_2=1e6)
+        motor = overdriven()
         result = simulate(motor, hertz(), duration=1e-3, record_interval=1e-5)
     assert result.ending is Ending.DIVERGED
     assert "the tip leans by" in result.message
@@ -130,7 +141,7 @@ def test_a_run_that_drowns_is_told_by_where_the_tip_is() -> None:
 def test_a_diverged_run_holds_what_it_had() -> None:
     with np.errstate(all="ignore"):
         result = simulate(
-            default_motor(voltage_1=1e6, voltage_2=1e6),
+            overdriven(),
             hertz(),
             duration=1e-3,
             record_interval=1e-6,
