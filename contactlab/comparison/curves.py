@@ -51,55 +51,23 @@ class Contact:
         return np.append(force[self.time > IMPACT * self.duration], 0.0)
 
 
-def one_contact(law: Refined, near: float, length: float = 0.0) -> Contact | None:
-    """Give the contact whose touch-down is nearest to a time [s], over a length of time [s] at least.
+def one_contact_each(laws: Sequence[Refined]) -> dict[int, Contact]:
+    """Give the same contact of every law that recorded it, by its place among the laws.
 
-    A rigid law with restitution touches in a row of impacts, which are one contact here. None where there
-    are too few records of it.
+    A rigid law with restitution touches in a row of impacts, which are one contact here. A law with too
+    few records of it has none.
     """
-    run = law.best
-    if not run.touches("start_time", "duration", "peak_normal_force"):
-        return None
-    if not run.holds("normal_force", "friction_force"):
-        return None
-    starts = run.rows["start_time"]
-    ends = starts + run.rows["duration"]
-    first = last = int(np.argmin(np.abs(starts - near)))
-    apart = APART * law.period
-    while first > 0 and starts[first] - ends[first - 1] < apart:
-        first -= 1
-    while last + 1 < starts.size and starts[last + 1] - ends[last] < apart:
-        last += 1
-    start, duration = float(starts[first]), float(ends[last] - starts[first])
-    earlier = np.append(run.time[:1], run.time[:-1])
-    # In the interval of the touch-down the force acts after it only.
-    middle = 0.5 * (np.where(run.time > start, np.maximum(earlier, start), earlier) + run.time)
-    # It jumps at touch-down: a line from the record before would give it to the open gap.
-    place = int(np.searchsorted(middle, start))
-    middle = np.insert(middle, place, start)
-    extent = max(duration, length)
-    shown = (middle >= start - MARGIN * extent) & (middle <= start + (1.0 + MARGIN) * extent)
-    if np.count_nonzero(shown) < SCARCE:
-        return None
-    return Contact(
-        time=middle[shown] - start,
-        normal=np.insert(run.columns["normal_force"], place, 0.0)[shown],
-        friction=np.insert(run.columns["friction_force"], place, 0.0)[shown],
-        start=start,
-        duration=duration,
-        peak=float(run.rows["peak_normal_force"][first : last + 1].max()),
-    )
-
-
-def one_contact_each(laws: Sequence[Refined]) -> list[tuple[int, Contact]]:
-    """Give the same contact of every law that recorded it, with its place among the laws."""
     near = next((t for t in map(_last_whole_contact, laws) if t is not None), None)
-    if near is None:
-        return []
-    found = [one_contact(law, near) for law in laws]
-    length = max((contact.duration for contact in found if contact is not None), default=0.0)
-    again = [(i, one_contact(law, near, length)) for i, law in enumerate(laws)]
-    return [(i, contact) for i, contact in again if contact is not None]
+    rows = {
+        i: _row_of_impacts(law, near)
+        for i, law in enumerate(laws)
+        if near is not None
+        and law.best.touches("start_time", "duration", "peak_normal_force")
+        and law.best.holds("normal_force", "friction_force")
+    }
+    length = max((duration for _, duration, _ in rows.values()), default=0.0)
+    found = {i: _recorded(laws[i].best, length, *row) for i, row in rows.items()}
+    return {i: contact for i, contact in found.items() if contact.time.size >= SCARCE}
 
 
 def _last_whole_contact(law: Refined) -> float | None:
@@ -112,11 +80,35 @@ def _last_whole_contact(law: Refined) -> float | None:
     # Other laws touch at other times: their contact shall be whole as well.
     settled = end - 0.5 * law.period
     whole = np.flatnonzero((ends < settled) & (starts > end - (PERIODS + 1.0) * law.period))
-    if not whole.size:
-        whole = np.flatnonzero(ends < end)
+    whole = whole if whole.size else np.flatnonzero(ends < end)
     if not whole.size:
         return None
     return float(starts[whole[np.argmax(run.rows["normal_impulse"][whole])]])
+
+
+def _row_of_impacts(law: Refined, near: float) -> tuple[float, float, float]:
+    """Give start [s], duration [s] and peak force [N] of the contact that begins nearest to a time [s]."""
+    rows = law.best.rows
+    starts, ends = rows["start_time"], rows["start_time"] + rows["duration"]
+    row = np.append(0, np.cumsum(starts[1:] - ends[:-1] >= APART * law.period))
+    mine = np.flatnonzero(row == row[np.argmin(np.abs(starts - near))])
+    start, end = float(starts[mine[0]]), float(ends[mine[-1]])
+    return start, end - start, float(rows["peak_normal_force"][mine].max())
+
+
+def _recorded(run: Run, length: float, start: float, duration: float, peak: float) -> Contact:
+    """Give the records of a contact, over a length of time [s]."""
+    earlier = np.append(run.time[:1], run.time[:-1])
+    # In the interval of the touch-down the force acts after it only.
+    middle = 0.5 * (np.where(run.time > start, np.maximum(earlier, start), earlier) + run.time)
+    # It jumps at touch-down: a line from the record before would give it to the open gap.
+    place = int(np.searchsorted(middle, start))
+    since = np.insert(middle, place, start) - start
+    shown = (since >= -MARGIN * length) & (since <= (1.0 + MARGIN) * length)
+    normal, friction = (
+        np.insert(run.columns[f"{way}_force"], place, 0.0)[shown] for way in ("normal", "friction")
+    )
+    return Contact(since[shown], normal, friction, start, duration, peak)
 
 
 def ceiling(contacts: Sequence[Contact]) -> float:
@@ -134,11 +126,6 @@ def last_periods(law: Refined) -> slice:
     time = law.best.time
     first = int(np.searchsorted(time, time[-1] - PERIODS * law.period))
     return slice(max(first - 1, 0), None)
-
-
-def velocity(run: Run) -> Array:
-    """Give the rotor velocity over time [rad/s]."""
-    return np.asarray(run.columns["rotor_velocity"], dtype=np.float64)
 
 
 def smoothed(law: Refined, values: Array) -> Array:

@@ -48,7 +48,6 @@ METADATA: Final[dict[str, dict[str, Any]]] = {
 
 def draw_all(laws: Sequence[Refined], data: xarray.Dataset, folder: Path) -> list[Path]:
     """Write every figure that the runs have the numbers for, as PNG and PDF; gives the PNGs."""
-    written = []
     with context(STYLE):
         figures = {
             "contact_force": draw_contact(laws),
@@ -57,25 +56,27 @@ def draw_all(laws: Sequence[Refined], data: xarray.Dataset, folder: Path) -> lis
             "energy_flow": draw_energy(data),
             "phase_portrait": draw_phases(laws),
         }
-        for name, figure in figures.items():
-            if figure is None:
-                continue
+        drawn = {name: figure for name, figure in figures.items() if figure is not None}
+        for name, figure in drawn.items():
             for kind, metadata in METADATA.items():
                 with whole_file(folder / f"{name}.{kind}") as partial:
                     figure.savefig(partial, format=kind, metadata=metadata)
-            written.append(folder / f"{name}.png")
-    return written
+    return [folder / f"{name}.png" for name in drawn]
 
 
 def _figure(rows: int, columns: int, height: float, **arguments: Any) -> tuple[Figure, Any]:
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False, **arguments)
+    return figure, figure.subplots(rows, columns, squeeze=False, **arguments).ravel()
+
+
+def _colour(number: int) -> Any:
+    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    return colours[number % len(colours)]
 
 
 def _style(number: int) -> dict[str, Any]:
     """Give colour and line of a law."""
-    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
-    return {"color": colours[number % len(colours)], "linestyle": DASHES[number % len(DASHES)]}
+    return {"color": _colour(number), "linestyle": DASHES[number % len(DASHES)]}
 
 
 def _holding(laws: Sequence[Refined], *names: str) -> list[tuple[int, Refined]]:
@@ -111,46 +112,37 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     found = curves.one_contact_each(laws)
     if not found:
         return None
-    contacts = [contact for _, contact in found]
+    contacts = list(found.values())
     top = curves.ceiling(contacts)
-    figure, panels = _figure(2, 1, 4.0, sharex=True)
-    above, below = panels[:, 0]
+    figure, (above, below) = _figure(2, 1, 4.0, sharex=True)
     unit, scale = prefixed_unit(max(contact.duration for contact in contacts), "s")
-    for i, contact in found:
-        time = contact.time / scale
-        above.plot(time, contact.normal, label=laws[i].run.label, **_style(i))
+    spikes = []
+    for i, contact in found.items():
+        time, label = contact.time / scale, laws[i].run.label
+        above.plot(time, contact.normal, label=label, **_style(i))
         below.plot(time, contact.friction, **_style(i))
-    spikes = [(i, laws[i].run.label, c.peak) for i, c in found if c.peak > top > 0.0]
-    lines = _off_scale(above, spikes)
+        if contact.peak > top > 0.0:
+            spikes.append((f"{label}: peak {contact.peak:.4g} N, off scale", _colour(i)))
+    if len(spikes) > MOST_SPIKES:
+        peaks = [contact.peak for contact in contacts if contact.peak > top]
+        span = f"{min(peaks):.4g} to {max(peaks):.4g} N"
+        spikes = [(f"peaks of {len(peaks)} laws, {span}, off scale", "black")]
+    for line, (words, colour) in enumerate(spikes):
+        above.annotate(
+            words, (0.99, 0.97 - 0.085 * line), xycoords="axes fraction", ha="right", va="top",
+            fontsize=7, color=colour,
+        )  # fmt: skip
     if top > 0.0:
-        above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * lines))
+        above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * len(spikes)))
     # A spike of the friction is cut too.
     friction = np.concatenate([contact.after_impact(contact.friction) for contact in contacts])
     room = 0.2 * float(np.ptp(friction))
     if room > 0.0:
         below.set_ylim(friction.min() - room, friction.max() + room)
     above.set_ylabel("normal force (N)")
-    below.set_ylabel("friction force (N)")
-    below.set_xlabel(f"time from touch-down ({unit})")
+    below.set(xlabel=f"time from touch-down ({unit})", ylabel="friction force (N)")
     below.axhline(0.0, color="0.7", **THIN)
     return _legend(figure, above)
-
-
-def _off_scale(axes: Axes, spikes: Sequence[tuple[int, str, float]]) -> int:
-    """Name the peaks that are not drawn out; gives the number of lines it takes."""
-    said = [
-        (f"{label}: peak {peak:.4g} N, off scale", _style(i)["color"]) for i, label, peak in spikes
-    ]
-    if len(spikes) > MOST_SPIKES:
-        peaks = [peak for _, _, peak in spikes]
-        span = f"{min(peaks):.4g} to {max(peaks):.4g} N"
-        said = [(f"peaks of {len(peaks)} laws, {span}, off scale", "black")]
-    for line, (words, colour) in enumerate(said):
-        axes.annotate(
-            words, (0.99, 0.97 - 0.085 * line), xycoords="axes fraction", ha="right", va="top",
-            fontsize=7, color=colour,
-        )  # fmt: skip
-    return len(said)
 
 
 def draw_paths(laws: Sequence[Refined]) -> Figure | None:
@@ -159,8 +151,7 @@ def draw_paths(laws: Sequence[Refined]) -> Figure | None:
     drawn = _holding(laws, *names)
     if not drawn:
         return None
-    figure, panels = _figure(1, 1, 3.1)
-    axes = panels[0, 0]
+    figure, (axes,) = _figure(1, 1, 3.1)
     for i, law in drawn:
         span = curves.last_periods(law)
         x, y = (drawable(law.best.columns[name][span]) * 1e6 for name in names)
@@ -176,24 +167,34 @@ def draw_paths(laws: Sequence[Refined]) -> Figure | None:
 
 def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
     """Draw the rotor velocity over the run; below it how far laws differ, against the error of each."""
-    drawn = _holding(laws, "rotor_velocity")
+    name = "rotor_velocity"
+    drawn = _holding(laws, name)
     if not drawn:
         return None
-    errors = {i: law.error(curves.velocity) for i, law in drawn}
-    errors = {i: error for i, error in errors.items() if np.isfinite(error).all()}
-    figure, panels = _figure(1 + bool(errors), 1, 2.5 + 1.6 * bool(errors), sharex=True)
-    axes, last = panels[0, 0], panels[-1, 0]
+    series = {i: [run.columns[name] for _, run in law.steps] for i, law in drawn if law.steps}
+    errors = {i: laws[i].error(values) for i, values in series.items()}
+    # A rotor at rest has no error that a logarithmic axis could show.
+    errors = {i: e for i, e in errors.items() if np.isfinite(e).all()}
+    judged = any(error.any() for error in errors.values())
+    figure, panels = _figure(1 + judged, 1, 2.5 + 1.6 * judged, sharex=True)
+    axes, last = panels[0], panels[-1]
     unit, scale = prefixed_unit(float(laws[0].best.time[-1]), "s")
     for i, law in drawn:
-        time, values = law.best.time / scale, drawable(curves.velocity(law.best))
+        time, values = law.best.time / scale, drawable(law.best.columns[name])
         axes.plot(*envelope(time, values), label=law.run.label, **_style(i))
-        if i in errors:
+        if judged and i in errors:
             band = (values - errors[i], values + errors[i])
-            axes.fill_between(time, *band, color=_style(i)["color"], alpha=0.3, linewidth=0.0)
-            error = curves.smoothed(law, errors[i])
-            last.plot(*_positive(time, error), **_style(i))
-    if errors:
-        _draw_range(last, [law for _, law in drawn], scale)
+            axes.fill_between(time, *band, color=_colour(i), alpha=0.3, linewidth=0.0)
+            last.plot(*_positive(time, curves.smoothed(law, errors[i])), **_style(i))
+    if judged:
+        first = drawn[0][1]
+        time = first.best.time
+        each = [np.interp(time, law.best.time, law.best.columns[name]) for _, law in drawn]
+        apart = curves.smoothed(first, np.ptp(each, axis=0))
+        if np.any(apart > 0.0):
+            last.plot(*_positive(time / scale, apart), color="black", linewidth=1.4)
+            _remark(last, "range of the laws", apart[-1], -9.0)
+        last.set(yscale="log", ylabel="numerical error (rad/s)")
     last.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")
     return _legend(figure, axes)
@@ -204,38 +205,23 @@ def _positive(time: Array, values: Array) -> Iterable[Array]:
     return envelope(time, np.where(values > 0.0, values, np.nan))
 
 
-def _draw_range(axes: Axes, laws: Sequence[Refined], scale: float) -> None:
-    """Draw how far the laws are apart, on the axis of their errors."""
-    time = laws[0].best.time
-    values = [np.interp(time, law.best.time, curves.velocity(law.best)) for law in laws]
-    apart = curves.smoothed(laws[0], np.ptp(values, axis=0))
-    if len(laws) > 1 and np.any(apart > 0.0):
-        axes.plot(*_positive(time / scale, apart), color="black", linewidth=1.4)
-        _remark(axes, "range of the laws", apart[-1], -9.0)
-    axes.set_yscale("log")
-    axes.set_ylabel("numerical error (rad/s)")
-
-
 def draw_energy(data: xarray.Dataset) -> Figure | None:
     """Draw where the work of the drive has gone, a bar a law; what is given back stands below zero."""
-    energy = data["energy"].transpose("law", "term").values
-    shown = np.isfinite(energy).all(axis=1)
-    if not shown.any():
+    data = data.dropna("law", subset=["energy"])
+    if not data.sizes["law"]:
         return None
-    energy, work = energy[shown], data["drive_work"].values[shown]
-    labels = [fill(str(label), LONGEST_LABEL) for label in data["law"].values[shown]]
+    work = data["drive_work"].values
     unit, scale = prefixed_unit(float(np.max(np.abs(work))), "J")
-    figure, panels = _figure(1, 1, 1.2 + 0.42 * len(labels))
-    axes = panels[0, 0]
+    labels = [fill(str(label), LONGEST_LABEL) for label in data["law"].values]
+    figure, (axes,) = _figure(1, 1, 1.2 + 0.42 * len(labels))
     place = np.arange(len(labels))
     up, down = np.zeros(len(labels)), np.zeros(len(labels))
-    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
     for number, (term, words) in enumerate(ENERGY_TERMS.items()):
-        part = energy[:, number] / scale
+        part = data["energy"].sel(term=term).values / scale
         left = np.where(part >= 0.0, up, down + part)
         if np.any(np.abs(part) > 1e-3 * np.abs(work) / scale):
             axes.barh(
-                place, np.abs(part), left=left, height=0.62, label=words, color=colours[number],
+                place, np.abs(part), left=left, height=0.62, label=words, color=_colour(number),
                 edgecolor="white", linewidth=0.5, gid=term,
             )  # fmt: skip
         up += np.maximum(part, 0.0)
@@ -255,8 +241,7 @@ def draw_phases(laws: Sequence[Refined]) -> Figure | None:
     drawn = _holding(laws, "gap", "slip_velocity")
     if not drawn:
         return None
-    figure, panels = _figure(1, 2, 2.7)
-    normal, tangential = panels[0]
+    figure, (normal, tangential) = _figure(1, 2, 2.7)
     for i, law in drawn:
         run, span = law.best, curves.last_periods(law)
         gap, slip = (drawable(run.columns[name][span]) for name in ("gap", "slip_velocity"))
@@ -264,10 +249,8 @@ def draw_phases(laws: Sequence[Refined]) -> Figure | None:
         rate, middle = np.diff(gap) / np.diff(run.time[span]), 0.5 * (gap[1:] + gap[:-1])
         normal.plot(1e6 * middle, drawable(rate), label=law.run.label, **_style(i))
         tangential.plot(1e6 * gap, slip, **_style(i))
-    for axes in (normal, tangential):
+    for axes, words in ((normal, "gap rate (m/s)"), (tangential, "slip velocity (m/s)")):
         axes.axvline(0.0, color="0.5", **THIN)
-        axes.set_xlabel("gap (\u00b5m)")
+        axes.set(xlabel="gap (\u00b5m)", ylabel=words)
     tangential.axhline(0.0, color="0.5", **THIN)
-    normal.set_ylabel("gap rate (m/s)")
-    tangential.set_ylabel("slip velocity (m/s)")
     return _legend(figure, normal)

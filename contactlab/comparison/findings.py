@@ -6,8 +6,8 @@ from typing import Final
 
 import xarray
 
-from contactlab.comparison.tables import Cell, Row, rows
-from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS
+from contactlab.comparison.tables import Cell, rows
+from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 
 HEADLINES: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics whose differences between the laws are told."""
@@ -18,22 +18,21 @@ CLEAR: Final = 3.0
 
 def differences(data: xarray.Dataset) -> list[str]:
     """Say how far the laws lie apart, against what is known of their numerical errors."""
-    known = {row.metric: row for row in rows(data)}
-    return [sentence for key in HEADLINES if key in known and (sentence := _difference(known[key]))]
+    known = {metric.key: (metric, cells) for metric, cells in rows(data)}
+    return [said for key in HEADLINES if key in known and (said := _difference(*known[key]))]
 
 
-def _difference(row: Row) -> str:
-    cells = {label: cell for label, cell in row.cells.items() if isfinite(cell.value)}
+def _difference(metric: Metric, cells: dict[str, Cell]) -> str:
+    cells = {label: cell for label, cell in cells.items() if isfinite(cell.value)}
     if len(cells) < 2:
         return ""
     low, *_, high = sorted(cells, key=lambda label: cells[label].value)
     one, other = cells[low], cells[high]
-    spread = other.value - one.value
-    meaning = row.brief[0].upper() + row.brief[1:]
+    spread, error = other.value - one.value, one.error + other.error
+    meaning, unit = _capital(metric.brief), metric.unit
     if spread == 0.0:
-        return f"{meaning}: {one.value:.4g}{row.unit} with every law."
-    said = f"{meaning}: from {one.value:.4g} ({low}) to {other.value:.4g}{row.unit} ({high})"
-    error = one.error + other.error
+        return f"{meaning}: {one.value:.4g}{unit} with every law."
+    said = f"{meaning}: from {one.value:.4g} ({low}) to {other.value:.4g}{unit} ({high})"
     if not isfinite(error):
         return f"{said}; without finer reruns nothing is known of the numerical error."
     ratio = spread / error if error > 0.0 else inf
@@ -46,36 +45,33 @@ def _difference(row: Row) -> str:
     times = f"{ratio:.2g} times" if ratio < 1e3 else "more than 1000 times"
     verdict = "one between the laws" if ratio >= CLEAR else "barely resolved"
     return (
-        f"{said}; the difference, {spread:.3g}{row.unit}, {times} the numerical errors, is "
+        f"{said}; the difference, {spread:.3g}{unit}, {times} the numerical errors, is "
         f"{verdict if ratio >= 1.0 else 'not resolved'}."
     )
 
 
 def verdicts(data: xarray.Dataset) -> dict[str, list[str]]:
     """Say of every law what it passes, and what it fails with value, bound and reason."""
-    judged = [row for row in rows(data) if row.threshold]
-    return {str(label): _verdict(str(label), judged) for label in data["law"].values}
+    judged = [(metric, cells) for metric, cells in rows(data) if metric.threshold]
+    said = {}
+    for label in map(str, data["law"].values):
+        found = [cells[label].verdict for _, cells in judged]
+        absent = found.count(NOT_APPLICABLE)
+        first = f"Meets {found.count(PASS)} of {len(found) - absent} thresholds"
+        first += f"; {absent} more do not apply." if absent else "."
+        first = first if absent < len(found) else "No threshold applies."
+        failed = ((m, cells[label]) for m, cells in judged if cells[label].verdict == FAIL)
+        said[label] = [first, *(_failure(metric, cell) for metric, cell in failed)]
+    return said
 
 
-def _verdict(label: str, judged: Sequence[Row]) -> list[str]:
-    said = [row.cells[label].verdict for row in judged]
-    absent = said.count(NOT_APPLICABLE)
-    if absent == len(judged):
-        return ["No threshold applies."]
-    first = f"Meets {said.count(PASS)} of {len(judged) - absent} thresholds"
-    first += f"; {absent} more do not apply." if absent else "."
-    failed = (row for row in judged if row.cells[label].verdict == FAIL)
-    return [first, *(_failure(row, row.cells[label]) for row in failed)]
-
-
-def _failure(row: Row, cell: Cell) -> str:
-    doubt = ""
-    if isfinite(cell.error) and abs(cell.value - float(row.threshold.split()[1])) < cell.error:
+def _failure(metric: Metric, cell: Cell) -> str:
+    doubt, unit = "", metric.unit
+    if isfinite(cell.error) and abs(cell.value - metric.bound) < cell.error:
         doubt = f", within its numerical error of {cell.error:.2g}"
-    reason = f" {row.reason[0].upper()}{row.reason[1:].rstrip('.')}." if row.reason else ""
     return (
-        f"Fails {row.metric} ({row.brief}): {cell.value:.4g}{row.unit} where it must be "
-        f"{row.threshold}{row.unit}{doubt}.{reason}"
+        f"Fails {metric.key} ({metric.brief}): {cell.value:.4g}{unit} where it must be "
+        f"{metric.threshold}{unit}{doubt}. {_capital(metric.reason)}."
     )
 
 
@@ -90,6 +86,10 @@ def conclusion(data: xarray.Dataset) -> str:
         return f"No law meets all thresholds that apply to it: {rest}."
     verb = "meets" if len(clean) == 1 else "meet"
     return f"{_listed(clean)} {verb} all thresholds that apply; {rest}."
+
+
+def _capital(words: str) -> str:
+    return words[0].upper() + words[1:]
 
 
 def _listed(words: Sequence[str]) -> str:

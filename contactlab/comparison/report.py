@@ -15,8 +15,8 @@ from contactlab.comparison.findings import conclusion, differences, verdicts
 from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Source, collect
 from contactlab.comparison.scorecard import scorecard
-from contactlab.comparison.tables import Cell, Row, as_csv, as_latex, rows
-from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS
+from contactlab.comparison.tables import PLUS_MINUS, Cell, as_csv, as_latex, rows
+from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
 PAGE: Final = Path(__file__).with_name("report.html")
@@ -61,15 +61,12 @@ def compare(
     with tqdm(total=total, unit=" runs", disable=None, delay=1.0, leave=False) as bar:
         laws = [refined(run, bar.update) if refine else Refined(run) for run in runs]
     data = scorecard(laws, notes)
-    if output is not None:
-        _write(data, laws, Path(output))
-    return data
-
-
-def _write(data: xarray.Dataset, laws: Sequence[Refined], folder: Path) -> None:
+    if output is None:
+        return data
     # It brings the plotting.
     from contactlab.comparison.figures import draw_all
 
+    folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
     texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data)}
     with whole_netcdf(folder / "metrics.nc") as partial:
@@ -78,29 +75,25 @@ def _write(data: xarray.Dataset, laws: Sequence[Refined], folder: Path) -> None:
     for name, text in texts.items():
         with whole_file(folder / name) as partial:
             partial.write_text(text, encoding="utf-8")
+    return data
 
 
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
-    """Write the report: one page that holds its pictures itself and fetches nothing.
-
-    Args:
-        data: the scorecard.
-        pictures: PNG files.
-    """
-    table, labels = rows(data), [str(label) for label in data["law"].values]
-    notes = str(data.attrs["notes"]).splitlines()
-    return Template(PAGE.read_text(encoding="utf-8")).substitute(
-        title=escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
-        conclusion=escape(conclusion(data)),
-        differences=_list(differences(data)),
-        scorecard=_table(table, labels),
-        pictures="\n".join(map(_picture, pictures)),
-        verdicts="\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
-        notes=f"<h2>Notes</h2>{_list(notes)}" if notes else "",
-        definitions=f"<ul>{''.join(map(_definition, table))}</ul>",
-        configurations="\n".join(_configuration(data.sel(law=label)) for label in labels),
-        versions=escape(_versions(data)),
-    )
+    """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
+    labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
+    said = {
+        "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
+        "conclusion": escape(conclusion(data)),
+        "differences": _list(differences(data)),
+        "scorecard": _table(data, labels),
+        "pictures": "\n".join(map(_picture, pictures)),
+        "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
+        "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
+        "definitions": f"<ul>{''.join(_definition(metric) for metric, _ in rows(data))}</ul>",
+        "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
+        "versions": escape(_versions(data)),
+    }
+    return Template(PAGE.read_text(encoding="utf-8")).substitute(said)
 
 
 def _list(sentences: Iterable[str]) -> str:
@@ -108,12 +101,12 @@ def _list(sentences: Iterable[str]) -> str:
     return items and f"<ul>{items}</ul>"
 
 
-def _table(table: Sequence[Row], labels: Sequence[str]) -> str:
+def _table(data: xarray.Dataset, labels: Sequence[str]) -> str:
     head = "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels))
     body = "".join(
-        f"<tr><td title='{escape(row.meaning)}'>{escape(row.brief + row.bracketed)}</td>"
-        f"<td>{_sign(row.threshold)}</td>{''.join(map(_cell, row.cells.values()))}</tr>"
-        for row in table
+        f"<tr><td title='{escape(m.meaning)}'>{escape(m.brief + m.bracketed)}</td>"
+        f"<td>{_sign(m.threshold)}</td>{''.join(map(_cell, cells.values()))}</tr>"
+        for m, cells in rows(data)
     )
     return f"<tr>{head}</tr>{body}"
 
@@ -124,8 +117,8 @@ def _sign(threshold: str) -> str:
 
 def _cell(cell: Cell) -> str:
     kind = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none"}.get(cell.verdict, "")
-    number, _, error = cell.number.partition(" \u00b1 ")
-    small = f" <small>\u00b1 {error}</small>" if error else ""
+    number, sign, error = cell.number.partition(f" {PLUS_MINUS}")
+    small = f" <small>{PLUS_MINUS}{error}</small>" if sign else ""
     return f"<td class='{kind}'>{number}{small} {cell.word}</td>"
 
 
@@ -137,15 +130,12 @@ def _picture(path: Path) -> str:
     )
 
 
-def _definition(row: Row) -> str:
+def _definition(metric: Metric) -> str:
     """Give key, symbol, meaning and the threshold's reason of a metric."""
-    said = [row.meaning.rstrip(".")]
-    if row.threshold:
-        said.append(f"Must be {_sign(row.threshold)}: {row.reason.rstrip('.')}")
-    if row.metric_source:
-        said.append(f"Source: {row.metric_source.rstrip('.')}")
-    text = escape(f"{row.symbol}{row.bracketed}: {'. '.join(said)}.")
-    return f"<li><code>{escape(row.metric)}</code> = {text}</li>"
+    limit = f" Must be {_sign(metric.threshold)}: {metric.reason}." if metric.threshold else ""
+    source = f" Source: {metric.source}." if metric.source else ""
+    text = escape(f"{metric.symbol}{metric.bracketed}: {metric.meaning}.{limit}{source}")
+    return f"<li><code>{escape(metric.key)}</code> = {text}</li>"
 
 
 def _configuration(law: xarray.Dataset) -> str:
@@ -160,9 +150,9 @@ def _configuration(law: xarray.Dataset) -> str:
 
 def _versions(data: xarray.Dataset) -> str:
     said = [
-        f"{str(name).removesuffix('_version')} {version}"
+        f"{name.removesuffix('_version')} {version}"
         for name, version in data.attrs.items()
-        if str(name).endswith("_version")
+        if name.endswith("_version")
     ]
     said.append(f"revision {data.attrs['git_revision']}")
     recorded_by = json.loads(data.attrs["recorded_by"])

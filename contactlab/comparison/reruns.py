@@ -4,7 +4,7 @@ The configuration that a run recorded builds the same motor and law again, so th
 brought to its own convergence before it is set beside the others.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, final
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
-from contactlab.engine import simulate
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics import Run
+from contactlab.simulation import simulate
 
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
 """Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
@@ -45,7 +45,7 @@ class Refined:
 
     Args:
         run: as recorded.
-        control: what is refined, `contact_step` or `tolerance`; empty without reruns.
+        control: what is refined, `contact_step` or `tolerance`.
         order: at which the law declares its error to fall with it.
         steps: value of it and what ran, coarsest first; empty without reruns.
         friction: relative change of the friction coefficient and what ran.
@@ -76,23 +76,19 @@ class Refined:
         """Period of the drive's first tone [s]; a tenth of the run where it is not known."""
         return self.run.period or 0.1 * float(np.ptp(self.run.time))
 
-    def error(self, of: Callable[[Run], Any]) -> Any:
-        """Give the numerical error of a number or a series of the finest rerun; NaN without reruns."""
-        if not self.steps:
-            return np.full_like(np.asarray(of(self.best), dtype=float), np.nan)
-        factor = self.steps[0][0] / self.steps[1][0]
-        return richardson([np.asarray(of(run)) for _, run in self.steps], factor, self.order)
+    def error(self, values: Sequence[Any]) -> Array:
+        """Give the numerical error of the last of the values, numbers or series, one a step."""
+        return richardson(values, self.steps[0][0] / self.steps[1][0], self.order)
 
 
-def richardson(values: Sequence[Array], factor: float, order: float) -> Array:
+def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
     """Give the error of the last of three values from steps that fall by a factor.
 
     With differences that fall by the ratio q the rest of the series is q / (1 - q) times the last of
     them. The ratio is what is seen, but no better than the declared order promises; a sequence that does
     not converge is given `SLOWEST`, which makes its error nine times its last change.
     """
-    coarse, middle, fine = values
-    last, before = np.abs(fine - middle), np.abs(middle - coarse)
+    before, last = np.abs(np.diff(np.asarray(values, dtype=np.float64), axis=0))
     # One ratio for a whole series: where the difference passes through zero there is none to see. The sums
     # take little notice of a record that an impact passes as it moves with the step.
     whole = float(np.sum(before))
@@ -112,94 +108,80 @@ def refined(run: Run, advance: Callable[[], object] = lambda: None) -> Refined:
     try:
         setup = build(run.configuration)
     except ConfigurationError as error:
-        first = error.faults[0].rstrip(".")
+        fault = error.faults[0].rstrip(".")
         law.notes.append(
-            f"{run.label} is taken as recorded, its configuration does not build: {first}."
+            f"{run.label} is taken as recorded, its configuration does not build: {fault}."
         )
         return law
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
+    law.control, law.order = control, setup.law.convergence_order
     steps = []
     for divisor in FINER[control]:
         finer = getattr(setup, control) / divisor
-        again = _again(law, f"at {control} {finer:.3g}", solver={control: finer})
+        steps.append((finer, _again(law, f"at {control} {finer:.3g}", solver={control: finer})))
         advance()
-        if again is not None:
-            steps.append((finer, again))
+    law.steps = [(step, again) for step, again in steps if again is not None]
     # Without all of them there is no convergence to speak of.
-    if len(steps) < len(FINER[control]):
+    if len(law.steps) < len(steps):
+        law.steps = []
         return law
-    law.control, law.order, law.steps = control, setup.law.convergence_order, steps
-    law.notes += _unlike(run, law.base)
-    law.friction = _more_friction(law)
+    _compare_ends(law)
+    coefficient = run.setting("contact", "friction_coefficient")
+    if coefficient == 0.0:
+        law.notes.append(
+            f"{run.label} is frictionless: no sensitivity to the friction coefficient."
+        )
+    else:
+        more = {"friction_coefficient": coefficient * (1.0 + FRICTION_CHANGE)}
+        again = _again(law, "with more friction", contact=more)
+        law.friction = None if again is None else (FRICTION_CHANGE, again)
     advance()
-    law.basis = _larger_basis(law)
+    law.basis = _on_larger_basis(law)
     advance()
     return law
 
 
-def _more_friction(law: Refined) -> tuple[float, Run] | None:
-    coefficient = law.run.setting("contact", "friction_coefficient")
-    if coefficient == 0.0:
-        law.notes.append(
-            f"{law.run.label} is frictionless: no sensitivity to the friction coefficient."
-        )
-        return None
-    more = {"friction_coefficient": coefficient * (1.0 + FRICTION_CHANGE)}
-    again = _again(law, "with more friction", contact=more)
-    return None if again is None else (FRICTION_CHANGE, again)
-
-
-def _larger_basis(law: Refined) -> Run | None:
+def _on_larger_basis(law: Refined) -> Run | None:
     """Run with more functions; a drive at the first natural frequency stays there."""
     resonator, drive = law.run.configuration["resonator"], law.run.configuration["drive"]
     key = "shapes" if resonator["basis"] == "ritz" else "kept_modes"
     larger = resonator[key] + MORE_SHAPES
     known = law.run.columns.get("natural_frequency")
-    tuned = known is not None and drive["frequency"] == known[0]
-    return _again(
-        law,
-        f"with resonator.{key} {larger}",
-        resonator={key: larger},
-        drive={"frequency": None} if tuned else {},
-    )
+    tuned = {"frequency": None} if known is not None and drive["frequency"] == known[0] else {}
+    return _again(law, f"with resonator.{key} {larger}", resonator={key: larger}, drive=tuned)
 
 
-def _again(law: Refined, words: str, **changes: Mapping[str, Any]) -> Run | None:
+def _again(law: Refined, words: str, **changes: dict[str, Any]) -> Run | None:
     """Make one rerun in memory, with keys changed by section; None with a note where there is none."""
-    given = law.run.configuration
-    changed = {section: {**given[section], **keys} for section, keys in changes.items()}
+    given, label = law.run.configuration, law.run.label
     try:
-        setup = build({**given, **changed})
+        setup = build(
+            {**given, **{section: given[section] | keys for section, keys in changes.items()}}
+        )
         interval = min(setup.record_interval, law.period / RECORDS_PER_PERIOD)
         if setup.duration / interval > MOST_RECORDS:
             interval = setup.record_interval
-        trajectory = simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=interval,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-        )
+        solution = simulate(setup, record_interval=interval)
     except ConfigurationError as error:
-        law.notes.append(f"{law.run.label} cannot be run {words}: {error.faults[0]}")
+        law.notes.append(f"{label} cannot be run {words}: {error.faults[0]}")
     # A law of another package may fail in ways of its own.
     except Exception as error:
-        law.notes.append(f"{law.run.label} fails {words}: {error}")
+        law.notes.append(f"{label} fails {words}: {error}")
     else:
-        if trajectory.ending.reached_end:
-            return Run.of_trajectory(trajectory, setup.configuration)
-        law.notes.append(f"{law.run.label} does not reach its end {words}: {trajectory.message}")
+        if solution.ending.reached_end:
+            return Run.of(solution.tree)
+        law.notes.append(f"{label} does not reach its end {words}: {solution.message}")
     return None
 
 
-def _unlike(run: Run, again: Run) -> Iterator[str]:
-    """Say so if the rerun is not the run that was recorded."""
-    if not run.holds("rotor_velocity"):
+def _compare_ends(law: Refined) -> None:
+    """Note it if the rerun is not the run that was recorded."""
+    name, run = "rotor_velocity", law.run
+    if not run.holds(name):
         return
-    old, new = (float(which.columns["rotor_velocity"][-1]) for which in (run, again))
+    old, new = float(run.columns[name][-1]), float(law.base.columns[name][-1])
     if abs(old - new) > 1e-9 * max(abs(old), abs(new)):
-        yield (
+        law.notes.append(
             f"{run.label} run again ends at {new:.9g} rad/s and not at the recorded {old:.9g} rad/s: "
             "other code has left it. The reruns are compared."
         )

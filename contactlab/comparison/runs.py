@@ -43,37 +43,32 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
         ComparisonError: with every fault that was found.
     """
     faults: list[str] = []
+    if not sources:
+        faults.append("There is nothing to compare; give one run folder or more.")
     read = [_read(name, source, faults) for name, source in _found(sources, faults).items()]
     runs = [run for run in read if run is not None]
-    if not runs and not faults:
-        faults.append("There is nothing to compare; give one run folder or more.")
-    if faults:
-        raise ComparisonError(faults)
-    if faults := list(_differences(runs)):
-        raise ComparisonError(faults)
     labelled = _labelled(runs)
-    if faults := list(_repeated(labelled)):
+    if faults := faults or list(_differences(runs)) or list(_repeated(labelled)):
         raise ComparisonError(faults)
     return labelled, list(_untold(runs))
 
 
 def _found(sources: Sequence[Source], faults: list[str]) -> dict[str, Path | xarray.DataTree]:
-    """All runs by name, each once."""
-    found: dict[str, Path | xarray.DataTree] = {}
-    seen: set[Path] = set()
+    """Find all runs, by name, each once."""
+    found: dict[Any, tuple[str, Path | xarray.DataTree]] = {}
     for number, source in enumerate(sources, 1):
         if isinstance(source, Solution | xarray.DataTree):
-            found[f"run {number}"] = source.tree if isinstance(source, Solution) else source
+            tree = source.tree if isinstance(source, Solution) else source
+            found[number] = f"run {number}", tree
             continue
         for path in _datasets(Path(source), faults):
-            if path.resolve() not in seen:
-                seen.add(path.resolve())
-                found[str(path.parent if path.name == DATASET else path)] = path
-    return found
+            name = str(path.parent if path.name == DATASET else path)
+            found.setdefault(path.resolve(), (name, path))
+    return dict(found.values())
 
 
 def _datasets(source: Path, faults: list[str]) -> list[Path]:
-    """The datasets at a place; a folder is one run or a folder of runs."""
+    """Find the datasets at a place; a folder is one run or a folder of runs."""
     if source.is_file():
         return [source]
     if not source.is_dir():
@@ -110,60 +105,50 @@ def _read(name: str, source: Path | xarray.DataTree, faults: list[str]) -> Run |
         )
         return None
     run = Run.of(tree)
-    # A dataset of one's own need not say so.
-    if not reached_end(tree.attrs):
-        faults.append(
-            f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at "
-            f"{run.time[-1]:.6g} s ({tree.attrs.get('message') or tree.attrs.get('ending', 'no reason')}); "
-            "a run that is compared must have reached its end. Run it again or leave it out."
-        )
-        return None
-    return replace(run, source=name, label=run.law or Path(name).stem)
+    if reached_end(tree.attrs):
+        return replace(run, source=name, label=run.law or Path(name).stem)
+    faults.append(
+        f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at "
+        f"{run.time[-1]:.6g} s ({tree.attrs.get('message') or tree.attrs.get('ending', 'no reason')}); "
+        "a run that is compared must have reached its end. Run it again or leave it out."
+    )
+    return None
 
 
 def _differences(runs: Sequence[Run]) -> Iterable[str]:
     """Say what sets runs apart other than their laws."""
-    values = [flat(run.configuration) for run in runs]
-    keys = dict.fromkeys(key for mine in values for key in mine if _section(key) not in FREE)
-    same = True
-    for key in keys:
-        telling = [
-            (run, mine.get(key))
-            for run, mine in zip(runs, values, strict=True)
-            if _section(key) in run.configuration
-        ]
-        for sentence in _unlike(key, telling):
-            same = False
-            yield sentence
-    yield from _unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs])
+    values = [(run, flat(run.configuration)) for run in runs]
+    sections = {key: key.partition(".")[0] for _, mine in values for key in mine}
+    motor = [
+        _unlike(key, [(run, v.get(key)) for run, v in values if section in run.configuration])
+        for key, section in sections.items()
+        if section not in FREE
+    ]
+    time = _unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs])
+    name = "natural_frequency"
+    modes = [(run, run.columns[name].tolist()) for run in runs if run.holds(name)]
     # Where a key has told of it already, once is enough.
-    if same:
-        name = "natural_frequency"
-        modes = [(run, run.columns[name].tolist()) for run in runs if run.holds(name)]
-        yield from _unlike("The natural frequency [Hz]", modes)
+    tones = "" if any(motor) else _unlike("The natural frequency [Hz]", modes)
+    return filter(None, (*motor, time, tones))
 
 
-def _section(key: str) -> str:
-    return key.partition(".")[0]
-
-
-def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> Iterable[str]:
+def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> str:
     """Say which runs have which value, if they differ by more than another machine rounds otherwise."""
     groups: dict[str, list[str]] = {}
     for run, value in values:
-        groups.setdefault(shown(value), []).append(run.source)
-    if len(groups) > 1:
-        said = " and ".join(f"{value} in {_some(names)}" for value, names in groups.items())
-        yield (
-            f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
-            "the same in all runs. Leave runs out, or run one of them again."
-        )
+        groups.setdefault(shown(value), []).append(f"'{run.source}'")
+    if len(groups) < 2:
+        return ""
+    said = " and ".join(f"{value} in {_some(names)}" for value, names in groups.items())
+    return (
+        f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
+        "the same in all runs. Leave runs out, or run one of them again."
+    )
 
 
 def _some(names: Sequence[str]) -> str:
     """Name the first of some runs, and how many there are."""
-    first = ", ".join(f"'{name}'" for name in names[:MOST_NAMES])
-    rest = len(names) - MOST_NAMES
+    first, rest = ", ".join(names[:MOST_NAMES]), len(names) - MOST_NAMES
     return f"{first} and {rest} more" if rest > 0 else first
 
 
@@ -188,14 +173,38 @@ def _untold(runs: Sequence[Run]) -> Iterable[str]:
 
 
 def _labelled(runs: Sequence[Run]) -> list[Run]:
-    """Runs with what sets those of one law apart in their labels."""
+    """Add to labels what sets the runs of one law apart: its own keys, of its parts those that are needed."""
     labelled = []
     for run in runs:
         same = [_law_keys(other) for other in runs if other.label == run.label]
-        own = _law_keys(run)
-        said = _said(own, _telling(same))
+        chosen: list[str] = []
+        every = dict.fromkeys(key for keys in same for key in keys)
+        for key in sorted(every, key=lambda key: "." in key):
+            known = chosen if "." in key else []
+            if _kinds(same, [*known, key]) > _kinds(same, known):
+                chosen.append(key)
+        said = _said(_law_keys(run), chosen)
         labelled.append(replace(run, label=f"{run.label} ({said})" if said else run.label))
     return labelled
+
+
+def _law_keys(run: Run) -> dict[str, str]:
+    """Give the law's parameters by key; from its own record where the configuration has none."""
+    section = run.configuration.get("law")
+    values = flat(section if isinstance(section, Mapping) else run.law_parameters)
+    return {
+        key.removesuffix(".name"): shown(value)
+        for key, value in values.items()
+        if value is not None and key != "name"
+    }
+
+
+def _said(law: Mapping[str, str], chosen: Sequence[str]) -> str:
+    return ", ".join(f"{key} {law[key]}" for key in chosen if key in law)
+
+
+def _kinds(laws: Sequence[Mapping[str, str]], chosen: Sequence[str]) -> int:
+    return len({_said(law, chosen) for law in laws})
 
 
 def _repeated(runs: Sequence[Run]) -> Iterable[str]:
@@ -206,30 +215,3 @@ def _repeated(runs: Sequence[Run]) -> Iterable[str]:
                 f"{label} stands in {len(names)} runs with the same parameters, {', '.join(names)}; a law "
                 "is compared once. Leave all but one out."
             )
-
-
-def _law_keys(run: Run) -> dict[str, Any]:
-    """The law's parameters by key; from its own record where the configuration has none."""
-    section = run.configuration.get("law")
-    values = flat(section if isinstance(section, Mapping) else run.law_parameters)
-    said = {k: v for k, v in values.items() if v is not None and k != "name"}
-    return {key.removesuffix(".name"): value for key, value in said.items()}
-
-
-def _telling(laws: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The keys that set laws apart: their own, those of their parts only as far as is needed."""
-    every = dict.fromkeys(key for mine in laws for key in mine)
-    differing = [key for key in every if len({shown(k.get(key)) for k in laws}) > 1]
-    chosen = [key for key in differing if "." not in key]
-    for key in (key for key in differing if "." in key):
-        if _apart(laws, [*chosen, key]) > _apart(laws, chosen):
-            chosen.append(key)
-    return chosen
-
-
-def _apart(laws: Sequence[Mapping[str, Any]], chosen: Sequence[str]) -> int:
-    return len({_said(law, chosen) for law in laws})
-
-
-def _said(law: Mapping[str, Any], chosen: Sequence[str]) -> str:
-    return ", ".join(f"{key} {shown(law[key])}" for key in chosen if key in law)

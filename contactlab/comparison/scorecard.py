@@ -1,26 +1,17 @@
 """The scorecard as a dataset: every metric of every law, its verdict and its numerical error."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from math import nan
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import xarray
 import yaml
 
 from contactlab.comparison.reruns import Refined
-from contactlab.metrics import (
-    METRICS,
-    SENSITIVITIES,
-    STEP_METRICS,
-    VERDICTS,
-    Run,
-    assess,
-    assess_steps,
-    assess_variants,
-)
+from contactlab.comparison.tables import EVERY
+from contactlab.metrics import VERDICTS, Run, assess, assess_steps, assess_variants
 from contactlab.results.provenance import checkout_state, versions
 
 FLAGS: Final = ("not_applicable", "pass", "fail", "reported")
@@ -37,7 +28,7 @@ ENERGY_TERMS: Final = {
 """In the order of the figure; the words are those of figure and table."""
 
 _STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
-_UNITS: Final = "units differ by metric and stand in the coordinate `units`"
+_UNITS: Final = {"comment": "units differ by metric and stand in the coordinate `units`"}
 
 
 def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Dataset:
@@ -47,69 +38,60 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         A dataset with the dimensions `law`, `metric`, those first that have a threshold, and `term` (of the
         energy flow).
     """
-    every = METRICS | STEP_METRICS | SENSITIVITIES
-    metrics = sorted(every.values(), key=lambda metric: not metric.threshold)
+    metrics = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
     values, errors = (
-        np.array([[numbers.get(metric.key, nan) for metric in metrics] for numbers in found])
+        [[numbers.get(metric.key, nan) for metric in metrics] for numbers in found]
         for found in zip(*map(_judged, laws), strict=True)
     )
     verdicts = [
         [VERDICTS.index(m.verdict(value)) for m, value in zip(metrics, row, strict=True)]
         for row in values
     ]
+    flags = {"flag_values": np.arange(len(FLAGS), dtype=np.int8), "flag_meanings": " ".join(FLAGS)}
+    gone = {"units": "J", "long_name": "where the work of the drive has gone"}
+    work = {"units": "J", "long_name": "work of the drive on the resonator"}
+    error = {"long_name": "error of the value by Richardson's estimate", **_UNITS}
     both = ("law", "metric")
-    flags = {
-        "flag_values": np.arange(len(FLAGS), dtype=np.int8),
-        "flag_meanings": " ".join(FLAGS),
-    }
-    texts = {
-        name: [getattr(metric, name) for metric in metrics]
-        for name in ("symbol", "units", "meaning", "threshold", "reason", "source")
-    }
-    texts["metric_source"] = texts.pop("source")
+    labels = [law.run.label for law in laws]
+    attributes = [law.run.attributes for law in laws]
+    recorded_by = [str(given.get("contactlab_version", "unknown")) for given in attributes]
     code = versions()
     revision, dirty = checkout_state()
-    labels = [law.run.label for law in laws]
-    recorded_by = (law.run.attributes.get("contactlab_version", "unknown") for law in laws)
     return xarray.Dataset(
         {
-            "value": (both, values, {"long_name": "value of the metric", "comment": _UNITS}),
-            "numerical_error": (
-                both,
-                errors,
-                {"long_name": "error of the value by Richardson's estimate", "comment": _UNITS},
-            ),
+            "value": (both, values, {"long_name": "value of the metric", **_UNITS}),
+            "numerical_error": (both, errors, error),
             "verdict": (both, np.array(verdicts, dtype=np.int8), flags),
             "energy": (
                 ("law", "term"),
-                np.array([list(energy_flow(law.best).values()) for law in laws]),
-                {"units": "J", "long_name": "where the work of the drive has gone"},
+                [list(energy_flow(law.best).values()) for law in laws],
+                gone,
             ),
-            "drive_work": (
-                "law",
-                np.array([_gain(law.best, "drive_work") for law in laws]),
-                {"units": "J", "long_name": "work of the drive on the resonator"},
-            ),
+            "drive_work": ("law", [_gain(law.best, "drive_work") for law in laws], work),
         },
         coords={
-            "law": _text(labels),
-            "metric": _text(metric.key for metric in metrics),
-            "term": _text(ENERGY_TERMS),
-            **{name: ("metric", _text(words)) for name, words in texts.items()},
-            "run": ("law", _text(law.run.source for law in laws)),
-            "refined": ("law", _text(map(_refinement, laws))),
-            "configuration": ("law", _text(_configuration(law.run) for law in laws)),
-            "law_parameters": (
+            "law": labels,
+            "metric": [metric.key for metric in metrics],
+            "term": list(ENERGY_TERMS),
+            **{
+                name: ("metric", [getattr(metric, name) for metric in metrics])
+                for name in ("symbol", "units", "meaning", "threshold", "reason")
+            },
+            "metric_source": ("metric", [metric.source for metric in metrics]),
+            "run": ("law", [law.run.source for law in laws]),
+            "refined": ("law", [_refinement(law) for law in laws]),
+            "configuration": (
                 "law",
-                _text(str(law.run.attributes.get("law_parameters", "")) for law in laws),
+                [yaml.safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
             ),
+            "law_parameters": ("law", [str(a.get("law_parameters", "")) for a in attributes]),
         },
         attrs={
             "Conventions": "CF-1.11",
             "title": f"Contact laws compared: {', '.join(labels)}",
             "source": f"contactlab {code['contactlab_version']}, numerical simulation",
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
-            "recorded_by": json.dumps(dict(zip(labels, map(str, recorded_by), strict=True))),
+            "recorded_by": json.dumps(dict(zip(labels, recorded_by, strict=True))),
             **code,
             "git_revision": revision,
             "git_dirty": dirty,
@@ -119,17 +101,11 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
 
 def _judged(law: Refined) -> tuple[Mapping[str, float], Mapping[str, float]]:
     """Give values and numerical errors by metric."""
-    found = assess(law.best)
-    errors: dict[str, float] = {}
-    if law.steps:
-        every = {id(run): assess(run) for _, run in law.steps}
-        errors = {key: float(law.error(partial(_value, every, key))) for key in found}
-        found |= assess_steps(law.steps)
-    return found | assess_variants(law.base, basis=law.basis, friction=law.friction), errors
-
-
-def _value(every: Mapping[int, Mapping[str, float]], key: str, run: Run) -> float:
-    return every[id(run)][key]
+    steps = [assess(run) for _, run in law.steps]
+    found = steps[-1] if steps else assess(law.run)
+    errors = {key: float(law.error([each[key] for each in steps])) for key in found if steps}
+    found = found | (assess_steps(law.steps) if steps else {})
+    return found | assess_variants(law.base, law.basis, law.friction), errors
 
 
 def energy_flow(run: Run) -> dict[str, float]:
@@ -157,11 +133,3 @@ def _refinement(law: Refined) -> str:
         return "as recorded"
     units = " s" if law.control == "contact_step" else ""
     return f"{law.control} {', '.join(f'{value:.3g}' for value, _ in law.steps)}{units}"
-
-
-def _configuration(run: Run) -> str:
-    return yaml.safe_dump(dict(run.configuration), sort_keys=False)
-
-
-def _text(words: Iterable[Any]) -> np.ndarray:
-    return np.array(list(words), dtype=object)

@@ -1,5 +1,6 @@
 """The catalogue of the metrics: each is declared beside the function that measures it."""
 
+import re
 from collections.abc import Callable, Container
 from dataclasses import dataclass
 from functools import partial
@@ -58,6 +59,21 @@ class Metric:
     def threshold(self) -> str:
         """What the value must be, "<= 0.01"; empty for a number that is only reported."""
         return f"<= {self.bound:g}" if isfinite(self.bound) else ""
+
+    @property
+    def brief(self) -> str:
+        """The meaning without what explains it."""
+        return re.split(r"[:;]|\. ", self.meaning)[0]
+
+    @property
+    def unit(self) -> str:
+        """The unit as it is read, rad/s for rad s-1, with a space before it; nothing without one."""
+        return "" if self.units == "1" else " " + re.sub(r" (\w+)-1$", r"/\1", self.units)
+
+    @property
+    def bracketed(self) -> str:
+        """The same in brackets."""
+        return self.unit and f" [{self.unit[1:]}]"
 
     def verdict(self, value: float) -> str:
         """Give PASS, FAIL, NOT_APPLICABLE for a NaN, or REPORTED."""

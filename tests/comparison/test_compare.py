@@ -146,6 +146,15 @@ def test_runs_that_never_touch_or_hardly_record_are_compared(tmp_path: Path) -> 
     assert "Contact law lagrange_slip" in (tmp_path / "two" / "report.html").read_text()
 
 
+def test_motors_without_friction_are_compared(tmp_path: Path) -> None:
+    """Their rotor stays at rest, without an error that a logarithmic axis could show."""
+    smooth = [leave(tmp_path / law, law, contact__friction_coefficient=0.0) for law in LAWS[1:]]
+    data = compare(smooth, tmp_path / "out")
+    assert (data["value"].sel(metric="final_rotor_velocity") == 0.0).all()
+    assert "lagrange_stick is frictionless" in data.attrs["notes"]
+    assert (tmp_path / "out" / "rotor_velocity.png").stat().st_size > 5000
+
+
 def test_the_latex_table_is_whole(data: xarray.Dataset) -> None:
     text = as_latex(data)
     bare = text.replace(r"\{", "").replace(r"\}", "")
