@@ -45,7 +45,7 @@ def main(arguments: list[str]) -> int:
     # Imported here: they bring the plotting, which --help does not need.
     from contactlab.comparison import ComparisonError, compare
     from contactlab.comparison.findings import conclusion, differences
-    from contactlab.comparison.tables import as_text
+    from contactlab.comparison.scorecard import as_text
     from contactlab.results.files import told
 
     output: Path = given.output

@@ -6,7 +6,7 @@ from typing import Final
 
 import xarray
 
-from contactlab.comparison.tables import Cell, rows
+from contactlab.comparison.scorecard import Cell, rows
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 
 HEADLINES: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")

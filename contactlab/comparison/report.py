@@ -14,8 +14,14 @@ from tqdm import tqdm
 from contactlab.comparison.findings import conclusion, differences, verdicts
 from contactlab.comparison.reruns import RERUNS, Refined, refined
 from contactlab.comparison.runs import Source, collect
-from contactlab.comparison.scorecard import scorecard
-from contactlab.comparison.tables import PLUS_MINUS, Cell, as_csv, as_latex, rows
+from contactlab.comparison.scorecard import (
+    PLUS_MINUS,
+    Cell,
+    as_csv,
+    as_latex,
+    rows,
+    scorecard,
+)
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 

@@ -1,18 +1,35 @@
-"""The scorecard as a dataset: every metric of every law, its verdict and its numerical error."""
+"""The scorecard: every metric of every law with verdict and numerical error, a dataset and its tables."""
 
 import json
+import re
 from collections.abc import Mapping, Sequence
-from math import nan
-from typing import Final
+from dataclasses import dataclass
+from math import isnan, nan
+from typing import Final, final
 
 import numpy as np
+import pandas
 import xarray
 import yaml
 
 from contactlab.comparison.reruns import Refined
-from contactlab.comparison.tables import EVERY
-from contactlab.metrics import VERDICTS, Run, assess, assess_steps, assess_variants
+from contactlab.metrics import (
+    METRICS,
+    NOT_APPLICABLE,
+    REPORTED,
+    SENSITIVITIES,
+    STEP_METRICS,
+    VERDICTS,
+    Metric,
+    Run,
+    assess,
+    assess_steps,
+    assess_variants,
+)
 from contactlab.results.provenance import checkout_state, versions
+
+EVERY: Final = METRICS | STEP_METRICS | SENSITIVITIES
+"""All that a law is judged by."""
 
 FLAGS: Final = ("not_applicable", "pass", "fail", "reported")
 """`VERDICTS` as words of the CF conventions."""
@@ -26,6 +43,8 @@ ENERGY_TERMS: Final = {
     "unaccounted": "unaccounted",
 }
 """In the order of the figure; the words are those of figure and table."""
+
+MINUS, PLUS_MINUS = "\u2212", "\u00b1"
 
 _STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
 _UNITS: Final = {"comment": "units differ by metric and stand in the coordinate `units`"}
@@ -133,3 +152,117 @@ def _refinement(law: Refined) -> str:
         return "as recorded"
     units = " s" if law.control == "contact_step" else ""
     return f"{law.control} {', '.join(f'{value:.3g}' for value, _ in law.steps)}{units}"
+
+
+@final
+@dataclass(frozen=True)
+class Cell:
+    """One law under one metric."""
+
+    value: float
+    error: float
+    verdict: str
+
+    @property
+    def number(self) -> str:
+        """The value with its numerical error, n/a where there is none."""
+        if isnan(self.value):
+            return NOT_APPLICABLE
+        error = f" {PLUS_MINUS} {self.error:.1g}" if self.error > 0.0 else ""
+        return f"{self.value:.4g}{error}".replace("-", MINUS)
+
+    @property
+    def word(self) -> str:
+        """The verdict, empty where nothing is judged or the number says it."""
+        return "" if self.verdict in (REPORTED, NOT_APPLICABLE) else self.verdict
+
+
+def rows(data: xarray.Dataset) -> list[tuple[Metric, dict[str, Cell]]]:
+    """Take a scorecard apart: every metric with a cell for every law."""
+    names = ("value", "numerical_error", "verdict")
+    lines = zip(*(data[name].transpose("metric", "law").values for name in names), strict=True)
+    return [
+        (
+            EVERY[str(key)],
+            {
+                str(label): Cell(value, error, VERDICTS[flag])
+                for label, value, error, flag in zip(data["law"].values, *line, strict=True)
+            },
+        )
+        for key, line in zip(data["metric"].values, lines, strict=True)
+    ]
+
+
+def as_text(data: xarray.Dataset) -> str:
+    """Write the table for a terminal, plain ASCII."""
+    table = rows(data)
+    width = max(len(metric.threshold) for metric, _ in table)
+    lines = {
+        metric.key + metric.bracketed: {"must be": metric.threshold.ljust(width)}
+        | {label: f"{cell.number} {cell.word}".rstrip() for label, cell in cells.items()}
+        for metric, cells in table
+    }
+    frame = pandas.DataFrame.from_dict(lines, orient="index")
+    frame = frame.replace({MINUS: "-", PLUS_MINUS: "+-"}, regex=True)
+    return str(frame.rename_axis(columns="metric").to_string())
+
+
+def as_csv(data: xarray.Dataset) -> str:
+    """Write one row a metric; value, numerical error and verdict of every law."""
+    names = {"metric": "metric", "meaning": "meaning", "units": "units", "must be": "threshold"}
+    frame = pandas.DataFrame({title: data[name].values for title, name in names.items()})
+    for label in data["law"].values:
+        one = data.sel(law=label)
+        frame[label] = one["value"].values
+        frame[f"{label} numerical error"] = one["numerical_error"].values
+        frame[f"{label} verdict"] = [VERDICTS[flag] for flag in one["verdict"].values]
+    form = {"float_format": "%.9g", "na_rep": NOT_APPLICABLE, "lineterminator": "\n"}
+    return str(frame.to_csv(index=False, **form))
+
+
+def as_latex(data: xarray.Dataset) -> str:
+    """Write a tabular that stands in any document that loads booktabs."""
+    labels = [latex(str(label)) for label in data["law"].values]
+    lines = [["", "must be", *labels], *(_latex_row(*row) for row in rows(data))]
+    head, *body = (" & ".join(line) + r" \\" for line in lines)
+    return "\n".join(
+        [
+            r"% \usepackage{booktabs} in the preamble.",
+            rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}",
+            r"\toprule",
+            head,
+            r"\midrule",
+            *body,
+            r"\bottomrule",
+            "\\end{tabular}\n",
+        ]
+    )
+
+
+def latex(text: str) -> str:
+    """Write plain text for LaTeX."""
+    return text.translate(_SPECIAL)
+
+
+_NAMES: Final = ("backslash", "asciitilde", "asciicircum", "less", "greater", "bar", "mu")
+_SPECIAL: Final = str.maketrans(
+    {sign: rf"\text{name}{{}}" for sign, name in zip("\\~^<>|\u00b5", _NAMES, strict=True)}
+    | {sign: rf"\{sign}" for sign in "_%&#{}$"}
+)
+
+
+def _latex_row(metric: Metric, cells: dict[str, Cell]) -> list[str]:
+    # CF units such as N m-1.
+    units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", latex(metric.units)).replace(" ", r"\,")
+    limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
+    numbers = (
+        NOT_APPLICABLE if isnan(c.value) else f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
+        for c in cells.values()
+    )
+    return [latex(metric.brief) + (f" [{units}]" if metric.unit else ""), limit, *numbers]
+
+
+def _power(number: str) -> str:
+    """Write 1e-06 as a power of ten."""
+    mantissa, _, exponent = number.partition("e")
+    return rf"{mantissa} \times 10^{{{int(exponent)}}}" if exponent else mantissa

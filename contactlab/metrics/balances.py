@@ -11,7 +11,7 @@ from contactlab.arrays import Array
 from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
-from contactlab.metrics.run import Run, needed
+from contactlab.metrics.run import Run, needed, positive
 from contactlab.motor.geometry import contact_frame
 
 RESOLVED: Final = 1e-12
@@ -60,8 +60,7 @@ def rotor_momentum(run: Run) -> float:
     damping, torque = run.setting("rotor", "damping"), run.setting("rotor", "load_torque")
     velocity, angle = run.series("rotor_velocity"), run.series("rotor_angle")
     push = run.contacts("friction_impulse")
-    given = radius * float(np.abs(push).sum())
-    needed(given > 0.0)
+    given = positive(radius * float(np.abs(push).sum()))
     load = float(torque * (run.time[-1] - run.time[0]))
     damped = float(damping * (angle[-1] - angle[0]))
     missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
@@ -85,8 +84,7 @@ def rotor_momentum(run: Run) -> float:
     source="definition of impulse and of mean force",
 )
 def impulse_balance(run: Run) -> float:
-    scale = float(np.abs(run.contacts("normal_impulse")).sum())
-    needed(scale > 0.0)
+    scale = positive(float(np.abs(run.contacts("normal_impulse")).sum()))
     missing = (
         float(run.series(f"{way}_force")[1:] @ run.intervals)
         - float(run.contacts(f"{way}_impulse").sum())
@@ -130,9 +128,7 @@ def closing_release(run: Run) -> float:
     opening = float(np.max(np.append(approach[later], 0.0)))
     # Of the whole motion: the rates of a tip that only grazes are round-off.
     rates = np.abs(np.diff(run.series("gap")) / run.intervals)
-    scale = max(float(np.abs(approach).max()), float(rates.max()))
-    needed(scale > 0.0)
-    return max(closing, opening) / scale
+    return max(closing, opening) / positive(max(float(np.abs(approach).max()), float(rates.max())))
 
 
 @invariant(
@@ -148,7 +144,7 @@ def missed_contact(run: Run) -> float:
     gap, free = run.series("gap"), run.series("contact_mode") == FREE
     time = run.time
     # A record at the very instant of a touch-down or a release may carry either mode.
-    if "start_time" in run.rows and run.rows["start_time"].size:
+    if run.touches("start_time"):
         start = np.sort(run.contacts("start_time"))
         end = np.sort(start + run.contacts("duration"))
         near = CLOCK * np.spacing(time[-1])
@@ -211,6 +207,4 @@ def gap_mismatch(run: Run) -> float:
 
 def _motion(run: Run) -> float:
     """Give how far the tip goes in the normal direction [m], from the first record on."""
-    half = 0.5 * float(np.ptp(run.series("tip_normal_displacement")))
-    needed(half > 0.0)
-    return half
+    return positive(0.5 * float(np.ptp(run.series("tip_normal_displacement"))))

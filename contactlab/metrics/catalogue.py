@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Container
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite, isnan, nan
@@ -106,12 +107,9 @@ def metric(
     key: str = "",
     **facts: Any,
 ) -> Callable[[Measure], Measure]:
-    """Declare the function below as a metric; its key is the function's name where none is given.
+    """Declare the function below as a metric of a catalogue, with the facts that `Metric` lists.
 
-    Args:
-        symbol, meaning, units, facts: see `Metric`.
-        catalogue: that takes it: by what the function measures, a run, a ladder of steps or variants.
-        key: for a function without a name of its own.
+    Its key is the function's name where none is given.
     """
 
     def register(measure: Measure) -> Measure:
@@ -141,31 +139,21 @@ def measured(
     catalogue: dict[str, Metric], subject: object, keys: Container[str] | None = None
 ) -> dict[str, float]:
     """Give the value of every metric, or of some; NaN where it is not applicable or not a number."""
+    values = dict.fromkeys((key for key in catalogue if keys is None or key in keys), nan)
     # Numbers of a user's own may overflow on the way; the result says so.
     with np.errstate(all="ignore"):
-        return {
-            key: _value(entry, subject)
-            for key, entry in catalogue.items()
-            if keys is None or key in keys
-        }
-
-
-def _value(entry: Metric, subject: object) -> float:
-    try:
-        value = float(entry.measure(subject))
-    except NotApplicableError:
-        return nan
-    return value if isfinite(value) else nan
+        for key in values:
+            with suppress(NotApplicableError):
+                value = float(catalogue[key].measure(subject))
+                values[key] = value if isfinite(value) else nan
+    return values
 
 
 def assess(run: xarray.DataTree | Run, keys: Container[str] | None = None) -> dict[str, float]:
-    """Judge one run.
-
-    Args:
-        run: in the layout of a run.nc, see `contactlab.metrics.read_run`, or read already.
-        keys: of the metrics that are wanted; None is all.
+    """Judge one run, a dataset in the layout of a run.nc (see `contactlab.metrics.read_run`).
 
     Returns:
-        A number for every such key of `METRICS`, in SI; NaN where the run lacks what it needs.
+        A number for every key of `METRICS`, or for those of them in `keys`, in SI; NaN where the run lacks
+        what it needs.
     """
     return measured(METRICS, Run.of(run), keys)

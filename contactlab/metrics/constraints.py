@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from contactlab.laws.base import ELASTOPLASTIC, STICK
 from contactlab.metrics.catalogue import ROUND_OFF, metric
 from contactlab.metrics.hertz import tip_radius
-from contactlab.metrics.run import Run, needed
+from contactlab.metrics.run import Run, needed, positive
 
 ONE_STEP: Final = 1e-3
 """What the one step in which a force or a slip ends may have of the wrong sign: a step is a thousandth of
@@ -115,8 +115,7 @@ def _falls(run: Run, name: str) -> float:
     """
     kept = _between_steps(run)
     changes = {loss: np.diff(run.series(loss)[kept]) for loss in ("friction_loss", "contact_loss")}
-    scale = sum(float(np.abs(change).sum()) for change in changes.values())
-    needed(scale > 0.0)
+    scale = positive(sum(float(np.abs(change).sum()) for change in changes.values()))
     # What an impact does is judged by the slip and the energy that it leaves.
     impacts = np.searchsorted(run.time[kept], run.touch_downs(), side="right") - 1
     lasting = np.ones(kept.size - 1, dtype=bool)
@@ -133,7 +132,7 @@ def _between_steps(run: Run) -> NDArray[np.intp]:
     step, time = run.contact_step, run.time
     # A record at the end of a step may lie before it by round-off.
     slack = 1e-9 * step
-    starts = np.sort(run.touch_downs())
+    starts = run.touch_downs()
     last = np.searchsorted(starts, time, side="right") - 1
     since = time - np.append(starts, -np.inf)[last]
     whole = np.flatnonzero((since >= step - slack) | (since <= 0.0))
@@ -152,9 +151,7 @@ def _between_steps(run: Run) -> NDArray[np.intp]:
 )
 def contact_gain(run: Run) -> float:
     losses = run.contacts("energy_loss")
-    scale = float(np.abs(losses).sum())
-    needed(scale > 0.0)
-    return float(np.maximum(-losses, 0.0).sum()) / scale
+    return float(np.maximum(-losses, 0.0).sum()) / positive(float(np.abs(losses).sum()))
 
 
 @metric(

@@ -10,7 +10,7 @@ import xarray
 
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
-from contactlab.metrics.run import NotApplicableError, Run, needed
+from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 
 EXPONENT: Final = 0.05
 ONE_RATIO: Final = 1e-6
@@ -22,7 +22,6 @@ made from (Oberkampf and Roy 2010, Verification and Validation in Scientific Com
 
 FIGURE_9: Final = "paper, fig. 9"
 ROACHE: Final = "Roache (1998), Verification and Validation in Computational Science, ch. 5"
-
 
 Ladder = Sequence[tuple[float, Run]]
 """Step [s] or tolerance [1] and run, of one law on one motor, coarsest first."""
@@ -37,9 +36,8 @@ def _exponent(ladder: Ladder, value: Callable[[Run], float]) -> float:
     values = np.array([value(run) for _, run in ladder])
     needed(bool(np.isfinite(values).all() and (values > 0.0).all()))
     x = np.log([step for step, _ in ladder])
-    x = x - x.mean()
-    needed(bool(x.any()))
-    return float(x @ np.log(values) / (x @ x))
+    x -= x.mean()
+    return float(x @ np.log(values) / positive(float(x @ x)))
 
 
 def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
@@ -166,21 +164,19 @@ def _sensitivity(runs: Variants, thing: str, value: Callable[[Run], float]) -> f
     return (value(variant) - before) / before / amount
 
 
-_WAYS: Final = {
-    "basis": ("d {0} / {0}", "relative change of the {} with the basis"),
-    "friction": (
+for _thing, _symbol, _meaning in (
+    ("basis", "d {0} / {0}", "relative change of the {} with the basis"),
+    (
+        "friction",
         "(d {0} / {0}) / (d mu / mu)",
         "relative change of the {} over that of the friction coefficient",
     ),
-}
-_ANSWERS: Final = (
-    (rotor_velocity, "Omega", "mean rotor velocity"),
-    (peak_force, "N_max", "peak normal force"),
-    (total_impulse, "sum p_n", "sum of the normal impulses"),
-)
-
-for _thing, (_symbol, _meaning) in _WAYS.items():
-    for _value, _letter, _words in _ANSWERS:
+):
+    for _value, _letter, _words in (
+        (rotor_velocity, "Omega", "mean rotor velocity"),
+        (peak_force, "N_max", "peak normal force"),
+        (total_impulse, "sum p_n", "sum of the normal impulses"),
+    ):
         metric(
             _symbol.format(_letter),
             _meaning.format(_words),
@@ -204,9 +200,9 @@ def assess_variants(
     Returns:
         A number for every key of `SENSITIVITIES`; NaN where the variant is not given.
     """
-    runs = {"base": (0.0, base)}
+    runs = {"base": (0.0, Run.of(base))}
     if basis is not None:
-        runs["basis"] = (1.0, basis)
+        runs["basis"] = (1.0, Run.of(basis))
     if friction is not None:
-        runs["friction"] = friction
-    return measured(SENSITIVITIES, {k: (float(by), Run.of(run)) for k, (by, run) in runs.items()})
+        runs["friction"] = (float(friction[0]), Run.of(friction[1]))
+    return measured(SENSITIVITIES, runs)

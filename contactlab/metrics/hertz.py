@@ -1,6 +1,7 @@
 """Hertz's closed forms: stiffness, tip radius and the duration of an impact."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from math import sqrt
 from typing import Final
 
@@ -9,14 +10,11 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.laws import hertz_stiffness
-from contactlab.metrics.run import NotApplicableError, Run, needed
+from contactlab.metrics.run import NotApplicableError, Run, positive
 from contactlab.parameter import parameters_of
 
 HERTZ_UNITS: Final = "N m-1.5"
 """Unit of the stiffness of a point contact."""
-
-DURATION: Final = 2.94
-"""2 int_0^1 dx / sqrt(1 - x^(5/2)) (Johnson 1985, eq. 11.24): the duration in units of depth over speed."""
 
 
 def stiffness(run: Run) -> float:
@@ -42,23 +40,17 @@ def effective_mass(run: Run) -> float:
     except ConfigurationError as fault:
         raise NotApplicableError from fault
     # At rest the normal is (0, -1) and the slope moves the tip end along the tangent alone.
-    mobility = float(modes.tip_displacement @ modes.tip_displacement)
-    needed(mobility > 0.0)
-    return 1.0 / mobility
+    return 1.0 / positive(float(modes.tip_displacement @ modes.tip_displacement))
 
 
 def hertz_duration(mass: float, stiffness: float, velocity: Array) -> Array:
     """Give the duration of a free impact [s], T = 2.94 d/v with the depth d = (5/4 m v^2 / K)^(2/5).
 
-    In one: T = 3.21 (m^2 / (K^2 v))^(1/5).
-
-    Args:
-        mass: m, effective [kg].
-        stiffness: K [N m^-3/2].
-        velocity: v of the approach, positive [m/s].
+    In one: T = 3.21 (m^2 / (K^2 v))^(1/5), of the mass m [kg], K [N m^-3/2] and the positive velocity v of
+    the approach [m/s]. 2.94 is 2 int_0^1 dx / sqrt(1 - x^(5/2)) (Johnson 1985, eq. 11.24).
     """
     deepest = (1.25 * mass * velocity**2 / stiffness) ** 0.4
-    return np.asarray(DURATION * deepest / velocity)
+    return np.asarray(2.94 * deepest / velocity)
 
 
 def tip_radius(run: Run) -> float:
@@ -66,14 +58,10 @@ def tip_radius(run: Run) -> float:
 
     K = 4/3 E* sqrt(R_e), R_e = [(1/r) (1/r + 1/R)]^(-1/2), solved for 1/r.
     """
-    try:
+    with suppress(NotApplicableError):
         return run.setting("law", "tip_radius")
-    except NotApplicableError:
-        pass
     radius = run.setting("rotor", "radius")
     # K goes with sqrt(R_e): a relative radius of one metre gives the constant.
     flat = hertz_stiffness(1.0, float("inf"))
     product = (flat / stiffness(run)) ** 4
-    curvature = 0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius)
-    needed(curvature > 0.0)
-    return 1.0 / curvature
+    return 1.0 / positive(0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius))

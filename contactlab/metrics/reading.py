@@ -1,5 +1,6 @@
 """A dataset from a file or a tree, checked for its layout before anything is made of it."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
 
@@ -10,8 +11,7 @@ from contactlab import variables
 from contactlab.results.files import damage
 from contactlab.variables import Variable
 
-_ROOT: Final = {v.name: v for v in (*variables.SERIES, variables.CONTACT_MODE)}
-_CONTACTS: Final = {v.name: v for v in variables.CONTACTS}
+_ROOT: Final = (*variables.SERIES, variables.CONTACT_MODE)
 
 _WAY_OUT: Final = (
     "The layout is that of a run.nc: 'time' and the series over it at the root, one row a contact in "
@@ -21,18 +21,13 @@ _WAY_OUT: Final = (
 
 
 def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
-    """Read a run as a tree in memory; the file is closed again.
+    """Read a run.nc, or a file or a tree of one's own in the same layout; the file is closed again.
 
-    Args:
-        source: a run.nc, a file of one's own in the same layout, or a tree of it.
-
-    Returns:
-        The tree. What it lacks makes the metrics that need it not applicable; what it has is of the
-        layout's dimensions and units.
+    What it lacks makes the metrics that need it not applicable; what it has is of the layout's dimensions
+    and units.
 
     Raises:
-        ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise: what
-            is missing, what it must be, and what to do.
+        ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
     """
     tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
     if fault := _fault_of(tree):
@@ -74,13 +69,13 @@ def _opened(path: Path) -> xarray.DataTree:
 
 def _fault_of(tree: xarray.DataTree) -> str:
     """Say what a layout has that the metrics would misread; empty where there is nothing."""
-    root = tree.to_dataset(inherit=False)
+    root, group = tree.to_dataset(inherit=False), tree.children.get("contacts")
     if "time" not in root.variables or root["time"].dims != ("time",):
         return (
             "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds. "
             f"{_WAY_OUT}"
         )
-    if fault := _fault_among(root, {"time": variables.TIME} | _ROOT):
+    if fault := _fault_among(root, (variables.TIME, *_ROOT)):
         return fault
     time = np.asarray(root["time"].values, dtype=np.float64)
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
@@ -88,9 +83,10 @@ def _fault_of(tree: xarray.DataTree) -> str:
             f"{time.size} times that do not all increase; there must be at least two, strictly "
             "increasing, in seconds. Sort them and drop repeated ones."
         )
-    if not any(name in root.variables for name in _ROOT):
+    names = [variable.name for variable in _ROOT]
+    if root.variables.keys().isdisjoint(names):
         return (
-            f"none of the time series; it must have at least one of {', '.join(_ROOT)}. {_WAY_OUT}"
+            f"none of the time series; it must have at least one of {', '.join(names)}. {_WAY_OUT}"
         )
     said = tree.attrs.get("complete", 1)
     if np.size(said) != 1 or np.asarray(said).dtype.kind not in "biuf" or said not in (0, 1):
@@ -98,16 +94,15 @@ def _fault_of(tree: xarray.DataTree) -> str:
             f"the attribute complete = {said!r}; it must be 1 for a run that reached its end and 0 for "
             "another. Correct it, or leave it out."
         )
-    group = tree.children.get("contacts")
-    return "" if group is None else _fault_among(group.to_dataset(inherit=False), _CONTACTS)
+    return (
+        "" if group is None else _fault_among(group.to_dataset(inherit=False), variables.CONTACTS)
+    )
 
 
-def _fault_among(found: xarray.Dataset, known: dict[str, Variable]) -> str:
+def _fault_among(found: xarray.Dataset, known: Iterable[Variable]) -> str:
     """Say which known variable has other dimensions or units, or is no number."""
-    for name, variable in known.items():
-        if name not in found.variables:
-            continue
-        given = found[name]
+    for variable in (variable for variable in known if variable.name in found.variables):
+        name, given = variable.name, found[variable.name]
         units = given.attrs.get("units", variable.units)
         if given.dims != variable.dims:
             return f"'{name}' over {given.dims}; it must be over {variable.dims}. {_WAY_OUT}"

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.metrics.catalogue import metric, without_records
 from contactlab.metrics.hertz import effective_mass, hertz_duration, stiffness
-from contactlab.metrics.run import Run, needed
+from contactlab.metrics.run import Run, needed, positive
 
 OCCUPIED: Final = 0.99
 """Share of the spectral energy below the bandwidth."""
@@ -50,9 +50,7 @@ def contact_duration(run: Run) -> float:
 
 @without_records("sum t_st / sum t_c", "share of the time in contact that sticks", usual=True)
 def stick_share(run: Run) -> float:
-    duration = contact_time(run)
-    needed(duration > 0.0)
-    return float(run.contacts("stick_duration").sum()) / duration
+    return float(run.contacts("stick_duration").sum()) / positive(contact_time(run))
 
 
 @without_records(
@@ -160,6 +158,4 @@ def normal_loss_share(run: Run) -> float:
 
 def _share_of_work(run: Run, name: str) -> float:
     loss, drive = run.series(name), run.series("drive_work")
-    given = float(drive[-1] - drive[0])
-    needed(given > 0.0)
-    return float(loss[-1] - loss[0]) / given
+    return float(loss[-1] - loss[0]) / positive(float(drive[-1] - drive[0]))

@@ -30,6 +30,12 @@ def needed(held: bool) -> None:
         raise NotApplicableError
 
 
+def positive(scale: float) -> float:
+    """Give a scale to measure by as it is; there is nothing to measure where it is not positive."""
+    needed(scale > 0.0)
+    return scale
+
+
 @final
 @dataclass(frozen=True)
 class Run:
@@ -41,10 +47,10 @@ class Run:
     Args:
         columns: `time`, the series over it and what else stands at the root.
         rows: the contacts, a number each.
-        configuration: that ran; empty where it is not known.
-        law: the law's name; empty where it is not known.
-        law_parameters: the law's parameters by name, SI; empty where they are not known.
-        contact_step: largest step in contact [s]; zero where it is not known.
+        configuration: that ran.
+        law: the law's name.
+        law_parameters: by name, SI.
+        contact_step: largest step in contact [s]; zero, as all else is empty, where it is not known.
         attributes: of the dataset; empty for a run in memory.
         sound: whether its numbers are known to be finite, as those of a run in memory are that reached
             its end.
@@ -68,24 +74,27 @@ class Run:
         """Take a dataset in the layout of a run.nc, see `contactlab.metrics.read_run`, or a run as it is."""
         if isinstance(source, Run):
             return source
-        group = source.children.get("contacts")
-        step = source.attrs.get("contact_step", 0.0)
+        said, step = source.attrs, source.attrs.get("contact_step", 0.0)
+        try:
+            parameters = json.loads(str(said.get("law_parameters", "")))
+        except ValueError:
+            parameters = {}
         return cls(
             columns=_values(source),
-            rows={} if group is None else _values(group),
+            rows=_values(source.children.get("contacts", xarray.DataTree())),
             configuration=configuration_of(source),
-            law=str(source.attrs.get("law", "")),
-            law_parameters=_law_parameters(source),
+            law=str(said.get("law", "")),
+            law_parameters=parameters if isinstance(parameters, dict) else {},
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
-            attributes=source.attrs,
+            attributes=said,
         )
 
     @classmethod
     def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> "Run":
         """Take a run in memory; the numbers are those of its dataset."""
-        mode = {"contact_mode": trajectory.contact_mode}
+        records = {"time": trajectory.time, "contact_mode": trajectory.contact_mode}
         return cls(
-            columns={**trajectory.series, **mode, "time": trajectory.time},
+            columns=trajectory.series | records,
             rows=trajectory.contacts,
             configuration=configuration,
             law=trajectory.law.name,
@@ -136,9 +145,9 @@ class Run:
         return column
 
     def touch_downs(self) -> Array:
-        """Give the start times of the contacts [s]; none where none is known."""
+        """Give the start times of the contacts in order [s]; none where none is known."""
         try:
-            return self.contacts("start_time")
+            return np.sort(self.contacts("start_time"))
         except NotApplicableError:
             return np.empty(0)
 
@@ -151,7 +160,7 @@ class Run:
         return float(value)
 
     @cached_property
-    def law_classes(self) -> Mapping[str, Any]:
+    def law_classes(self) -> dict[str, Any]:
         """The class of the law, under "", and those of its parts by family; none if it is not installed."""
         try:
             classes: dict[str, Any] = {"": law_class(self.law)}
@@ -160,9 +169,8 @@ class Run:
         section = self.configuration.get("law")
         for family, parts in PARTS.items():
             below = section.get(family) if isinstance(section, dict) else None
-            name = str(below.get("name")) if isinstance(below, dict) else ""
-            if name in parts:
-                classes[family] = parts[name]
+            if isinstance(below, dict) and str(below.get("name")) in parts:
+                classes[family] = parts[below["name"]]
         return classes
 
     def last_periods(self) -> slice:
@@ -183,9 +191,7 @@ class Run:
 
     def amplitude(self, motion: Array) -> float:
         """Give half of the range of a motion over the last whole drive periods, which is not zero."""
-        half = 0.5 * float(np.ptp(motion[self.last_periods()]))
-        needed(half > 0.0)
-        return half
+        return positive(0.5 * float(np.ptp(motion[self.last_periods()])))
 
     def normal_amplitude(self) -> float:
         """Give the amplitude of the tip's normal vibration [m]."""
@@ -196,21 +202,10 @@ class Run:
 
         The scale of forces: unlike the peak it does not depend on the step of a rigid law.
         """
-        duration = float(self.contacts("duration").sum())
-        impulse = float(np.abs(self.contacts("normal_impulse")).sum())
-        needed(duration > 0.0 and impulse > 0.0)
-        return impulse / duration
+        impulse = positive(float(np.abs(self.contacts("normal_impulse")).sum()))
+        return impulse / positive(float(self.contacts("duration").sum()))
 
 
 def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
     variables = tree.to_dataset(inherit=False).variables
     return {str(name): np.asarray(variable.values) for name, variable in variables.items()}
-
-
-def _law_parameters(tree: xarray.DataTree) -> dict[str, float]:
-    """What the law's attribute holds; empty where it cannot be read."""
-    try:
-        found = json.loads(str(tree.attrs.get("law_parameters", "")))
-    except ValueError:
-        return {}
-    return found if isinstance(found, dict) else {}

@@ -18,8 +18,7 @@ from contactlab.comparison.figures import draw_energy
 from contactlab.comparison.findings import conclusion, differences, verdicts
 from contactlab.comparison.reruns import Refined, richardson
 from contactlab.comparison.runs import collect
-from contactlab.comparison.scorecard import energy_flow
-from contactlab.comparison.tables import as_latex, as_text, latex
+from contactlab.comparison.scorecard import as_latex, as_text, energy_flow, latex
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
 
 FIGURES = ("contact_force", "tip_trajectory", "rotor_velocity", "energy_flow", "phase_portrait")
