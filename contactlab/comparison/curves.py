@@ -20,9 +20,6 @@ MARGIN: Final = 0.1
 SCARCE: Final = 5
 """Records in a contact below which a line through them would invent the force."""
 
-IMPACT: Final = 0.1
-"""Share of a contact in which a rigid law's impact is over."""
-
 APART: Final = 0.1
 """Flight between two contacts that makes them two, in drive periods."""
 
@@ -45,10 +42,6 @@ class Contact:
     start: float
     duration: float
     peak: float
-
-    def after_impact(self, force: Array) -> Array:
-        """Give what a law exerts after the first tenth of its contact, and zero."""
-        return np.append(force[self.time > IMPACT * self.duration], 0.0)
 
 
 def one_contact_each(laws: Sequence[Refined]) -> dict[int, Contact]:
@@ -109,16 +102,6 @@ def _recorded(run: Run, length: float, start: float, duration: float, peak: floa
         np.insert(run.columns[f"{way}_force"], place, 0.0)[shown] for way in ("normal", "friction")
     )
     return Contact(since[shown], normal, friction, start, duration, peak)
-
-
-def ceiling(contacts: Sequence[Contact]) -> float:
-    """Give the largest normal force that is drawn [N].
-
-    An impact of a rigid law is a spike as high as the record interval is short, beside which all
-    other forces would be a line at zero. It ends at one and a half times the largest of what each law
-    exerts after the first tenth of its contact.
-    """
-    return 1.5 * max(float(np.max(c.after_impact(c.normal))) for c in contacts)
 
 
 def last_periods(law: Refined) -> slice:

@@ -36,6 +36,9 @@ LONGEST_LABEL: Final = 30
 LINE: Final = 0.13
 """Height of a line of a legend [in]."""
 
+IMPACT: Final = 0.1
+"""Share of a contact in which a rigid law's impact is over."""
+
 THIN: Final = {"linewidth": 0.6, "zorder": 0}
 """Of a line to go by."""
 
@@ -113,7 +116,14 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     if not found:
         return None
     contacts = list(found.values())
-    top = curves.ceiling(contacts)
+    # An impact of a rigid law is a spike as high as the record interval is short, beside which all other
+    # forces would be a line at zero: the axes hold what each law exerts after it.
+    later = [contact.time > IMPACT * contact.duration for contact in contacts]
+    normal, friction = (
+        np.concatenate([forces[shown] for forces, shown in zip(each, later, strict=True)] + [[0.0]])
+        for each in ([c.normal for c in contacts], [c.friction for c in contacts])
+    )
+    top = 1.5 * float(normal.max())
     figure, (above, below) = _figure(2, 1, 4.0, sharex=True)
     unit, scale = prefixed_unit(max(contact.duration for contact in contacts), "s")
     spikes = []
@@ -134,8 +144,6 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
         )  # fmt: skip
     if top > 0.0:
         above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * len(spikes)))
-    # A spike of the friction is cut too.
-    friction = np.concatenate([contact.after_impact(contact.friction) for contact in contacts])
     room = 0.2 * float(np.ptp(friction))
     if room > 0.0:
         below.set_ylim(friction.min() - room, friction.max() + room)
@@ -173,8 +181,8 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
         return None
     series = {i: [run.columns[name] for _, run in law.steps] for i, law in drawn if law.steps}
     errors = {i: laws[i].error(values) for i, values in series.items()}
+    errors = {i: error for i, error in errors.items() if np.isfinite(error).all()}
     # A rotor at rest has no error that a logarithmic axis could show.
-    errors = {i: e for i, e in errors.items() if np.isfinite(e).all()}
     judged = any(error.any() for error in errors.values())
     figure, panels = _figure(1 + judged, 1, 2.5 + 1.6 * judged, sharex=True)
     axes, last = panels[0], panels[-1]
@@ -215,17 +223,17 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
     labels = [fill(str(label), LONGEST_LABEL) for label in data["law"].values]
     figure, (axes,) = _figure(1, 1, 1.2 + 0.42 * len(labels))
     place = np.arange(len(labels))
-    up, down = np.zeros(len(labels)), np.zeros(len(labels))
-    for number, (term, words) in enumerate(ENERGY_TERMS.items()):
-        part = data["energy"].sel(term=term).values / scale
-        left = np.where(part >= 0.0, up, down + part)
+    energy = data["energy"].transpose("term", "law").values / scale
+    gained, given_back = (part.cumsum(axis=0) for part in (energy.clip(min=0), energy.clip(max=0)))
+    ends = np.where(energy >= 0.0, gained, given_back)
+    for number, ((term, words), part, end) in enumerate(
+        zip(ENERGY_TERMS.items(), energy, ends, strict=True)
+    ):
         if np.any(np.abs(part) > 1e-3 * np.abs(work) / scale):
             axes.barh(
-                place, np.abs(part), left=left, height=0.62, label=words, color=_colour(number),
+                place, part, left=end - part, height=0.62, label=words, color=_colour(number),
                 edgecolor="white", linewidth=0.5, gid=term,
             )  # fmt: skip
-        up += np.maximum(part, 0.0)
-        down += np.minimum(part, 0.0)
     axes.plot(
         work / scale, place, linestyle="", marker="|", markersize=16.0, markeredgewidth=1.4,
         color="black", label="work of the drive",

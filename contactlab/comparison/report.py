@@ -49,8 +49,7 @@ def compare(
     Args:
         sources: run folders, their datasets, folders of such folders, or runs in memory; all of one
             motor with one drive.
-        output: folder for tables, figures and the report, made where it is missing; None writes
-            nothing.
+        output: folder for tables, figures and the report; None writes nothing.
         refine: whether every law is run again at finer steps, with more friction and on a larger basis;
             what follows from these is not applicable without.
 
@@ -145,22 +144,20 @@ def _definition(metric: Metric) -> str:
 
 
 def _configuration(law: xarray.Dataset) -> str:
-    label, run, refined, configuration = (
-        escape(str(law[name].item())) for name in ("law", "run", "refined", "configuration")
-    )
+    said = {
+        str(name): escape(str(value.item())) for name, value in law.coords.items() if not value.dims
+    }
     return (
-        f"<h3>{label}</h3><p>{run}; values at {refined}.</p>"
-        f"<details><summary>Configuration</summary><pre>{configuration}</pre></details>"
+        f"<h3>{said['law']}</h3><p>{said['run']}; values at {said['refined']}.</p>"
+        f"<details><summary>Configuration</summary><pre>{said['configuration']}</pre></details>"
     )
 
 
 def _versions(data: xarray.Dataset) -> str:
+    end, recorded_by = "_version", json.loads(data.attrs["recorded_by"])
     said = [
-        f"{name.removesuffix('_version')} {version}"
-        for name, version in data.attrs.items()
-        if name.endswith("_version")
+        *(f"{k.removesuffix(end)} {v}" for k, v in data.attrs.items() if k.endswith(end)),
+        f"revision {data.attrs['git_revision']}",
+        *(f"{label} recorded by contactlab {version}" for label, version in recorded_by.items()),
     ]
-    said.append(f"revision {data.attrs['git_revision']}")
-    recorded_by = json.loads(data.attrs["recorded_by"])
-    said += [f"{label} recorded by contactlab {version}" for label, version in recorded_by.items()]
     return f"{'; '.join(said)}."

@@ -92,9 +92,9 @@ class Run:
     @classmethod
     def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> "Run":
         """Take a run in memory; the numbers are those of its dataset."""
-        records = {"time": trajectory.time, "contact_mode": trajectory.contact_mode}
+        records: dict[str, NDArray[Any]] = {"contact_mode": trajectory.contact_mode}
         return cls(
-            columns=trajectory.series | records,
+            columns={**records, **trajectory.series, "time": trajectory.time},
             rows=trajectory.contacts,
             configuration=configuration,
             law=trajectory.law.name,
