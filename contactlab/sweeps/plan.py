@@ -29,33 +29,10 @@ Resolve = Callable[[Configuration], Configuration]
 SOURCES: Final = (Path(metrics.__file__).parent, Path(__file__).parent)
 """Of what `code_of` leaves out, because a single run does not depend on it."""
 
-AT_ANY_INTERVAL: Final = (
-    "final_rotor_velocity",
-    "contact_count",
-    "peak_force",
-    "mean_impulse",
-    "total_impulse",
-    "total_friction_impulse",
-    "contact_time",
-    "contact_duration",
-    "stick_share",
-    "restitution",
-    "friction_share",
-    "normal_loss_share",
-)
+AT_ANY_INTERVAL: Final = tuple(k for k, metric in METRICS.items() if not metric.needs_records)
 """Metrics that need no records but the last, so that none is taken where only these are asked for."""
 
-USUAL: Final = (
-    "final_rotor_velocity",
-    "contact_count",
-    "peak_force",
-    "total_impulse",
-    "total_friction_impulse",
-    "contact_time",
-    "stick_share",
-    "friction_share",
-    "normal_loss_share",
-)
+USUAL: Final = tuple(key for key, metric in METRICS.items() if metric.usual)
 """Metrics where none are named: those that cost next to nothing."""
 
 
