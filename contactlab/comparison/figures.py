@@ -1,6 +1,7 @@
 """The pictures of a comparison: one contact, paths, rotor velocities, energy flow, phase portraits."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from textwrap import fill
 from typing import Any, Final
@@ -16,6 +17,7 @@ from contactlab.arrays import Array
 from contactlab.comparison import curves
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.scorecard import ENERGY_TERMS
+from contactlab.metrics import NotApplicableError
 from contactlab.plot.overview_data import drawable, envelope
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
@@ -164,10 +166,10 @@ def draw_paths(laws: Sequence[Refined]) -> Figure | None:
         span = curves.last_periods(law)
         x, y = (drawable(law.best.columns[name][span]) * 1e6 for name in names)
         axes.plot(x, y, label=law.run.label, **_style(i))
-    clearance = dict(drawn[0][1].run.configuration.get("contact") or {}).get("clearance")
-    if clearance is not None:
-        axes.axhline(1e6 * clearance, color="0.5", **THIN)
-        _remark(axes, "rotor", 1e6 * clearance, 2.0, "0.35")
+    with suppress(NotApplicableError):
+        clearance = 1e6 * drawn[0][1].run.setting("contact", "clearance")
+        axes.axhline(clearance, color="0.5", **THIN)
+        _remark(axes, "rotor", clearance, 2.0, "0.35")
     axes.set_xlabel("tangential displacement of the tip (\u00b5m)")
     axes.set_ylabel("normal displacement (\u00b5m)")
     return _legend(figure, axes)

@@ -45,8 +45,7 @@ class Refined:
 
     Args:
         run: as recorded.
-        control: what is refined, `contact_step` or `tolerance`.
-        order: at which the law declares its error to fall with it.
+        control, order: what is refined, `contact_step` or `tolerance`, and how the error falls with it.
         steps: value of it and what ran, coarsest first; empty without reruns.
         friction: relative change of the friction coefficient and what ran.
         basis: what ran on a larger basis.
@@ -98,11 +97,9 @@ def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
 
 
 def refined(run: Run, advance: Callable[[], object] = lambda: None) -> Refined:
-    """Run a law again at finer steps, with more friction and on a larger basis.
+    """Run a law again at finer steps, with more friction and on a larger basis; what cannot is noted.
 
-    Args:
-        run: as recorded. One that cannot be run again comes back with a note.
-        advance: called after every rerun.
+    `advance` is called after every rerun.
     """
     law = Refined(run)
     try:

@@ -139,17 +139,15 @@ def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> str:
         groups.setdefault(shown(value), []).append(f"'{run.source}'")
     if len(groups) < 2:
         return ""
-    said = " and ".join(f"{value} in {_some(names)}" for value, names in groups.items())
+    said = " and ".join(
+        f"{value} in {', '.join(names[:MOST_NAMES])}"
+        + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+        for value, names in groups.items()
+    )
     return (
         f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
         "the same in all runs. Leave runs out, or run one of them again."
     )
-
-
-def _some(names: Sequence[str]) -> str:
-    """Name the first of some runs, and how many there are."""
-    first, rest = ", ".join(names[:MOST_NAMES]), len(names) - MOST_NAMES
-    return f"{first} and {rest} more" if rest > 0 else first
 
 
 def shown(value: Any) -> str:

@@ -46,6 +46,14 @@ ENERGY_TERMS: Final = {
 
 MINUS, PLUS_MINUS = "\u2212", "\u00b1"
 
+_NAMES: Final = ("backslash", "asciitilde", "asciicircum", "less", "greater", "bar", "mu")
+
+LATEX: Final = str.maketrans(
+    {sign: rf"\text{name}{{}}" for sign, name in zip("\\~^<>|\u00b5", _NAMES, strict=True)}
+    | {sign: rf"\{sign}" for sign in "_%&#{}$"}
+)
+"""Plain text for LaTeX, by `str.translate`."""
+
 _STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
 _UNITS: Final = {"comment": "units differ by metric and stand in the coordinate `units`"}
 
@@ -222,7 +230,7 @@ def as_csv(data: xarray.Dataset) -> str:
 
 def as_latex(data: xarray.Dataset) -> str:
     """Write a tabular that stands in any document that loads booktabs."""
-    labels = [latex(str(label)) for label in data["law"].values]
+    labels = [str(label).translate(LATEX) for label in data["law"].values]
     lines = [["", "must be", *labels], *(_latex_row(*row) for row in rows(data))]
     head, *body = (" & ".join(line) + r" \\" for line in lines)
     return "\n".join(
@@ -239,27 +247,15 @@ def as_latex(data: xarray.Dataset) -> str:
     )
 
 
-def latex(text: str) -> str:
-    """Write plain text for LaTeX."""
-    return text.translate(_SPECIAL)
-
-
-_NAMES: Final = ("backslash", "asciitilde", "asciicircum", "less", "greater", "bar", "mu")
-_SPECIAL: Final = str.maketrans(
-    {sign: rf"\text{name}{{}}" for sign, name in zip("\\~^<>|\u00b5", _NAMES, strict=True)}
-    | {sign: rf"\{sign}" for sign in "_%&#{}$"}
-)
-
-
 def _latex_row(metric: Metric, cells: dict[str, Cell]) -> list[str]:
     # CF units such as N m-1.
-    units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", latex(metric.units)).replace(" ", r"\,")
+    units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", metric.units.translate(LATEX)).replace(" ", r"\,")
     limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
     numbers = (
         NOT_APPLICABLE if isnan(c.value) else f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
         for c in cells.values()
     )
-    return [latex(metric.brief) + (f" [{units}]" if metric.unit else ""), limit, *numbers]
+    return [metric.brief.translate(LATEX) + (f" [{units}]" if metric.unit else ""), limit, *numbers]
 
 
 def _power(number: str) -> str:

@@ -26,29 +26,26 @@ digits. A law that breaks an identity misses it by a share of the order of one."
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Metric:
     """One number by which a run is judged: what it means, what it must be, and why.
 
     Args:
         key: its name everywhere: in files, tables and code.
-        symbol: as in its definition.
         units: SI, in the words of the CF conventions; "1" without.
-        meaning: what it is, in a few words.
         measure: gives the number, or stops with `NotApplicableError`.
-        bound: the largest value that passes; infinite for a number that is only reported.
-        reason: why the threshold is what it is.
-        source: where the metric is from.
+        bound: the largest value that passes, for the reason given; infinite for a number that is only
+            reported.
         invariant: whether it holds whatever the law: where it fails, the solver or the file is wrong.
         needs_records: whether it takes any record but the last.
         usual: whether it is kept where none is named, as one that costs next to nothing.
     """
 
     key: str
-    symbol: str
-    units: str
-    meaning: str
     measure: Callable[[Any], float]
+    symbol: str
+    meaning: str
+    units: str
     bound: float = inf
     reason: str = ""
     source: str = ""
@@ -113,13 +110,10 @@ def metric(
     """
 
     def register(measure: Measure) -> Measure:
-        name = key or measure.__name__
-        entry = Metric(
-            key=name, symbol=symbol, units=units, meaning=meaning, measure=measure, **facts
-        )
-        catalogue[name] = entry
+        entry = Metric(key or measure.__name__, measure, symbol, meaning, units, **facts)
+        catalogue[entry.key] = entry
         if entry.invariant:
-            INVARIANTS[name] = entry
+            INVARIANTS[entry.key] = entry
         return measure
 
     return register

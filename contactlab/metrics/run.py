@@ -47,15 +47,11 @@ class Run:
     Args:
         columns: `time`, the series over it and what else stands at the root.
         rows: the contacts, a number each.
-        configuration: that ran.
-        law: the law's name.
-        law_parameters: by name, SI.
         contact_step: largest step in contact [s]; zero, as all else is empty, where it is not known.
         attributes: of the dataset; empty for a run in memory.
         sound: whether its numbers are known to be finite, as those of a run in memory are that reached
             its end.
-        source: where it is from.
-        label: a word for it beside other runs.
+        source, label: where it is from, and a word for it beside other runs.
     """
 
     columns: Mapping[str, NDArray[Any]]
