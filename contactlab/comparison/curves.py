@@ -31,14 +31,13 @@ class Contact:
 
     Args:
         time: middles of the record intervals, from touch-down [s].
-        normal, friction: mean forces of the intervals [N].
+        forces: mean normal and friction force of the intervals [N], shape (2, time).
         start, duration: of the contact [s].
         peak: largest normal force in it [N].
     """
 
     time: Array
-    normal: Array
-    friction: Array
+    forces: Array
     start: float
     duration: float
     peak: float
@@ -98,10 +97,9 @@ def _recorded(run: Run, length: float, start: float, duration: float, peak: floa
     place = int(np.searchsorted(middle, start))
     since = np.insert(middle, place, start) - start
     shown = (since >= -MARGIN * length) & (since <= (1.0 + MARGIN) * length)
-    normal, friction = (
-        np.insert(run.columns[f"{way}_force"], place, 0.0)[shown] for way in ("normal", "friction")
-    )
-    return Contact(since[shown], normal, friction, start, duration, peak)
+    both = [run.columns[f"{way}_force"] for way in ("normal", "friction")]
+    forces = np.insert(both, place, 0.0, axis=1)[:, shown]
+    return Contact(since[shown], forces, start, duration, peak)
 
 
 def last_periods(law: Refined) -> slice:
@@ -112,7 +110,11 @@ def last_periods(law: Refined) -> slice:
 
 
 def smoothed(law: Refined, values: Array) -> Array:
-    """Give the running median over a drive period: without the records that a moving impact passes."""
+    """Give the running median over a drive period: without the records that a moving impact passes.
+
+    What is not positive has no place on a logarithmic axis: NaN.
+    """
     time = law.best.time
     size = int(np.searchsorted(time, time[0] + law.period))
-    return np.asarray(median_filter(values, size=max(size, 1), mode="nearest"), dtype=float)
+    median = median_filter(values, size=max(size, 1), mode="nearest")
+    return np.where(median > 0.0, median, np.nan)

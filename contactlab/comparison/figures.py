@@ -1,6 +1,6 @@
 """The pictures of a comparison: one contact, paths, rotor velocities, energy flow, phase portraits."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from textwrap import fill
@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.style import context
 
-from contactlab.arrays import Array
 from contactlab.comparison import curves
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.scorecard import ENERGY_TERMS
@@ -120,19 +119,16 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     contacts = list(found.values())
     # An impact of a rigid law is a spike as high as the record interval is short, beside which all other
     # forces would be a line at zero: the axes hold what each law exerts after it.
-    later = [contact.time > IMPACT * contact.duration for contact in contacts]
-    normal, friction = (
-        np.concatenate([forces[shown] for forces, shown in zip(each, later, strict=True)] + [[0.0]])
-        for each in ([c.normal for c in contacts], [c.friction for c in contacts])
-    )
+    after = [contact.forces[:, contact.time > IMPACT * contact.duration] for contact in contacts]
+    normal, friction = np.concatenate([np.zeros((2, 1)), *after], axis=1)
     top = 1.5 * float(normal.max())
     figure, (above, below) = _figure(2, 1, 4.0, sharex=True)
     unit, scale = prefixed_unit(max(contact.duration for contact in contacts), "s")
     spikes = []
     for i, contact in found.items():
         time, label = contact.time / scale, laws[i].run.label
-        above.plot(time, contact.normal, label=label, **_style(i))
-        below.plot(time, contact.friction, **_style(i))
+        above.plot(time, contact.forces[0], label=label, **_style(i))
+        below.plot(time, contact.forces[1], **_style(i))
         if contact.peak > top > 0.0:
             spikes.append((f"{label}: peak {contact.peak:.4g} N, off scale", _colour(i)))
     if len(spikes) > MOST_SPIKES:
@@ -183,36 +179,31 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
         return None
     series = {i: [run.columns[name] for _, run in law.steps] for i, law in drawn if law.steps}
     errors = {i: laws[i].error(values) for i, values in series.items()}
-    errors = {i: error for i, error in errors.items() if np.isfinite(error).all()}
+    smooth = {i: curves.smoothed(laws[i], e) for i, e in errors.items() if np.isfinite(e).all()}
     # A rotor at rest has no error that a logarithmic axis could show.
-    judged = any(error.any() for error in errors.values())
+    judged = any(np.isfinite(error).any() for error in smooth.values())
     figure, panels = _figure(1 + judged, 1, 2.5 + 1.6 * judged, sharex=True)
     axes, last = panels[0], panels[-1]
     unit, scale = prefixed_unit(float(laws[0].best.time[-1]), "s")
     for i, law in drawn:
         time, values = law.best.time / scale, drawable(law.best.columns[name])
         axes.plot(*envelope(time, values), label=law.run.label, **_style(i))
-        if judged and i in errors:
+        if judged and i in smooth:
             band = (values - errors[i], values + errors[i])
             axes.fill_between(time, *band, color=_colour(i), alpha=0.3, linewidth=0.0)
-            last.plot(*_positive(time, curves.smoothed(law, errors[i])), **_style(i))
+            last.plot(*envelope(time, smooth[i]), **_style(i))
     if judged:
         first = drawn[0][1]
         time = first.best.time
         each = [np.interp(time, law.best.time, law.best.columns[name]) for _, law in drawn]
         apart = curves.smoothed(first, np.ptp(each, axis=0))
-        if np.any(apart > 0.0):
-            last.plot(*_positive(time / scale, apart), color="black", linewidth=1.4)
+        if np.isfinite(apart).any():
+            last.plot(*envelope(time / scale, apart), color="black", linewidth=1.4)
             _remark(last, "range of the laws", apart[-1], -9.0)
         last.set(yscale="log", ylabel="numerical error (rad/s)")
     last.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")
     return _legend(figure, axes)
-
-
-def _positive(time: Array, values: Array) -> Iterable[Array]:
-    """Give a line on a logarithmic axis, where what is zero has no place."""
-    return envelope(time, np.where(values > 0.0, values, np.nan))
 
 
 def draw_energy(data: xarray.Dataset) -> Figure | None:
