@@ -78,6 +78,7 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
     gone = {"units": "J", "long_name": "where the work of the drive has gone"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
     error = {"long_name": "error of the value by Richardson's estimate", **_UNITS}
+    energy = [list(energy_flow(law.best).values()) for law in laws]
     both = ("law", "metric")
     labels = [law.run.label for law in laws]
     attributes = [law.run.attributes for law in laws]
@@ -89,11 +90,7 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
             "value": (both, values, {"long_name": "value of the metric", **_UNITS}),
             "numerical_error": (both, errors, error),
             "verdict": (both, np.array(verdicts, dtype=np.int8), flags),
-            "energy": (
-                ("law", "term"),
-                [list(energy_flow(law.best).values()) for law in laws],
-                gone,
-            ),
+            "energy": (("law", "term"), energy, gone),
             "drive_work": ("law", [_gain(law.best, "drive_work") for law in laws], work),
         },
         coords={
