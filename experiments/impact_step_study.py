@@ -10,8 +10,7 @@ import xarray
 from harness import laws_of, main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
+import contactlab as cl
 
 SAYS = (
     "Figure 9 shows peaks of the normal force at every impact. The paper calls them a product of "
@@ -21,32 +20,32 @@ SAYS = (
     "it follows from the impulse. Contact stiffness, by Hertz, is proposed as the remedy."
 )
 STEPS = tuple(10.0**-k for k in np.arange(6.0, 8.01, 0.25))
-LAWS = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """All steps for every law; the step of the Hertz contact is its longest."""
-    steps = np.array(STEPS[::4] if short else STEPS)
+    steps = STEPS[::4] if short else STEPS
     laws = laws_of(setup)
-    peaks, impulses = np.empty((3, steps.size)), np.empty((3, steps.size))
-    for i, law in enumerate(laws.values()):
-        for j, step in enumerate(steps):
-            run = simulate(
-                setup.motor,
-                law,
-                duration=setup.duration,
-                record_interval=setup.duration,
-                contact_step=float(step),
-            )
-            peaks[i, j] = run.contacts["peak_normal_force"].max()
-            impulses[i, j] = run.contacts["normal_impulse"].sum()
+    runs = [
+        cl.sweep(
+            {"law": [*laws]},
+            motor=lambda **_: setup.motor,
+            law=lambda law: laws[law],
+            duration=setup.duration,
+            contact_step=step,
+            metrics=("peak_force", "total_impulse"),
+        )
+        for step in steps
+    ]
+    found = xarray.concat(runs, "contact_step").transpose("law", ...)
+    exponents = _exponents(np.array(steps), found.peak_force.values)
     return xarray.Dataset(
         {
-            "peak_normal_force": (("law", "contact_step"), peaks, {"units": "N"}),
-            "normal_impulse": (("law", "contact_step"), impulses, {"units": "N s"}),
-            "peak_exponent": ("law", _exponents(steps, peaks), {"units": "1"}),
+            "peak_normal_force": found.peak_force,
+            "normal_impulse": found.total_impulse,
+            "peak_exponent": ("law", exponents, {"units": "1"}),
         },
-        coords={"law": list(LAWS), "contact_step": ("contact_step", steps, {"units": "s"})},
+        coords={"contact_step": ("contact_step", list(steps), {"units": "s"})},
     )
 
 
@@ -64,7 +63,7 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
             "peak normal force [N]": float(data.peak_normal_force.sel(law=law, contact_step=step)),
             "normal impulse [N s]": float(data.normal_impulse.sel(law=law, contact_step=step)),
         }
-        for law in LAWS
+        for law in data.law.values
         for step in data.contact_step.values
     ]
 
@@ -75,7 +74,7 @@ def draw(data: xarray.Dataset) -> Figure:
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     step = 1e6 * data.contact_step.values
-    for i, law in enumerate(LAWS):
+    for i, law in enumerate(data.law.values):
         # The rigid laws lie upon each other: the first shows as a ring.
         ring = {"markersize": 7, "markerfacecolor": "none"} if i == 0 else {}
         left.loglog(step, data.peak_normal_force[i], "os^"[i] + "-", label=law, **ring)
