@@ -2,14 +2,11 @@
 
 import sys
 
-import numpy as np
 import xarray
 from harness import laws_of, main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
+import contactlab as cl
 
 SAYS = (
     "Figure 9 shows the normal force with a high peak at every impact. The peak is called "
@@ -20,45 +17,37 @@ STEPS = (1e-6, 2.5e-7)
 """Contact steps of the paper's law [s]; records are as fine as the finer one."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Forces over the same stretch of time."""
     laws = laws_of(setup)
-    cases: list[tuple[str, ContactLaw, float | None]] = [
-        *((f"lagrange_slip, step {1e6 * h:g} µs", laws["lagrange_slip"], h) for h in STEPS),
-        ("hertz_penalty", laws["hertz_penalty"], None),
-    ]
+    cases = {f"lagrange_slip, step {1e6 * h:g} µs": (laws["lagrange_slip"], h) for h in STEPS}
+    cases["hertz_penalty"] = (laws["hertz_penalty"], None)
     runs = [
-        simulate(
+        cl.simulate(
             setup.motor,
             law,
             duration=setup.duration,
             record_interval=setup.record_interval,
             contact_step=step,
         )
-        for _, law, step in cases
+        for law, step in cases.values()
     ]
+    force = xarray.concat([run["normal_force"] for run in runs], "case")
     return xarray.Dataset(
         {
-            "normal_force": (
-                ("case", "time"),
-                np.array([run.series["normal_force"] for run in runs]),
-                {"units": "N"},
-            ),
+            "normal_force": force,
             "peak": (
                 "case",
-                [run.contacts["peak_normal_force"].max() for run in runs],
+                [run.contacts.peak_normal_force.max() for run in runs],
                 {"units": "N"},
             ),
             "impulse": (
                 "case",
-                [run.contacts["normal_impulse"].sum() for run in runs],
+                [run.contacts.normal_impulse.sum() for run in runs],
                 {"units": "N s"},
             ),
         },
-        coords={
-            "case": [name for name, _, _ in cases],
-            "time": ("time", runs[0].time, {"units": "s"}),
-        },
+        coords={"case": [*cases]},
     )
 
 
