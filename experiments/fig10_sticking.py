@@ -4,12 +4,10 @@ import sys
 
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
+import contactlab as cl
 
 SAYS = (
     "Figure 10 shows the velocities of rotor and tip during a contact. For a while both "
@@ -20,38 +18,35 @@ COARSE, FINE = 2e-7, 1e-7
 """Contact steps [s]."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """The same run under the slip law at two steps and under the law with stick."""
-    mu = setup.configuration["contact"]["friction_coefficient"]
-    cases: list[tuple[str, ContactLaw, float]] = [
-        ("lagrange_slip, coarse", LagrangeSlip(mu), COARSE),
-        ("lagrange_slip, fine", LagrangeSlip(mu), FINE),
-        ("lagrange_stick", LagrangeStick(mu), FINE),
-    ]
-    radius = setup.motor.geometry.rotor_radius
+    laws = laws_of(setup)
+    cases = {
+        "lagrange_slip, coarse": (laws["lagrange_slip"], COARSE),
+        "lagrange_slip, fine": (laws["lagrange_slip"], FINE),
+        "lagrange_stick": (laws["lagrange_stick"], FINE),
+    }
     runs = [
-        simulate(
+        cl.simulate(
             setup.motor,
             law,
             duration=setup.duration,
             record_interval=setup.record_interval,
             contact_step=step,
         )
-        for _, law, step in cases
+        for law, step in cases.values()
     ]
-    rim = np.array([radius * run.series["rotor_velocity"] for run in runs])
-    tip = rim + np.array([run.series["slip_velocity"] for run in runs])
-    mode = np.array([run.contact_mode for run in runs])
+    names = ["rotor_velocity", "slip_velocity", "contact_mode"]
+    found = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
+    rim = setup.motor.geometry.rotor_radius * found.rotor_velocity
+    speed = {"units": "m s-1"}
     return xarray.Dataset(
         {
-            "rim_velocity": (("case", "time"), rim, {"units": "m s-1"}),
-            "tip_velocity": (("case", "time"), tip, {"units": "m s-1"}),
-            "contact_mode": (("case", "time"), mode, {"units": "1"}),
+            "rim_velocity": rim.drop_attrs(deep=False).assign_attrs(speed),
+            "tip_velocity": (rim + found.slip_velocity).drop_attrs(deep=False).assign_attrs(speed),
+            "contact_mode": found.contact_mode,
         },
-        coords={
-            "case": [name for name, _, _ in cases],
-            "time": ("time", runs[0].time, {"units": "s"}),
-        },
+        coords={"case": [*cases]},
     )
 
 
