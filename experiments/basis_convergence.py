@@ -9,14 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 import xarray
-from harness import changed, laws_of, main
+from harness import laws_of, main
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
-from contactlab.motor import NormalModes
+import contactlab as cl
 
 SAYS = (
     "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
@@ -37,7 +33,7 @@ QUANTITIES = {
 }
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Every basis at the converged first natural frequency and its double, and at the configured drive."""
     shapes = SHAPES[1:4] if short else SHAPES
     kept = 6 if short else CONVERGED
@@ -45,45 +41,38 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
         k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")
     }
     elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
-    reference = changed(setup, {"resonator": given | elements}).motor.modes
-    ritz = ({"resonator": given | {"basis": "ritz", "shapes": n}} for n in shapes)
-    bases = [*(changed(setup, choice).motor.modes for choice in ritz), reference]
-    law = laws_of(setup)["hertz_penalty"]
-    rows = [
-        measure(modes, setup, reference.natural_frequency[0], law)
-        for modes in tqdm(bases, unit=" bases", disable=None)
+    bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
+    bases[f"finite_element {kept}"] = elements
+    modes = {
+        name: cl.build({**setup.configuration, "resonator": given | basis}).motor.modes
+        for name, basis in bases.items()
+    }
+    *_, reference = modes.values()
+    tones = reference.natural_frequency[0] * np.array([1.0, 2.0])
+    motor = replace(setup.motor, drive=replace(setup.motor.drive, frequency=tones))
+    found = cl.sweep(
+        {"basis": [*bases]},
+        motor=lambda basis: replace(motor, modes=modes[basis]),
+        law=laws_of(setup)["hertz_penalty"],
+        duration=setup.duration,
+        metrics=("peak_force", "final_rotor_velocity"),
+    )
+    numbers = [
+        [
+            *one.natural_frequency[:2],
+            np.sum(one.tip_displacement**2 / one.stiffness),
+            1.0 / np.sum(one.tip_displacement**2),
+        ]
+        for one in modes.values()
     ]
-    values = np.array(rows)
+    columns = (*np.transpose(numbers), found.peak_force, found.final_rotor_velocity)
     return xarray.Dataset(
         {
-            name: ("basis", values[:, k], {"units": units})
-            for k, (name, units) in enumerate(QUANTITIES.items())
+            name: ("basis", np.array(column), {"units": units})
+            for (name, units), column in zip(QUANTITIES.items(), columns, strict=True)
         },
-        coords={
-            "basis": [*(f"ritz {n}" for n in shapes), f"finite_element {kept}"],
-            "shapes": ("basis", [*shapes, kept]),
-        },
+        coords={"basis": [*bases], "shapes": ("basis", [*shapes, kept])},
     )
-
-
-def measure(modes: NormalModes, setup: Setup, frequency: float, law: ContactLaw) -> list[float]:
-    """The quantities of one resonator in the motor."""
-    drive = replace(setup.motor.drive, frequency=frequency * np.array([1.0, 2.0]))
-    run = simulate(
-        replace(setup.motor, modes=modes, drive=drive),
-        law,
-        duration=setup.duration,
-        record_interval=setup.duration,
-    )
-    square = modes.tip_displacement**2
-    return [
-        float(modes.natural_frequency[0]),
-        float(modes.natural_frequency[1]),
-        float(np.sum(square / modes.stiffness)),
-        float(1.0 / np.sum(square)),
-        float(run.contacts["peak_normal_force"].max(initial=0.0)),
-        float(run.series["rotor_velocity"][-1]),
-    ]
 
 
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
