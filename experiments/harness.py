@@ -88,6 +88,14 @@ def placed(setup: cl.Setup, start: float, end: float) -> cl.NormalModes:
     return changed(setup, {"placement.start": start, "placement.end": end}).motor.modes
 
 
+def tip_phasors(modes: cl.NormalModes, drive: cl.Drive) -> tuple[np.ndarray, np.ndarray]:
+    """Steady phasors of tip displacement [m] and slope [rad], shape (tone,)."""
+    w = drive.angular_frequency
+    dynamic = modes.stiffness[:, None] + 1j * modes.damping[:, None] * w - w**2
+    steady = (modes.coupling @ drive.phasors) / dynamic
+    return modes.tip_displacement @ steady, modes.tip_slope @ steady
+
+
 def with_clearance(motor: cl.Motor, clearance: float) -> cl.Motor:
     """The motor with another clearance [m]."""
     return replace(motor, geometry=replace(motor.geometry, clearance=clearance))
