@@ -7,6 +7,7 @@ frequency moves at the tip, 1 / sum u_j^2; the compliance is what a constant for
 import sys
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main
@@ -16,8 +17,7 @@ import contactlab as cl
 
 SAYS = (
     "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
-    "four are "
-    "enough is not asked."
+    "four are enough is not asked."
 )
 SHAPES = (2, 3, 4, 6, 8, 12, 16, 24, 40)
 CONVERGED = 24
@@ -86,8 +86,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Every quantity over the number of shapes, relative to the converged one."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained", sharex=True)
     ritz = data.isel(basis=slice(None, -1))
     names = list(QUANTITIES)
@@ -111,17 +109,13 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     falls = bool(np.all(np.diff(data.first_frequency.values) < 1e-6))
     return (
         f"Converged, the patched beam has f1 = {float(end.first_frequency):.1f} Hz and f2 = "
-        f"{float(end.second_frequency):.1f} Hz; four shapes give "
-        f"{float(four.first_frequency):.0f} and "
-        f"{float(four.second_frequency):.0f}, {int(most.shapes)} still "
-        f"{float(most.first_frequency):.0f} and "
-        f"{float(most.second_frequency):.0f}. At the converged frequency the motor with four "
-        "shapes peaks at "
-        f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N "
-        "and turns at "
-        f"{float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} rad/s: "
-        "the printed "
-        "frequencies are those of the truncated basis.",
+        f"{float(end.second_frequency):.1f} Hz; four shapes give {float(four.first_frequency):.0f} "
+        f"and {float(four.second_frequency):.0f}, {int(most.shapes)} still "
+        f"{float(most.first_frequency):.0f} and {float(most.second_frequency):.0f}. At the "
+        "converged frequency the motor with four shapes peaks at "
+        f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N and "
+        f"turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
+        "rad/s: the printed frequencies are those of the truncated basis.",
         falls,
     )
 

@@ -7,6 +7,7 @@ laws share motor and friction; where they differ, what the impact does decides w
 import sys
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main, quantity, swept
@@ -65,8 +66,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Both maps on one scale, and their difference."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.6), layout="constrained", sharey=True)
     most = float(np.nanmax(np.abs(data.rotor_velocity)))
     maps = [*(data.rotor_velocity.sel(law=law) for law in LAWS), _difference(data)]
@@ -108,16 +107,13 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     )
     shift = (best_hertz - best_stick + 0.5 * np.pi) % np.pi - 0.5 * np.pi
     sentence = (
-        f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within "
-        "10 % in "
-        f"{100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
-        f"{100.0 * twofold.mean():.0f} %, and turn "
-        f"in opposite directions in {100.0 * opposite:.0f} %. The maps are alike, of "
-        f"{size_hertz:.2f} (Hertz) and "
+        f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 "
+        f"% in {100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
+        f"{100.0 * twofold.mean():.0f} %, and turn in opposite directions in "
+        f"{100.0 * opposite:.0f} %. The maps are alike, of {size_hertz:.2f} (Hertz) and "
         f"{size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} pi: a rigid impact "
-        "gives its impulse at the "
-        "touch-down, a compliant contact later, when the tip moves sideways otherwise. They "
-        "agree where the map is flat."
+        "gives its impulse at the touch-down, a compliant contact later, when the tip moves "
+        "sideways otherwise. They agree where the map is flat."
     )
     return sentence, bool((apart < 0.1).any() and twofold.any())
 

@@ -2,6 +2,7 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main
@@ -102,8 +103,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """The slip law's contact and a zoom into its chatter, and the same of the law with stick."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 4.4), layout="constrained")
     for row, i in zip(axes, (1, 2), strict=True):
         part = stretch(data, i)
@@ -131,12 +130,10 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     length, fine, changes = chatter(data, 1)
     sticks, stuck, _ = chatter(data, 2)
     return (
-        f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} "
-        "us, by "
-        f"{1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
-        f"{1e6 * FINE:g} us: a chatter "
-        f"at the step, which is how it says stick. The law with stick holds {stuck:.0e} m/s for "
-        f"{1e6 * sticks:.0f} us.",
+        f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} us, "
+        f"by {1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
+        f"{1e6 * FINE:g} us: a chatter at the step, which is how it says stick. The law with stick "
+        f"holds {stuck:.0e} m/s for {1e6 * sticks:.0f} us.",
         changes > 20 and stuck < 1e-6 and fine < 0.8 * coarse,
     )
 

@@ -3,6 +3,7 @@
 import sys
 from functools import partial
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main, swept, with_clearance
@@ -12,8 +13,7 @@ import contactlab as cl
 
 SAYS = (
     "Figure 7 shows the free figure of eight and the trajectories that contact leaves of it, for "
-    "clearances "
-    "of 0, 1 and 2 um: the rotor cuts off the top of the eight."
+    "clearances of 0, 1 and 2 um: the rotor cuts off the top of the eight."
 )
 CLEARANCES = (0.0, 1e-6, 2e-6)
 FREE = 1e-3
@@ -61,8 +61,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Free and constrained trajectories, a panel a clearance, with the rotor above."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(
         1, 4, figsize=(7.2, 2.5), sharex=True, sharey=True, layout="constrained"
     )
@@ -94,11 +92,9 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     deep = [max(-float(data.gap[i, 1:].min()), 0.0) for i in range(2)]
     ordered = bool(np.all(np.diff(heights, axis=1) < 0.0))
     return (
-        f"The rotor takes {', '.join(f'{1e6 * h:.2f}' for h in heights[0])} um off the top of "
-        "the eight for the "
-        f"three clearances. The rigid law enters it by {1e9 * deep[0]:.2g} nm at most, the Hertz "
-        "contact by "
-        f"{1e6 * deep[1]:.2f} um.",
+        f"The rotor takes {', '.join(f'{1e6 * h:.2f}' for h in heights[0])} um off the top of the "
+        f"eight for the three clearances. The rigid law enters it by {1e9 * deep[0]:.2g} nm at "
+        f"most, the Hertz contact by {1e6 * deep[1]:.2f} um.",
         ordered and deep[0] < 1e-8,
     )
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main, quantity, swept, with_clearance
@@ -15,10 +16,8 @@ import contactlab as cl
 
 SAYS = (
     "Figure 8a shows the rotor from rest at clearances of 0, 1 and 2 um; the smallest is called "
-    "the best, since "
-    "its contact lasts longest. 8b starts at -0.9 rad/s and reaches a steady state. 8c gives the "
-    "velocity for "
-    "loads of 0, 1, 2 and 5 mN m."
+    "the best, since its contact lasts longest. 8b starts at -0.9 rad/s and reaches a steady "
+    "state. 8c gives the velocity for loads of 0, 1, 2 and 5 mN m."
 )
 CLEARANCES = (0.0, 1e-6, 2e-6)
 LOADS = (0.0, 1e-3, 2e-3, 5e-3)
@@ -95,8 +94,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Three panels; the transients for the paper's law, the others for all."""
-    import matplotlib.pyplot as plt
-
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.2, 2.5), layout="constrained")
     for j, clearance in enumerate(CLEARANCES):
         a.plot(
@@ -141,10 +138,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     )
     return (
         f"After 5 ms the clearances are ordered {words}; the fastest is {', '.join(best)}. From "
-        "-0.9 rad/s the "
-        f"velocity settles within {100 * drift:.1f} % over the last fifth of the run. The speed "
-        "falls with every "
-        f"braking torque: {'yes' if falls else 'no'}.",
+        f"-0.9 rad/s the velocity settles within {100 * drift:.1f} % over the last fifth of the "
+        f"run. The speed falls with every braking torque: {'yes' if falls else 'no'}.",
         "lagrange_slip" in ordered and drift < 0.05 and falls,
     )
 

@@ -2,6 +2,7 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import xarray
 from harness import laws_of, main
 from matplotlib.figure import Figure
@@ -9,9 +10,8 @@ from matplotlib.figure import Figure
 import contactlab as cl
 
 SAYS = (
-    "Figure 9 shows the normal force with a high peak at every impact. The peak is called "
-    "without physical "
-    "meaning, made by a multiplier that stops the tip within one step."
+    "Figure 9 shows the normal force with a high peak at every impact. The peak is called without "
+    "physical meaning, made by a multiplier that stops the tip within one step."
 )
 STEPS = (1e-6, 2.5e-7)
 """Contact steps of the paper's law [s]; records are as fine as the finer one."""
@@ -65,8 +65,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """All forces over one period, the peaks on a logarithmic axis."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(figsize=(5.0, 2.8), layout="constrained")
     late = data.time >= data.time[-1] - 4.2e-4
     for i, case in enumerate(data.case.values):
@@ -91,9 +89,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     ratio = fine / coarse
     return (
         f"A step {STEPS[0] / STEPS[1]:g} times as short makes the peak {ratio:.2f} times as high "
-        f"({coarse:.0f} to "
-        f"{fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The Hertz contact peaks "
-        f"at {hertz:.1f} N.",
+        f"({coarse:.0f} to {fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The "
+        f"Hertz contact peaks at {hertz:.1f} N.",
         abs(ratio / (STEPS[0] / STEPS[1]) - 1.0) < 0.05 and abs(change) < 0.01,
     )
 

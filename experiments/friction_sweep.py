@@ -4,6 +4,7 @@ import sys
 from dataclasses import replace
 from functools import partial
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main, quantity, swept
@@ -53,8 +54,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Velocities on the left, stick on the right."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     for i, law in enumerate(data.law.values):
         left.plot(data.friction_coefficient, data.rotor_velocity[i], "os^"[i] + "-", label=law)
@@ -78,10 +77,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     parting = f"from {mu[apart][0]:.2g} on" if apart.any() else "nowhere"
     sentence = (
         f"Between coefficients of {mu[0]:.2g} and {mu[-1]:.2g} the velocity with Hertz contact "
-        "goes from "
-        f"{hertz[0]:.3g} to {hertz[-1]:.3g} rad/s. The law that always slips is more than a "
-        "tenth of the highest "
-        f"velocity away {parting}."
+        f"goes from {hertz[0]:.3g} to {hertz[-1]:.3g} rad/s. The law that always slips is more "
+        f"than a tenth of the highest velocity away {parting}."
     )
     return sentence, bool(np.abs(hertz[-1]) > np.abs(hertz[0]))
 

@@ -5,6 +5,7 @@ A rigid impact takes one step h, so that its force is impulse / h (eq. 59); the 
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main
@@ -14,10 +15,9 @@ import contactlab as cl
 
 SAYS = (
     "Figure 9 shows peaks of the normal force at every impact. The paper calls them a product of "
-    "the multiplier, "
-    "which stops the tip within one time step, without physical meaning; the velocity of the "
-    "rotor has one, since "
-    "it follows from the impulse. Contact stiffness, by Hertz, is proposed as the remedy."
+    "the multiplier, which stops the tip within one time step, without physical meaning; the "
+    "velocity of the rotor has one, since it follows from the impulse. Contact stiffness, by "
+    "Hertz, is proposed as the remedy."
 )
 STEPS = tuple(10.0**-k for k in np.arange(6.0, 8.01, 0.25))
 
@@ -70,8 +70,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Peaks on the left, impulses on the right."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     step = 1e6 * data.contact_step.values
     for i, law in enumerate(data.law.values):
@@ -95,10 +93,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     drift = float(np.abs(data.normal_impulse[:, -1] / data.normal_impulse[:, -2] - 1.0).max())
     sentence = (
         f"The peak force of the rigid laws goes with the step to the power {slip:.3f} (slip) and "
-        f"{stick:.3f} "
-        f"(stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses converge; the "
-        "last refinement "
-        f"changes them by {100.0 * drift:.2g} % at most."
+        f"{stick:.3f} (stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses "
+        f"converge; the last refinement changes them by {100.0 * drift:.2g} % at most."
     )
     return sentence, abs(slip + 1.0) < 0.02 and abs(stick + 1.0) < 0.02 and abs(
         hertz

@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import REFUSED, changed, laws_of, main
@@ -142,8 +143,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Velocities above, how far the laws are apart against their numerical errors below."""
-    import matplotlib.pyplot as plt
-
     figure, panels = plt.subplots(
         2, len(SWEEPS), figsize=(7.0, 4.2), sharey="row", sharex="col", layout="constrained"
     )
