@@ -86,7 +86,7 @@ def folder_of(job: Job, swept: Path) -> Path | None:
     index = int(job.id.rpartition("_")[2])
     for path in swept.glob("*/.hydra/hydra.yaml"):
         if yaml.safe_load(path.read_text())["hydra"]["job"]["num"] == index:
-            return path.parents[2]
+            return path.parents[1]
     return None
 
 
