@@ -32,6 +32,7 @@ import contactlab as cl
 from contactlab.config.nesting import flat, nested
 from contactlab.plot.style import STYLE
 from contactlab.results.provenance import versions
+from contactlab.sweeps import Status
 
 STIFFNESS = 1e10
 """Of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""
@@ -150,7 +151,7 @@ def swept(
             )
         for reason in sorted({*runs.reason.values.ravel()} - {""}):
             print(f"{name}: {reason}", file=sys.stderr)
-        found.append(runs.drop_vars(["status", "reason"]).where(runs.status == 0))
+        found.append(runs.drop_vars(["status", "reason"]).where(runs.status == Status.COMPLETE))
     every = xarray.concat(found, pandas.Index([*laws], name="law")).drop_attrs(deep=False)
     if "time" in every:
         every.time.attrs["units"] = "s"
