@@ -105,11 +105,18 @@ def judge(flight: Flight) -> dict[str, float]:
 
 
 def judged(seed: int, numbers: Iterable[int]) -> pd.DataFrame:
-    """Run the random flights with these numbers; gives a row for each, see `judge`."""
+    """Run the random flights with these numbers; gives a row for each, see `judge`.
+
+    Raises:
+        RuntimeError: the engine gave a run up; with its flight, which `random_flight` gives again.
+    """
     rows = []
     for number in numbers:
         kind, flight = random_flight(seed, number)
-        rows.append({"kind": kind, "number": number, **judge(flight)})
+        try:
+            rows.append({"kind": kind, "number": number, **judge(flight)})
+        except RuntimeError as error:
+            raise RuntimeError(f"Flight {number} of seed {seed}: {error}") from error
     return pd.DataFrame(rows)
 
 

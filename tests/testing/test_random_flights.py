@@ -2,17 +2,20 @@
 
 import csv
 import importlib.util
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from contactlab.testing import random_flights
+from contactlab.testing import random_flights, runs
 from contactlab.testing.flights import Flight
 from contactlab.testing.random_flights import DURATION, FAULTS, KINDS, judge, judged, random_flight
+from contactlab.trajectory import Ending, Trajectory
 
 SCRIPT = Path(__file__).parents[2] / "experiments" / "random_flights.py"
 FLIGHTS = 600
@@ -125,3 +128,22 @@ def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatc
     assert faults_of(monkeypatch, touching, when - 1e-9) == {"invented"}
     assert faults_of(monkeypatch, open_one, 1e-4) == {"invented"}
     assert faults_of(monkeypatch, open_one) == set()
+
+
+def test_a_flight_whose_run_gives_up_is_named_and_no_verdict_is_made_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    simulate, made = runs.simulate, []
+
+    def gives_the_third_up(*motor_and_law: Any, **named: Any) -> Trajectory:
+        run = simulate(*motor_and_law, **named)
+        made.append(run)
+        if len(made) < 3:
+            return run
+        return replace(run, ending=Ending.STALLED, message="Its steps do not advance.")
+
+    monkeypatch.setattr(runs, "simulate", gives_the_third_up)
+    sentence = r"^Flight 7 of seed 3: hertz_penalty: Its steps do not advance\.$"
+    with pytest.raises(RuntimeError, match=sentence):
+        judged(3, range(5, 9))
+    assert len(made) == 3
