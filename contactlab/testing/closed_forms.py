@@ -19,9 +19,11 @@ from contactlab.testing.plants import (
     TensileDashpot,
     block,
     coupled_body,
+    first,
+    last,
+    run,
     way_of,
 )
-from contactlab.testing.runs import first, last, run
 from contactlab.trajectory import Trajectory
 
 INSTANT = 1e-12

@@ -1,4 +1,4 @@
-"""Small plants whose motion is known in closed form, each a `Motor` like any other, and laws for them.
+"""Small plants whose motion is known in closed form, each a `Motor` like any other, their laws and runs.
 
 A block has two rigid-body modes, one normal and one along a belt. Springs turn them into oscillators, a
 weight presses it on, a tone pushes it. Tip length and rotor radius are so large that the contact is flat,
@@ -7,18 +7,20 @@ and the rotor is a belt. The laws are not in the registry: no motor should run w
 
 from dataclasses import dataclass, replace
 from math import inf, pi, sqrt
-from typing import Annotated, ClassVar, final
+from typing import Annotated, Any, ClassVar, final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.engine import simulate
+from contactlab.laws.base import ContactLaw, PenaltyKernel, PenaltyLaw
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
-from contactlab.parameter import Parameter
+from contactlab.parameter import not_negative, positive
+from contactlab.trajectory import Trajectory
 
 FLAT = 1e9
 """Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
@@ -130,10 +132,6 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     )
 
 
-_STIFFNESS = Parameter("k", "N m-1", "contact stiffness", above=0.0)
-_DAMPING = Parameter("c", "N s m-1", "contact damping", at_least=0.0)
-
-
 @kernel
 def dashpot_force(
     gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
@@ -148,7 +146,6 @@ def dashpot_force(
     return normal, mu * normal, -0.5 * elastic * gap, (elastic - normal) * gap_rate
 
 
-@final
 @dataclass(frozen=True)
 class SpringDashpot(PenaltyLaw):
     """A linear spring and dashpot that push only, with static and kinetic friction.
@@ -156,17 +153,19 @@ class SpringDashpot(PenaltyLaw):
     N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
     """
 
-    name: ClassVar[str] = "spring_dashpot"
-    equation: ClassVar[str] = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
-    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
-    default_contact_step: ClassVar[float] = 4e-6
+    name = "spring_dashpot"
+    equation = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
+    source = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
+    default_contact_step = 4e-6
     # The force has a kink where it ends, and no step ends there.
-    convergence_order: ClassVar[float] = 0.75
+    convergence_order = 0.75
+    least: ClassVar[float] = 0.0
+    """Normal force [N] below which it does not fall."""
 
-    stiffness: Annotated[float, _STIFFNESS]
-    damping: Annotated[float, _DAMPING] = 0.0
-    static_friction: Annotated[float, Parameter("mu_s", "1", "static", at_least=0.0)] = 0.0
-    kinetic_friction: Annotated[float, Parameter("mu_k", "1", "kinetic", at_least=0.0)] = 0.0
+    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")]
+    damping: Annotated[float, not_negative("c", "N s m-1", "contact damping")] = 0.0
+    static_friction: Annotated[float, not_negative("mu_s", "1", "static")] = 0.0
+    kinetic_friction: Annotated[float, not_negative("mu_k", "1", "kinetic")] = 0.0
 
     @property
     def friction_limit(self) -> float:
@@ -174,8 +173,8 @@ class SpringDashpot(PenaltyLaw):
         return max(self.static_friction, self.kinetic_friction)
 
     def parameters(self) -> Array:
-        """What the kernel receives: see `dashpot_force`."""
-        return np.array([*self.describe().values(), 0.0])
+        """Give what the kernel receives, see `dashpot_force`."""
+        return np.array([*self.describe().values(), self.least])
 
     @property
     def force(self) -> PenaltyKernel:
@@ -185,23 +184,52 @@ class SpringDashpot(PenaltyLaw):
 
 @final
 @dataclass(frozen=True)
-class TensileDashpot(PenaltyLaw):
-    """The same without its limit, N = k d + c ddot: it pulls before the gap opens. No friction."""
+class TensileDashpot(SpringDashpot):
+    """The same without its limit, N = k d + c ddot: it pulls before the gap opens."""
 
-    name: ClassVar[str] = "tensile_dashpot"
-    equation: ClassVar[str] = "N = k d + c ddot"
-    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
-    default_contact_step: ClassVar[float] = 4e-6
-    allows_tension: ClassVar[bool] = True
+    name = "tensile_dashpot"
+    equation = "N = k d + c ddot"
+    allows_tension = True
+    convergence_order = PenaltyLaw.convergence_order
+    least = -inf
 
-    stiffness: Annotated[float, _STIFFNESS]
-    damping: Annotated[float, _DAMPING]
 
-    def parameters(self) -> Array:
-        """What the kernel receives: see `dashpot_force`."""
-        return np.array([self.stiffness, self.damping, 0.0, 0.0, -inf])
+def attempt(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float,
+    contact_step: float | None = None,
+    record_interval: float | None = None,
+    tolerance: float | None = None,
+) -> Trajectory:
+    """Make a run, whatever becomes of it; without a record interval it is recorded at its ends only."""
+    return simulate(
+        motor,
+        law,
+        duration=duration,
+        record_interval=record_interval or duration,
+        contact_step=contact_step,
+        tolerance=tolerance,
+    )
 
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return dashpot_force
+
+def completed(trajectory: Trajectory) -> Trajectory:
+    """Give a run back that has reached its end, or raise a RuntimeError with the reason why it has not."""
+    if not trajectory.ending.reached_end:
+        raise RuntimeError(f"{trajectory.law.name}: {trajectory.message}")
+    return trajectory
+
+
+def run(*of_attempt: Any, **named: Any) -> Trajectory:
+    """Make a run as `attempt` does that must reach its end, or raise a RuntimeError."""
+    return completed(attempt(*of_attempt, **named))
+
+
+def first(trajectory: Trajectory, name: str) -> float:
+    """Give a column of the first contact."""
+    return float(trajectory.contacts[name][0])
+
+
+def last(trajectory: Trajectory, name: str) -> float:
+    """Give the last record of a series."""
+    return float(trajectory.series[name][-1])

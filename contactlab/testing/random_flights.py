@@ -15,7 +15,7 @@ from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 from contactlab.testing.claim import REFERENCES, Claims, at_least, at_most, proof
 from contactlab.testing.flights import Flight, double_well, flight_of
-from contactlab.testing.runs import run
+from contactlab.testing.plants import run
 
 DURATION = 1e-3
 """Longest flight [s]."""

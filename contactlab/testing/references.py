@@ -8,8 +8,7 @@ relative tolerance of 1e-10, every switch an event); the tests run one of them a
 from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor import RitzResonator
 from contactlab.testing.claim import REFERENCES, Claim, Claims, close, proof
-from contactlab.testing.plants import paper_motor
-from contactlab.testing.runs import last, run
+from contactlab.testing.plants import last, paper_motor, run
 from contactlab.trajectory import Trajectory
 
 PLACEMENTS = {"placement 1": (15.968e-3, 25.065e-3), "placement 2": (0.914e-3, 10.146e-3)}

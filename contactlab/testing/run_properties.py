@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws import ContactLaw, MultiplierLaw
+from contactlab.laws import ContactLaw
 from contactlab.testing.claim import PROPERTIES, Claim, Claims, at_least, at_most, close, proof
+from contactlab.testing.contract import BELT_MASS, MASS, NUDGE, WEIGHT, Bench
 from contactlab.testing.flights import flight_of
-from contactlab.testing.kernel_properties import ROUND_OFF, answers_of
-from contactlab.testing.plants import FLAT, mirrored
-from contactlab.testing.runs import BELT_MASS, MASS, NUDGE, WEIGHT, Bench, completed
+from contactlab.testing.kernel_properties import ROUND_OFF, TINY, answers_of
+from contactlab.testing.plants import FLAT, completed, mirrored
 from contactlab.trajectory import Trajectory
 
 STEP_ERROR = 1e-5
@@ -22,9 +22,6 @@ STEP_ERROR = 1e-5
 
 ORDER_SCATTER = 0.3
 """An order fitted to a few runs is uncertain by this much."""
-
-TINY = 1e-300
-"""Added to what is divided by, and may be zero."""
 
 _KINEMATICS = ("tip_tangential_displacement", "tip_slope", "rotor_velocity", "rotor_angle")
 MIRRORED = (*_KINEMATICS, "slip_velocity", "friction_force", "friction_impulse")
@@ -61,8 +58,8 @@ def inside_the_cone(bench: Bench) -> Claims:
 @proof(PROPERTIES)
 def friction_opposes_slip(bench: Bench) -> Claims:
     """The work of F on v over every record interval, and F of an impact against the slip it leaves."""
-    if isinstance(bench.law, MultiplierLaw):
-        pushed = answers_of(bench.law)["pushed"]
+    if bench.rigid:
+        pushed = answers_of(bench)["pushed"]
         yield at_most("friction impulse along the slip it leaves", pushed, ROUND_OFF)
     for words, made in bench.runs:
         gained = _gained(made.series["friction_loss"])
@@ -72,8 +69,8 @@ def friction_opposes_slip(bench: Bench) -> Claims:
 @proof(PROPERTIES)
 def dissipates(bench: Bench) -> Claims:
     """Every contact loses energy; a compliant one at every instant, a rigid one in any impact."""
-    if isinstance(bench.law, MultiplierLaw):
-        gain = answers_of(bench.law)["gain"]
+    if bench.rigid:
+        gain = answers_of(bench)["gain"]
         yield at_most("energy made by an impact, over impulse times velocity", gain, ROUND_OFF)
     for words, made in bench.runs:
         if not bench.rigid:
@@ -145,19 +142,18 @@ def mirrors(bench: Bench) -> Claims:
 
 def _same(words: str, bench: Bench, law: ContactLaw, mirror: bool = False) -> Claim:
     """Claim that another run of the motor has the same numbers but for their sign; an equal NaN is."""
-    made = bench.motor_run
+    made, count = bench.motor_run, 0
     again = completed(bench.attempt_motor(law, mirrored(bench.motor) if mirror else bench.motor))
-    count = 0
-    modes = {"contact_mode": made.contact_mode}, {"contact_mode": again.contact_mode}
-    for columns, others in ((made.series, again.series), (made.contacts, again.contacts), modes):
-        for name, column in columns.items():
-            other = (-1.0 if mirror and name in MIRRORED else 1.0) * others[name]
-            alike = column.shape == other.shape
-            same = (
-                (column == other) | (np.isnan(column) & np.isnan(other)) if alike else np.array(0)
-            )
-            count += int(np.size(same) - np.count_nonzero(same))
+    for name, column in _columns(made).items():
+        other = (-1.0 if mirror and name in MIRRORED else 1.0) * _columns(again)[name]
+        alike = column.shape == other.shape
+        same = np.isclose(column, other, rtol=0.0, atol=0.0, equal_nan=True) if alike else [False]
+        count += int(np.size(same) - np.count_nonzero(same))
     return at_most(f"numbers that differ {words}", count, 0)
+
+
+def _columns(made: Trajectory) -> dict[str, Array]:
+    return {**made.series, **made.contacts, "contact_mode": made.contact_mode.astype(np.float64)}
 
 
 def _often_asked(law: ContactLaw) -> ContactLaw:

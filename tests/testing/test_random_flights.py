@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contactlab.testing import random_flights, runs
+from contactlab.testing import plants, random_flights
 from contactlab.testing.flights import Flight
 from contactlab.testing.random_flights import DURATION, FAULTS, KINDS, judge, judged, random_flight
 from contactlab.trajectory import Ending, Trajectory
@@ -133,7 +133,7 @@ def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatc
 def test_a_flight_whose_run_gives_up_is_named_and_no_verdict_is_made_of_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    simulate, made = runs.simulate, []
+    simulate, made = plants.simulate, []
 
     def gives_the_third_up(*motor_and_law: Any, **named: Any) -> Trajectory:
         run = simulate(*motor_and_law, **named)
@@ -142,7 +142,7 @@ def test_a_flight_whose_run_gives_up_is_named_and_no_verdict_is_made_of_it(
             return run
         return replace(run, ending=Ending.STALLED, message="Its steps do not advance.")
 
-    monkeypatch.setattr(runs, "simulate", gives_the_third_up)
+    monkeypatch.setattr(plants, "simulate", gives_the_third_up)
     sentence = r"^Flight 7 of seed 3: hertz_penalty: Its steps do not advance\.$"
     with pytest.raises(RuntimeError, match=sentence):
         judged(3, range(5, 9))
