@@ -15,7 +15,6 @@ what is claimed and what is found.
 from contactlab.testing import (  # noqa: F401
     closed_forms,
     kernel_properties,
-    random_flights,
     references,
     run_properties,
 )

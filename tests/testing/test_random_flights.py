@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contactlab.testing import plants, random_flights
-from contactlab.testing.flights import Flight
-from contactlab.testing.random_flights import DURATION, FAULTS, KINDS, judge, judged, random_flight
+from contactlab.testing import plants, references
+from contactlab.testing.flights import DURATION, KINDS, Flight, random_flight
+from contactlab.testing.references import FAULTS, judge, judged, tally
 from contactlab.trajectory import Ending, Trajectory
 
 SCRIPT = Path(__file__).parents[2] / "experiments" / "random_flights.py"
@@ -38,7 +38,7 @@ def rows() -> pd.DataFrame:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_touch_down_is_missed_late_or_invented(kind: str) -> None:
-    found = random_flights.tally(rows()).loc[kind]
+    found = tally(rows()).loc[kind]
     assert found["flights"] > 0.1 * FLIGHTS
     # The claim is about both: flights that touch and flights that do not.
     assert 0.2 * found["flights"] < found["touched"] < found["flights"]
@@ -90,7 +90,7 @@ def test_a_tally_counts_and_names_the_worst_flight() -> None:
             {"kind": "b", "number": 9, **right, "missed": True, "error": 0.0, "excess": np.inf},
         ]
     )
-    found = random_flights.tally(table)
+    found = tally(table)
     assert list(found["worst"]) == [7, 9]
     assert list(found["error"]) == [1e-8, 5e-9]
     assert found[["flights", "touched", *FAULTS]].to_numpy().tolist() == [
@@ -111,7 +111,7 @@ def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -
     made = SimpleNamespace(
         contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10}
     )
-    monkeypatch.setattr(random_flights, "run", lambda *_: made)
+    monkeypatch.setattr(references, "run", lambda *_: made)
     found = judge(flight)
     assert found["touched"] == (flight.first_touch(DURATION) is not None)
     return {fault for fault in FAULTS if found[fault]}
