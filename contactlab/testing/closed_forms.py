@@ -15,7 +15,6 @@ from contactlab.testing.claim import CLOSED_FORMS, Claims, at_most, close, proof
 from contactlab.testing.plants import (
     FLAT,
     HEAVY,
-    SpringDashpot,
     TensileDashpot,
     block,
     coupled_body,
@@ -75,13 +74,16 @@ def dashpot_impacts(mass: float = 1e-2, speed: float = 0.5, ratio: float = 0.3) 
 
     e = exp[-(b/w)(pi - atan2(2 b w, w^2 - b^2))] or exp(-pi b/w),  b = z w0, w = w0 sqrt(1 - z^2)
     """
-    rate = sqrt(SPRING / mass)
+    rate, spring = sqrt(SPRING / mass), Linear(SPRING)
     b, w = ratio * rate, rate * sqrt(1.0 - ratio**2)
-    ball, duration = block(mass, height=1e-6, gap_rate=-speed), 1e-6 / speed + 2.0 * pi / w
-    pushed = run(ball, SpringDashpot(SPRING, 2.0 * b * mass), duration)
-    pulled = run(ball, TensileDashpot(SPRING, 2.0 * b * mass), duration)
-    words = "spring and dashpot released at"
     expected = exp(-b / w * (pi - atan2(2.0 * b * w, w * w - b * b)))
+    ball, duration = block(mass, height=1e-6, gap_rate=-speed), 1e-6 / speed + 2.0 * pi / w
+    tuned, damping = LinearDamping(expected, mass, speed), 2.0 * b * mass
+    pushed = run(ball, Composed(spring, tuned, Coulomb(0.0)), duration)
+    pulled = run(ball, TensileDashpot(SPRING, damping), duration)
+    words = "spring and dashpot released at"
+    solved = tuned.coefficients(spring)[0]
+    yield close(f"{words} N = 0: damping solved for", solved, damping, 1e-6, "N s m-1")
     yield close(f"{words} N = 0: restitution", restitution(pushed), expected, 1e-6, scale=1.0)
     expected = exp(-pi * b / w)
     yield close(f"{words} d = 0: restitution", restitution(pulled), expected, 1e-6, scale=1.0)
@@ -148,7 +150,7 @@ def bilinear_oscillator(mass: float = 0.5, spring: float = 2e3, contact: float =
     touching = pi / sqrt((spring + contact) / mass)
     period = pi / sqrt(spring / mass) + touching
     motor = block(mass, height=1e-3, normal_stiffness=spring)
-    made, words = run(motor, SpringDashpot(contact), 3.0 * period), "bilinear oscillator"
+    made, words = run(motor, Composed(Linear(contact)), 3.0 * period), "bilinear oscillator"
     found = np.diff(made.contacts["start_time"])[0]
     yield close(f"{words}: period", found, period, 1e-6, "s")
     yield close(f"{words}: time in contact", first(made, "duration"), touching, 1e-6, "s")
@@ -206,7 +208,7 @@ def belt_stick_slip(static: float = 0.5, kinetic: float = 0.3, belt: float = 0.1
     stiffness, drop = 100.0, (static - kinetic) * WEIGHT
     w, pull = sqrt(stiffness), stiffness * belt
     stick, slip = 2.0 * drop / pull, 2.0 / w * (pi - atan(drop * w / pull))
-    law = SpringDashpot(SPRING, static_friction=static, kinetic_friction=kinetic)
+    law = Composed(Linear(SPRING), friction=Coulomb(kinetic, static / kinetic))
     moving = {"velocity": belt, "belt_velocity": belt}
     motor = block(1.0, height=SPRING_BALANCE, weight=WEIGHT, stiffness=stiffness, **moving)
     away = static * WEIGHT / pull

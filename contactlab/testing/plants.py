@@ -1,13 +1,13 @@
-"""Small plants whose motion is known in closed form, each a `Motor` like any other, their laws and runs.
+"""Small plants whose motion is known in closed form, each a `Motor` like any other, and their runs.
 
 A block has two rigid-body modes, one normal and one along a belt. Springs turn them into oscillators, a
 weight presses it on, a tone pushes it. Tip length and rotor radius are so large that the contact is flat,
-and the rotor is a belt. The laws are not in the registry: no motor should run with them by accident.
+and the rotor is a belt. Its law is not in the registry: no motor should run with it by accident.
 """
 
 from dataclasses import dataclass, replace
-from math import inf, pi, sqrt
-from typing import Annotated, Any, ClassVar, final
+from math import pi, sqrt
+from typing import Annotated, Any, final
 
 import numpy as np
 
@@ -134,64 +134,31 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
 
 @kernel
 def dashpot_force(
-    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
+    gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
 ) -> tuple[float, float, float, float]:
-    """Give normal force [N], friction bound [N], stored energy [J] and normal loss [W].
-
-    The parameters are k, c, the static and the kinetic coefficient, and the least normal force.
-    """
-    elastic = -parameters[0] * gap
-    normal = max(elastic - parameters[1] * gap_rate, parameters[4])
-    mu = parameters[2] if slip == 0.0 else parameters[3]
-    return normal, mu * normal, -0.5 * elastic * gap, (elastic - normal) * gap_rate
+    """See `PenaltyLaw.force`; the parameters are k and c."""
+    elastic, loss = -parameters[0] * gap, parameters[1] * gap_rate * gap_rate
+    return elastic - parameters[1] * gap_rate, 0.0, -0.5 * elastic * gap, loss
 
 
+@final
 @dataclass(frozen=True)
-class SpringDashpot(PenaltyLaw):
-    """A linear spring and dashpot that push only, with static and kinetic friction.
+class TensileDashpot(PenaltyLaw):
+    """A linear spring and dashpot that pulls before the gap opens, d = -g = 0. No friction."""
 
-    N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
-    """
-
-    name = "spring_dashpot"
-    equation = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
-    source = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
+    name = "tensile_dashpot"
+    equation = "N = k d + c ddot"
+    source = "Johnson, Contact Mechanics (1985), sec. 11.5"
     default_contact_step = 4e-6
-    # The force has a kink where it ends, and no step ends there.
-    convergence_order = 0.75
-    least: ClassVar[float] = 0.0
-    """Normal force [N] below which it does not fall."""
+    allows_tension = True
 
     stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")]
-    damping: Annotated[float, not_negative("c", "N s m-1", "contact damping")] = 0.0
-    static_friction: Annotated[float, not_negative("mu_s", "1", "static")] = 0.0
-    kinetic_friction: Annotated[float, not_negative("mu_k", "1", "kinetic")] = 0.0
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return max(self.static_friction, self.kinetic_friction)
-
-    def parameters(self) -> Array:
-        """Give what the kernel receives, see `dashpot_force`."""
-        return np.array([*self.describe().values(), self.least])
+    damping: Annotated[float, not_negative("c", "N s m-1", "contact damping")]
 
     @property
     def force(self) -> PenaltyKernel:
         """The kernel; see `PenaltyLaw.force`."""
         return dashpot_force
-
-
-@final
-@dataclass(frozen=True)
-class TensileDashpot(SpringDashpot):
-    """The same without its limit, N = k d + c ddot: it pulls before the gap opens."""
-
-    name = "tensile_dashpot"
-    equation = "N = k d + c ddot"
-    allows_tension = True
-    convergence_order = PenaltyLaw.convergence_order
-    least = -inf
 
 
 def attempt(
