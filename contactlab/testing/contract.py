@@ -46,27 +46,25 @@ NUDGE = 0.4
 class Bench:
     """Hold a law and the runs that its contract is checked on, each made once.
 
-    Args:
-        law: under test.
-        make_motor: gives a motor that the law can drive, at its default contact step.
+    The motor is one that the law can drive at its default contact step.
     """
 
     law: ContactLaw
     make_motor: Callable[[], Motor] = field(default=paper_motor)
 
-    @cached_property
+    @property
     def rigid(self) -> bool:
         """Whether the law is a `MultiplierLaw`."""
         return isinstance(self.law, MultiplierLaw)
 
-    @cached_property
+    @property
     def balance(self) -> float:
         """What energy and momentum may miss, as a share, at default steps: the order-one laws more."""
         return 1e-3 if self.rigid else 1e-6
 
     @cached_property
     def motor(self) -> Motor:
-        """The motor."""
+        """The motor of `motor_run`."""
         return self.make_motor()
 
     @property
@@ -209,13 +207,9 @@ class LawContract:
 
 
 def invariants_of(run: xarray.DataTree) -> Claims:
-    """Hold a recorded run to what no law can excuse: closed books, no contact without length, none missed.
+    """Hold a run, see `contactlab.metrics.read_run`, to what no law can excuse.
 
-    Args:
-        run: in the layout of a run.nc, see `contactlab.metrics.read_run`.
-
-    Yields:
-        A claim for every one of `contactlab.metrics.INVARIANTS` that the run has the numbers for.
+    Yields a claim for every one of `contactlab.metrics.INVARIANTS` that the run has the numbers for.
     """
     for key, value in assess(run, INVARIANTS).items():
         metric = INVARIANTS[key]

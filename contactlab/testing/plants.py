@@ -1,25 +1,23 @@
-"""Small plants whose motion is known in closed form, each a `Motor` like any other, and their runs.
+"""Small plants whose motion is known in closed form, each a `Motor` like any other, and runs of them.
 
 A block has two rigid-body modes, one normal and one along a belt. Springs turn them into oscillators, a
 weight presses it on, a tone pushes it. Tip length and rotor radius are so large that the contact is flat,
-and the rotor is a belt. Its law is not in the registry: no motor should run with it by accident.
+and the rotor is a belt.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi, sqrt
-from typing import Annotated, Any, final
+from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import ContactLaw, PenaltyKernel, PenaltyLaw
+from contactlab.laws import ContactLaw
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
-from contactlab.parameter import not_negative, positive
 from contactlab.trajectory import Trajectory
 
 FLAT = 1e9
@@ -69,11 +67,9 @@ def block(
         height, gap_rate: gap [m] and its rate [m/s] at the start; a negative height is pressed in.
         way, velocity: along the belt at the start [m], [m/s].
         weight, push: constant forces towards the belt and along it [N].
-        normal_stiffness: of a spring that pulls the block to a gap of zero [N/m].
-        stiffness: of a spring that pulls the block to way zero [N/m].
+        normal_stiffness, stiffness: of springs that pull the block to a gap and a way of zero [N/m].
         push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
-        belt_mass: by default one that nothing brakes [kg].
-        belt_velocity: along the way, at the start [m/s].
+        belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
     """
     root = sqrt(mass)
     tone = Drive(np.array([push_frequency]), np.array([[push_amplitude], [0.0]], dtype=complex))
@@ -107,7 +103,6 @@ def way_of(theta: Array) -> Array:
 def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     """Draw a body of several coupled modes and a rotor, about to touch at a gap rate of `approach` [m/s]."""
     rng = np.random.default_rng(seed)
-    geometry = ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0)
     tip_displacement = rng.normal(size=modes) * 20.0
     tip_slope = rng.normal(size=modes) * 1e3
     velocity = rng.normal(size=modes) * 1e-3
@@ -115,7 +110,6 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     squared = tip_displacement @ tip_displacement
     velocity += (approach - tip_displacement @ velocity) * tip_displacement / squared
     rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
-    height = 1e-12
     return Motor(
         modes=NormalModes(
             stiffness=rate**2,
@@ -126,39 +120,10 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
             shape_coupling=np.zeros((modes, 2)),
         ),
         drive=silent_drive(),
-        geometry=geometry,
+        geometry=ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0),
         rotor=Rotor(inertia=float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0),
-        start=ModalState(-height * tip_displacement / squared, velocity),
+        start=ModalState(-1e-12 * tip_displacement / squared, velocity),
     )
-
-
-@kernel
-def dashpot_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    """See `PenaltyLaw.force`; the parameters are k and c."""
-    elastic, loss = -parameters[0] * gap, parameters[1] * gap_rate * gap_rate
-    return elastic - parameters[1] * gap_rate, 0.0, -0.5 * elastic * gap, loss
-
-
-@final
-@dataclass(frozen=True)
-class TensileDashpot(PenaltyLaw):
-    """A linear spring and dashpot that pulls before the gap opens, d = -g = 0. No friction."""
-
-    name = "tensile_dashpot"
-    equation = "N = k d + c ddot"
-    source = "Johnson, Contact Mechanics (1985), sec. 11.5"
-    default_contact_step = 4e-6
-    allows_tension = True
-
-    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")]
-    damping: Annotated[float, not_negative("c", "N s m-1", "contact damping")]
-
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return dashpot_force
 
 
 def attempt(

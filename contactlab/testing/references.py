@@ -171,10 +171,8 @@ def rigid_case_a() -> Claims:
         found = 2.0 * _measure(fine, name) - _measure(coarse, name)
         words = f"case A, lagrange_stick, step to zero: {name.replace('_', ' ')}"
         yield Claim(words, value, found, left, units=units)
-    words, found = (
-        "case A, lagrange_slip, step 10 ns: rotor velocity",
-        last(finest, "rotor_velocity"),
-    )
+    words = "case A, lagrange_slip, step 10 ns: rotor velocity"
+    found = last(finest, "rotor_velocity")
     yield Claim(words, SLIP_ONLY_VELOCITY, found, 1e-4, units="rad s-1")
     peaks = [float(made.contacts["peak_normal_force"].max()) for made in (slipping, finest)]
     words = "case A, lagrange_slip: peak force at half the step"

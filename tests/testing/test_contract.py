@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from support.tensile_dashpot import TensileDashpot
+
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS, Flores, LinearDamping
@@ -11,7 +13,6 @@ from contactlab.laws.friction import FRICTIONS, Coulomb, LuGre, Mindlin
 from contactlab.laws.normal import NORMAL_FORCES, Line, Linear
 from contactlab.testing import LawContract
 from contactlab.testing.claim import PROPERTIES
-from contactlab.testing.plants import TensileDashpot
 
 HELD = {
     "hertz_penalty": HertzPenalty(stiffness=1e10, friction_coefficient=0.3),
