@@ -76,15 +76,14 @@ class Flight:
         are rounded independently of each other, so that n of them leave sqrt(n) times as much.
         """
         rates = np.abs(self.exponents)
-        slowest = np.sqrt(self.motor.modes.stiffness.min())
         sizes = np.exp(self.exponents.real * time) * (1.0 + rates * time)
-        sizes *= np.maximum(rates / slowest, 1.0)
+        sizes *= np.maximum(rates / np.sqrt(self.motor.modes.stiffness.min()), 1.0)
         slope = abs(float((np.exp(self.exponents * time) @ self.th).real))
         geometry = self.motor.geometry
         lever = geometry.tip_length * slope * (1.0 + geometry.tip_length / geometry.rotor_radius)
         gap = sizes @ np.abs(self.u) + lever * (sizes @ np.abs(self.th))
-        spread = np.sqrt(OPERATIONS_PER_STEP * steps)
-        return float(np.finfo(np.float64).eps * spread * (gap + geometry.clearance))
+        eps = np.finfo(np.float64).eps * np.sqrt(OPERATIONS_PER_STEP * steps)
+        return float(eps * (gap + geometry.clearance))
 
     def with_clearance(self, clearance: float) -> "Flight":
         """Give the same vibration under a rotor at another distance [m]."""
@@ -162,11 +161,11 @@ def flight_of(motor: Motor) -> Flight:
     # A + B = -q(0) and A r1 + B r2 = -v(0) of the steady part.
     q, v = -steady.real.sum(axis=1), -(steady * tones).real.sum(axis=1)
     from_first = (v - second * q) / (first - second)
-    amplitudes = [from_first, q - from_first]
-    tips = []
-    for row in (modes.tip_displacement, modes.tip_slope):
-        tips.append(np.concatenate([row @ steady, row * amplitudes[0], row * amplitudes[1]]))
-    return Flight(motor, np.concatenate([tones, first, second]), tips[0], tips[1])
+    u, th = (
+        np.concatenate([row @ steady, row * from_first, row * (q - from_first)])
+        for row in (modes.tip_displacement, modes.tip_slope)
+    )
+    return Flight(motor, np.concatenate([tones, first, second]), u, th)
 
 
 def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
@@ -176,13 +175,12 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
 
     Args:
         modes: the resonator.
-        frequency: of the tones [Hz], shape (tone,); there are four real unknowns to each.
-        when: the instant [s].
+        frequency, when: of the tones [Hz], four real unknowns to each; the instant [s].
         u, th: derivatives of order 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free.
     """
     order = np.arange(u.size)
-    units: Phasors = np.eye(2 * frequency.size, dtype=np.complex128)
-    units = np.concatenate([units, 1j * units]).reshape(-1, 2, frequency.size)
+    reals = np.eye(2 * frequency.size)
+    units: Phasors = np.concatenate([reals, 1j * reals]).reshape(-1, 2, frequency.size)
     answers = []
     for unit in units:
         flight = flight_of(Motor(modes, Drive(frequency, unit)))
@@ -190,12 +188,11 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
         answers.append(np.concatenate([(flight.u @ waves).real, (flight.th @ waves).real]))
     # Derivatives in the time of the fastest tone, so that all are of one size.
     scale = np.tile((2.0 * np.pi * frequency.max()) ** -order.astype(np.float64), 2)
-    wanted = np.concatenate([u, th])
+    wanted = np.concatenate([u, th]) * scale
     given = ~np.isnan(wanted)
     system = (np.array(answers).T * scale[:, None])[given]
-    sizes = np.linalg.lstsq(system, (wanted * scale)[given], rcond=None)[0]
-    phasors: Phasors = np.tensordot(sizes, units, axes=1)
-    return Drive(frequency, phasors)
+    sizes = np.linalg.lstsq(system, wanted[given], rcond=None)[0]
+    return Drive(frequency, np.tensordot(sizes, units, axes=1))
 
 
 def double_well(
@@ -210,13 +207,12 @@ def double_well(
 
     Args:
         modes: the resonator.
-        frequency: of the tones [Hz], three and more.
-        when, half: [s], half a small part of the fastest period.
+        frequency, when: of the tones [Hz], three and more; the instant [s].
+        half: a small part of the fastest period [s].
         barrier, tilt: [m]; the second minimum lies above the first by twice the tilt.
     """
-    shape = np.array([0.0, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
+    shape = np.array([np.nan, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
     u = -shape / half ** np.arange(6.0)
-    u[0] = np.nan
     drive = drive_through(modes, frequency, when, u, np.zeros(6))
     return flight_of(Motor(modes, drive)).with_clearance(FAR).lowered_to(barrier, when)
 
@@ -281,8 +277,8 @@ def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
     barrier, tilt = 1e-11, 1e-11 * rng.uniform(-0.5, 0.5)
     drive = double_well(modes, frequency, when, half, barrier, tilt).motor.drive
     share = min(1.0, 100.0 / float(np.abs(drive.phasors).max()))
-    weak = flight_of(Motor(modes, replace(drive, phasors=share * drive.phasors)))
-    weak = weak.with_clearance(FAR)
+    drive = replace(drive, phasors=share * drive.phasors)
+    weak = flight_of(Motor(modes, drive)).with_clearance(FAR)
     times, _ = weak.minima(when + 2.0 * half)
     dip, depth = float(times[np.abs(times - when + half).argmin()]), np.log10(share * barrier)
     return _grazing(rng, weak, dip, depth - 3.0, depth - 0.5)
