@@ -6,7 +6,7 @@ Every flight is also searched on a dense grid, in closed form (`contactlab.testi
 nothing of the bound by which the engine passes over stretches of flight. A touch-down is wrong where it
 differs from the reference by more than 1e-15 s and what float64 leaves uncertain. The figures depend on
 the seed and the number of flights alone. The status is 1 where a flight went wrong;
-`contactlab.testing.random_flights.random_flight(seed, number)` gives such a flight again.
+`contactlab.testing.flights.random_flight(seed, number)` gives such a flight again.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from time import perf_counter
 import pandas as pd
 from harness import in_chunks
 
-from contactlab.testing.random_flights import FAULTS, judged, tally
+from contactlab.testing.references import FAULTS, judged, tally
 
 CHUNK = 100
 """Flights a task: a fraction of a second, so that the workers end together."""

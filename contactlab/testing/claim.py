@@ -14,16 +14,9 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class Claim:
-    """Hold what is found to what is expected.
+    """Hold what is found to an expected value within a tolerance, or to a bound ("<=" or ">=").
 
-    Args:
-        statement: the claim in words.
-        expected: value or bound.
-        found: what came out.
-        tolerance: largest |found - expected| of a value; 0 for a bound.
-        relation: "=", "<=" or ">=" of found to expected.
-        units: of all three, "1" without.
-        excuse: reason why a law declares to break the claim; then it must be broken.
+    An excuse is the reason why a law declares to break the claim; then it must be broken.
     """
 
     statement: str
@@ -56,7 +49,7 @@ class Claim:
         return "holds" if self.true else "FAILS"
 
     def excused(self, excuse: str) -> "Claim":
-        """Give the same claim, declared to be broken."""
+        """Give the same claim, declared to be broken where there is an excuse."""
         return replace(self, excuse=excuse)
 
     def __str__(self) -> str:

@@ -15,13 +15,13 @@ from contactlab.testing.claim import CLOSED_FORMS, Claims, at_most, close, proof
 from contactlab.testing.plants import (
     FLAT,
     HEAVY,
-    SpringDashpot,
-    TensileDashpot,
     block,
     coupled_body,
+    first,
+    last,
+    run,
     way_of,
 )
-from contactlab.testing.runs import first, last, run
 from contactlab.trajectory import Trajectory
 
 INSTANT = 1e-12
@@ -69,21 +69,18 @@ def hertz_impact(mass: float = 2e-3, speed: float = 0.4, stiffness: float = 1e10
 
 @proof(CLOSED_FORMS)
 def dashpot_impacts(mass: float = 1e-2, speed: float = 0.5, ratio: float = 0.3) -> Claims:
-    """A ball against a spring and dashpot of damping ratio z, released at F = 0 or at d = 0.
+    """A ball against a spring and dashpot of damping ratio z, released at N = 0.
 
-    e = exp[-(b/w)(pi - atan2(2 b w, w^2 - b^2))] or exp(-pi b/w),  b = z w0, w = w0 sqrt(1 - z^2)
+    e = exp[-(b/w)(pi - atan2(2 b w, w^2 - b^2))],  b = z w0, w = w0 sqrt(1 - z^2)
     """
-    rate = sqrt(SPRING / mass)
+    rate, spring = sqrt(SPRING / mass), Linear(SPRING)
     b, w = ratio * rate, rate * sqrt(1.0 - ratio**2)
-    ball, duration = block(mass, height=1e-6, gap_rate=-speed), 1e-6 / speed + 2.0 * pi / w
-    pushed = run(ball, SpringDashpot(SPRING, 2.0 * b * mass), duration)
-    pulled = run(ball, TensileDashpot(SPRING, 2.0 * b * mass), duration)
-    words = "spring and dashpot released at"
     expected = exp(-b / w * (pi - atan2(2.0 * b * w, w * w - b * b)))
-    yield close(f"{words} N = 0: restitution", restitution(pushed), expected, 1e-6, scale=1.0)
-    expected = exp(-pi * b / w)
-    yield close(f"{words} d = 0: restitution", restitution(pulled), expected, 1e-6, scale=1.0)
-    yield close(f"{words} d = 0: duration", first(pulled, "duration"), pi / w, 1e-6, "s")
+    ball, duration = block(mass, height=1e-6, gap_rate=-speed), 1e-6 / speed + 2.0 * pi / w
+    tuned, words = LinearDamping(expected, mass, speed), "spring and dashpot"
+    solved, found = tuned.coefficients(spring), run(ball, Composed(spring, tuned), duration)
+    yield close(f"{words}: damping solved for", solved[0], 2.0 * b * mass, 1e-6, "N s m-1")
+    yield close(f"{words}: restitution", restitution(found), expected, 1e-6, scale=1.0)
 
 
 @proof(CLOSED_FORMS)
@@ -146,7 +143,7 @@ def bilinear_oscillator(mass: float = 0.5, spring: float = 2e3, contact: float =
     touching = pi / sqrt((spring + contact) / mass)
     period = pi / sqrt(spring / mass) + touching
     motor = block(mass, height=1e-3, normal_stiffness=spring)
-    made, words = run(motor, SpringDashpot(contact), 3.0 * period), "bilinear oscillator"
+    made, words = run(motor, Composed(Linear(contact)), 3.0 * period), "bilinear oscillator"
     found = np.diff(made.contacts["start_time"])[0]
     yield close(f"{words}: period", found, period, 1e-6, "s")
     yield close(f"{words}: time in contact", first(made, "duration"), touching, 1e-6, "s")
@@ -204,7 +201,7 @@ def belt_stick_slip(static: float = 0.5, kinetic: float = 0.3, belt: float = 0.1
     stiffness, drop = 100.0, (static - kinetic) * WEIGHT
     w, pull = sqrt(stiffness), stiffness * belt
     stick, slip = 2.0 * drop / pull, 2.0 / w * (pi - atan(drop * w / pull))
-    law = SpringDashpot(SPRING, static_friction=static, kinetic_friction=kinetic)
+    law = Composed(Linear(SPRING), friction=Coulomb(kinetic, static / kinetic))
     moving = {"velocity": belt, "belt_velocity": belt}
     motor = block(1.0, height=SPRING_BALANCE, weight=WEIGHT, stiffness=stiffness, **moving)
     away = static * WEIGHT / pull

@@ -8,15 +8,16 @@ Not valid for a mode that is exactly critical. The first touch-down is searched 
 any bound on the motion: whether a search that has one is right can be judged by it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
-from contactlab.motor import NormalModes
+from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 
@@ -25,11 +26,20 @@ Phasors = NDArray[np.complex128]
 POINTS_PER_RADIAN = 16
 """Grid points while the fastest exponential of a flight turns or decays by one: 100 a period."""
 
-SUBDIVISION = 32
-"""Parts into which a cell of the grid is cut where the gap may close inside it."""
-
 OPERATIONS_PER_STEP = 16
 """Roundings of a term in one step, about: sines, products and sums of its steady and free part."""
+
+FAR = 1e-4
+"""Clearance [m] that no flight bridges."""
+
+DURATION = 1e-3
+"""Longest random flight [s]."""
+
+KINDS: Final = ("any clearance", "graze", "double dip", "double well", "resonance")
+"""How the clearance of a random flight is found, see `random_flight`."""
+
+SHAPES = (2, 4, 6)
+"""Beam shapes of their resonators: up to 6 overdamped modes, decays down to a microsecond."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +76,14 @@ class Flight:
         are rounded independently of each other, so that n of them leave sqrt(n) times as much.
         """
         rates = np.abs(self.exponents)
-        slowest = np.sqrt(self.motor.modes.stiffness.min())
         sizes = np.exp(self.exponents.real * time) * (1.0 + rates * time)
-        sizes *= np.maximum(rates / slowest, 1.0)
+        sizes *= np.maximum(rates / np.sqrt(self.motor.modes.stiffness.min()), 1.0)
         slope = abs(float((np.exp(self.exponents * time) @ self.th).real))
         geometry = self.motor.geometry
         lever = geometry.tip_length * slope * (1.0 + geometry.tip_length / geometry.rotor_radius)
         gap = sizes @ np.abs(self.u) + lever * (sizes @ np.abs(self.th))
-        spread = np.sqrt(OPERATIONS_PER_STEP * steps)
-        return float(np.finfo(np.float64).eps * spread * (gap + geometry.clearance))
+        eps = np.finfo(np.float64).eps * np.sqrt(OPERATIONS_PER_STEP * steps)
+        return float(eps * (gap + geometry.clearance))
 
     def with_clearance(self, clearance: float) -> "Flight":
         """Give the same vibration under a rotor at another distance [m]."""
@@ -101,15 +110,16 @@ class Flight:
         tip = [((coarse * column) @ fine).real.ravel() for column in self.amplitudes.T]
         gap, rate = self._gap_and_rate(np.stack(tip, axis=-1))
         rate[0] = 0.0
-        time = step * np.arange(side * side, dtype=np.float64)
-        return time, gap, rate
+        return step * np.arange(side * side, dtype=np.float64), gap, rate
 
     def minima(self, duration: float) -> tuple[Array, Array]:
         """Give times [s] and gaps [m] of the gap's local minima in (0, duration)."""
         time, _, rate = self.on_grid(duration)
+        return self._turns(time, rate)
+
+    def _turns(self, time: Array, rate: Array) -> tuple[Array, Array]:
         left = np.flatnonzero((rate[:-1] < 0.0) & (rate[1:] > 0.0))
-        step = time[1]
-        curvature = (rate[left + 1] - rate[left]) / step
+        curvature = (rate[left + 1] - rate[left]) / time[1]
         turn = time[left] - rate[left] / curvature
         for _ in range(8):
             turn = np.clip(turn - self.at(turn)[1] / curvature, time[left], time[left + 1])
@@ -118,28 +128,13 @@ class Flight:
     def first_touch(self, duration: float) -> float | None:
         """Give the time at which the gap first falls to zero [s], between grid points too, or None."""
         time, gap, rate = self.on_grid(duration)
-        speed = np.abs(rate)
-        speed = np.maximum(speed[:-1], speed[1:])
-        # A gap that closes inside a cell falls faster than at its ends and those of its neighbours
-        # by a part of what these differ by.
-        speed[1:] = np.maximum(speed[1:], speed[:-1])
-        speed[:-1] = np.maximum(speed[:-1], speed[1:])
-        near = np.minimum(gap[:-1], gap[1:]) <= 2.0 * speed * time[1]
-        closed = np.flatnonzero(gap[1:] <= 0.0)
-        cells = np.flatnonzero(near[: closed[0] + 1] if closed.size else near)
-        parts = time[cells, None] + np.linspace(0.0, time[1], SUBDIVISION + 1)
-        gaps, rates = self.at(parts)
-        falls = gaps[:, 1:] <= 0.0
-        turns = (rates[:, :-1] < 0.0) & (rates[:, 1:] > 0.0)
-        for i, j in np.argwhere(falls | turns):
-            left, right = parts[i, j], parts[i, j + 1]
-            end = right if falls[i, j] else _zero(lambda t: float(self.at(t)[1]), left, right)
-            if self._gap(end) <= 0.0:
-                return _zero(self._gap, left, end)
-        return None
-
-    def _gap(self, time: float) -> float:
-        return float(self.at(time)[0])
+        turns, dips = self._turns(time, rate)
+        closed = np.concatenate([time[gap <= 0.0], turns[dips <= 0.0]])
+        if closed.size == 0:
+            return None
+        end = float(closed.min())
+        start = float(time[time < end][-1])
+        return float(brentq(lambda t: float(self.at(t)[0]), start, end, xtol=1e-19, rtol=1e-15))
 
     def _gap_and_rate(self, tip: Array) -> tuple[Array, Array]:
         """Gap [m] and its rate [m/s] from u, u rate, th, th rate in the last axis."""
@@ -155,10 +150,6 @@ class Flight:
         return gap, (across * across_rate - (radius - rise) * rise_rate) / distance
 
 
-def _zero(function: Callable[[float], float], left: float, right: float) -> float:
-    return float(brentq(function, left, right, xtol=1e-19, rtol=1e-15))
-
-
 def flight_of(motor: Motor) -> Flight:
     """Give the closed flight of a motor from rest."""
     modes = motor.modes
@@ -170,11 +161,11 @@ def flight_of(motor: Motor) -> Flight:
     # A + B = -q(0) and A r1 + B r2 = -v(0) of the steady part.
     q, v = -steady.real.sum(axis=1), -(steady * tones).real.sum(axis=1)
     from_first = (v - second * q) / (first - second)
-    amplitudes = [from_first, q - from_first]
-    tips = []
-    for row in (modes.tip_displacement, modes.tip_slope):
-        tips.append(np.concatenate([row @ steady, row * amplitudes[0], row * amplitudes[1]]))
-    return Flight(motor, np.concatenate([tones, first, second]), tips[0], tips[1])
+    u, th = (
+        np.concatenate([row @ steady, row * from_first, row * (q - from_first)])
+        for row in (modes.tip_displacement, modes.tip_slope)
+    )
+    return Flight(motor, np.concatenate([tones, first, second]), u, th)
 
 
 def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
@@ -184,13 +175,12 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
 
     Args:
         modes: the resonator.
-        frequency: of the tones [Hz], shape (tone,); there are four real unknowns to each.
-        when: the instant [s].
+        frequency, when: of the tones [Hz], four real unknowns to each; the instant [s].
         u, th: derivatives of order 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free.
     """
     order = np.arange(u.size)
-    units: Phasors = np.eye(2 * frequency.size, dtype=np.complex128)
-    units = np.concatenate([units, 1j * units]).reshape(-1, 2, frequency.size)
+    reals = np.eye(2 * frequency.size)
+    units: Phasors = np.concatenate([reals, 1j * reals]).reshape(-1, 2, frequency.size)
     answers = []
     for unit in units:
         flight = flight_of(Motor(modes, Drive(frequency, unit)))
@@ -198,12 +188,11 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
         answers.append(np.concatenate([(flight.u @ waves).real, (flight.th @ waves).real]))
     # Derivatives in the time of the fastest tone, so that all are of one size.
     scale = np.tile((2.0 * np.pi * frequency.max()) ** -order.astype(np.float64), 2)
-    wanted = np.concatenate([u, th])
+    wanted = np.concatenate([u, th]) * scale
     given = ~np.isnan(wanted)
     system = (np.array(answers).T * scale[:, None])[given]
-    sizes = np.linalg.lstsq(system, (wanted * scale)[given], rcond=None)[0]
-    phasors: Phasors = np.tensordot(sizes, units, axes=1)
-    return Drive(frequency, phasors)
+    sizes = np.linalg.lstsq(system, wanted[given], rcond=None)[0]
+    return Drive(frequency, np.tensordot(sizes, units, axes=1))
 
 
 def double_well(
@@ -218,12 +207,94 @@ def double_well(
 
     Args:
         modes: the resonator.
-        frequency: of the tones [Hz], three and more.
-        when, half: [s], half a small part of the fastest period.
+        frequency, when: of the tones [Hz], three and more; the instant [s].
+        half: a small part of the fastest period [s].
         barrier, tilt: [m]; the second minimum lies above the first by twice the tilt.
     """
-    shape = np.array([0.0, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
+    shape = np.array([np.nan, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
     u = -shape / half ** np.arange(6.0)
-    u[0] = np.nan
     drive = drive_through(modes, frequency, when, u, np.zeros(6))
-    return flight_of(Motor(modes, drive)).with_clearance(1e-4).lowered_to(barrier, when)
+    return flight_of(Motor(modes, drive)).with_clearance(FAR).lowered_to(barrier, when)
+
+
+def random_flight(seed: int, number: int) -> tuple[str, Flight]:
+    """Draw kind and flight of a number; every pair of seed and number is a flight of its own.
+
+        any clearance   10 nm to 3 um, by its logarithm
+        graze           one of the lowest points so far dips or misses by 1e-14 to 1e-9 m
+        double dip      the same, with a fast tone that makes a lower dip follow within microseconds
+        double well     two dips within what may be one step of the engine; the first dips or misses
+        resonance       damped by 0.1 to 10 1/s, a tone at the first natural frequency or off by up to 1 %,
+                        so that the steady state may be 1e5 times what moves; half of them grazes
+
+    Drives have one to four tones between 1 and 20 kHz with any amplitudes and phases; the fast tone
+    lies between 30 and 200 kHz. Those of the double wells are solved for, up to 100 V.
+    """
+    rng = np.random.default_rng([seed, number])
+    kind = KINDS[int(rng.choice(len(KINDS), p=(0.25, 0.25, 0.17, 0.17, 0.16)))]
+    modes = _modes(int(rng.choice(SHAPES)))
+    if kind == "double well":
+        return kind, _well(rng, modes)
+    tones = int(rng.integers(1, 5))
+    size = 10.0 ** rng.uniform(0.5, 2.0)
+    phasors = rng.normal(size=(2, tones)) + 1j * rng.normal(size=(2, tones))
+    frequency = rng.uniform(1e3, 20e3, tones)
+    if kind == "resonance":
+        modes = replace(modes, damping=np.full(modes.damping.size, 10.0 ** rng.uniform(-1.0, 1.0)))
+        off = rng.choice([-1.0, 0.0, 1.0]) * 10.0 ** rng.uniform(-9.0, -2.0)
+        frequency[0] = float(modes.natural_frequency[0]) * (1.0 + off)
+    drive = Drive(frequency, size * phasors)
+    if kind == "double dip":
+        drive = _with_fast_tone(rng, modes, drive)
+    flight = flight_of(Motor(modes, drive))
+    if kind == "any clearance" or (kind == "resonance" and rng.random() < 0.5):
+        return kind, flight.with_clearance(10.0 ** rng.uniform(-8.0, -5.5))
+    far = flight.with_clearance(FAR)
+    times, heights = far.minima(DURATION)
+    lowest = np.flatnonzero(heights <= np.minimum.accumulate(heights))
+    if lowest.size == 0:
+        return kind, far
+    chosen = int(rng.choice(lowest))
+    if kind == "double dip" and lowest.size > 1:
+        # The dip that is followed by the one that is lower by least.
+        chosen = int(lowest[np.diff(heights[lowest]).argmax()])
+    return kind, _grazing(rng, far, float(times[chosen]), -14.0, -9.0)
+
+
+def _grazing(rng: np.random.Generator, far: Flight, when: float, low: float, high: float) -> Flight:
+    """Give a flight that dips or misses at a time [s] by 10^low to 10^high [m], or the far one."""
+    miss = float(rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(low, high))
+    close = far.lowered_to(miss, when)
+    # Tones that only ever pull the tip away leave no room for a clearance.
+    return close if close.motor.geometry.clearance > 0.0 else far
+
+
+def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
+    """Give two minima 0.2 to 0.6 rad of the fastest tone apart, from 20 us on, tilted up to the barrier."""
+    frequency = 4e3 * (np.arange(5) + rng.uniform(0.2, 1.0, 5))
+    half = rng.uniform(0.1, 0.3) / (2.0 * np.pi * frequency.max())
+    when = rng.uniform(2e-5, 3e-4)
+    barrier, tilt = 1e-11, 1e-11 * rng.uniform(-0.5, 0.5)
+    drive = double_well(modes, frequency, when, half, barrier, tilt).motor.drive
+    share = min(1.0, 100.0 / float(np.abs(drive.phasors).max()))
+    drive = replace(drive, phasors=share * drive.phasors)
+    weak = flight_of(Motor(modes, drive)).with_clearance(FAR)
+    times, _ = weak.minima(when + 2.0 * half)
+    dip, depth = float(times[np.abs(times - when + half).argmin()]), np.log10(share * barrier)
+    return _grazing(rng, weak, dip, depth - 3.0, depth - 0.5)
+
+
+def _with_fast_tone(rng: np.random.Generator, modes: NormalModes, drive: Drive) -> Drive:
+    """Give a drive and one more tone, which moves the tip by 1 to 100 nm once it is steady."""
+    frequency = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
+    tone = 2j * np.pi * frequency
+    phasors = rng.normal(size=2) + 1j * rng.normal(size=2)
+    steady = modes.coupling @ phasors / (modes.stiffness + modes.damping * tone + tone**2)
+    phasors *= 10.0 ** rng.uniform(-9.0, -7.0) / abs(modes.tip_displacement @ steady)
+    both = np.column_stack([drive.phasors, phasors])
+    return Drive(np.append(drive.frequency, frequency), both)
+
+
+@cache
+def _modes(shapes: int) -> NormalModes:
+    return RitzResonator(shapes=shapes).modes

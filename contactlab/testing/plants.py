@@ -1,24 +1,24 @@
-"""Small plants whose motion is known in closed form, each a `Motor` like any other, and laws for them.
+"""Small plants whose motion is known in closed form, each a `Motor` like any other, and runs of them.
 
 A block has two rigid-body modes, one normal and one along a belt. Springs turn them into oscillators, a
 weight presses it on, a tone pushes it. Tip length and rotor radius are so large that the contact is flat,
-and the rotor is a belt. The laws are not in the registry: no motor should run with them by accident.
+and the rotor is a belt.
 """
 
-from dataclasses import dataclass, replace
-from math import inf, pi, sqrt
-from typing import Annotated, ClassVar, final
+from dataclasses import replace
+from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import kernel
-from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
-from contactlab.parameter import Parameter
+from contactlab.trajectory import Trajectory
 
 FLAT = 1e9
 """Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
@@ -67,11 +67,9 @@ def block(
         height, gap_rate: gap [m] and its rate [m/s] at the start; a negative height is pressed in.
         way, velocity: along the belt at the start [m], [m/s].
         weight, push: constant forces towards the belt and along it [N].
-        normal_stiffness: of a spring that pulls the block to a gap of zero [N/m].
-        stiffness: of a spring that pulls the block to way zero [N/m].
+        normal_stiffness, stiffness: of springs that pull the block to a gap and a way of zero [N/m].
         push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
-        belt_mass: by default one that nothing brakes [kg].
-        belt_velocity: along the way, at the start [m/s].
+        belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
     """
     root = sqrt(mass)
     tone = Drive(np.array([push_frequency]), np.array([[push_amplitude], [0.0]], dtype=complex))
@@ -105,7 +103,6 @@ def way_of(theta: Array) -> Array:
 def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     """Draw a body of several coupled modes and a rotor, about to touch at a gap rate of `approach` [m/s]."""
     rng = np.random.default_rng(seed)
-    geometry = ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0)
     tip_displacement = rng.normal(size=modes) * 20.0
     tip_slope = rng.normal(size=modes) * 1e3
     velocity = rng.normal(size=modes) * 1e-3
@@ -113,7 +110,6 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     squared = tip_displacement @ tip_displacement
     velocity += (approach - tip_displacement @ velocity) * tip_displacement / squared
     rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
-    height = 1e-12
     return Motor(
         modes=NormalModes(
             stiffness=rate**2,
@@ -124,84 +120,48 @@ def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
             shape_coupling=np.zeros((modes, 2)),
         ),
         drive=silent_drive(),
-        geometry=geometry,
+        geometry=ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0),
         rotor=Rotor(inertia=float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0),
-        start=ModalState(-height * tip_displacement / squared, velocity),
+        start=ModalState(-1e-12 * tip_displacement / squared, velocity),
     )
 
 
-_STIFFNESS = Parameter("k", "N m-1", "contact stiffness", above=0.0)
-_DAMPING = Parameter("c", "N s m-1", "contact damping", at_least=0.0)
+def attempt(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float,
+    contact_step: float | None = None,
+    record_interval: float | None = None,
+    tolerance: float | None = None,
+) -> Trajectory:
+    """Make a run, whatever becomes of it; without a record interval it is recorded at its ends only."""
+    return simulate(
+        motor,
+        law,
+        duration=duration,
+        record_interval=record_interval or duration,
+        contact_step=contact_step,
+        tolerance=tolerance,
+    )
 
 
-@kernel
-def dashpot_force(
-    gap: float, gap_rate: float, slip: float, approach: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    """Give normal force [N], friction bound [N], stored energy [J] and normal loss [W].
-
-    The parameters are k, c, the static and the kinetic coefficient, and the least normal force.
-    """
-    elastic = -parameters[0] * gap
-    normal = max(elastic - parameters[1] * gap_rate, parameters[4])
-    mu = parameters[2] if slip == 0.0 else parameters[3]
-    return normal, mu * normal, -0.5 * elastic * gap, (elastic - normal) * gap_rate
+def completed(trajectory: Trajectory) -> Trajectory:
+    """Give a run back that has reached its end, or raise a RuntimeError with the reason why it has not."""
+    if not trajectory.ending.reached_end:
+        raise RuntimeError(f"{trajectory.law.name}: {trajectory.message}")
+    return trajectory
 
 
-@final
-@dataclass(frozen=True)
-class SpringDashpot(PenaltyLaw):
-    """A linear spring and dashpot that push only, with static and kinetic friction.
-
-    N = max(k d + c ddot, 0),  d = -g;  |F| <= mu_s N in stick, F = -mu_k N sign(v) in slip
-    """
-
-    name: ClassVar[str] = "spring_dashpot"
-    equation: ClassVar[str] = "N = max(k d + c ddot, 0), |F| <= mu_s N, F = -mu_k N sign(v)"
-    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5; Coulomb (1785)"
-    default_contact_step: ClassVar[float] = 4e-6
-    # The force has a kink where it ends, and no step ends there.
-    convergence_order: ClassVar[float] = 0.75
-
-    stiffness: Annotated[float, _STIFFNESS]
-    damping: Annotated[float, _DAMPING] = 0.0
-    static_friction: Annotated[float, Parameter("mu_s", "1", "static", at_least=0.0)] = 0.0
-    kinetic_friction: Annotated[float, Parameter("mu_k", "1", "kinetic", at_least=0.0)] = 0.0
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return max(self.static_friction, self.kinetic_friction)
-
-    def parameters(self) -> Array:
-        """What the kernel receives: see `dashpot_force`."""
-        return np.array([*self.describe().values(), 0.0])
-
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return dashpot_force
+def run(*of_attempt: Any, **named: Any) -> Trajectory:
+    """Make a run as `attempt` does that must reach its end, or raise a RuntimeError."""
+    return completed(attempt(*of_attempt, **named))
 
 
-@final
-@dataclass(frozen=True)
-class TensileDashpot(PenaltyLaw):
-    """The same without its limit, N = k d + c ddot: it pulls before the gap opens. No friction."""
+def first(trajectory: Trajectory, name: str) -> float:
+    """Give a column of the first contact."""
+    return float(trajectory.contacts[name][0])
 
-    name: ClassVar[str] = "tensile_dashpot"
-    equation: ClassVar[str] = "N = k d + c ddot"
-    source: ClassVar[str] = "Johnson, Contact Mechanics (1985), sec. 11.5"
-    default_contact_step: ClassVar[float] = 4e-6
-    allows_tension: ClassVar[bool] = True
 
-    stiffness: Annotated[float, _STIFFNESS]
-    damping: Annotated[float, _DAMPING]
-
-    def parameters(self) -> Array:
-        """What the kernel receives: see `dashpot_force`."""
-        return np.array([self.stiffness, self.damping, 0.0, 0.0, -inf])
-
-    @property
-    def force(self) -> PenaltyKernel:
-        """The kernel; see `PenaltyLaw.force`."""
-        return dashpot_force
+def last(trajectory: Trajectory, name: str) -> float:
+    """Give the last record of a series."""
+    return float(trajectory.series[name][-1])

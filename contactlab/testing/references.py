@@ -1,15 +1,21 @@
-"""What others found for the same motor: the paper's printed table, and independent solvers.
+"""What others find: the paper's printed table, independent solvers, and flights in closed form.
 
 Case A: placement 2, clearance 1 um, 100 V at 3210 and 6420 Hz, phase -pi/5, no load, from rest, at 5 ms.
 Its numbers are those of two event-driven solvers that share no code with this package (DOP853 at a
 relative tolerance of 1e-10, every switch an event); the tests run one of them again.
 """
 
+from collections.abc import Iterable
+from math import inf
+from typing import Final
+
+import pandas as pd
+
 from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor import RitzResonator
-from contactlab.testing.claim import REFERENCES, Claim, Claims, close, proof
-from contactlab.testing.plants import paper_motor
-from contactlab.testing.runs import last, run
+from contactlab.testing.claim import REFERENCES, Claim, Claims, at_least, at_most, close, proof
+from contactlab.testing.flights import DURATION, Flight, random_flight
+from contactlab.testing.plants import last, paper_motor, run
 from contactlab.trajectory import Trajectory
 
 PLACEMENTS = {"placement 1": (15.968e-3, 25.065e-3), "placement 2": (0.914e-3, 10.146e-3)}
@@ -53,6 +59,78 @@ SLIP_ONLY_VELOCITY = -0.4836
 
 CASE_A_DURATION = 5e-3
 
+AFTER_TOUCH = 2e-6
+"""How long a flight goes on where it should have touched [s]."""
+
+TIME_DIGIT = 1e-15
+"""Error of a touch-down [s] on top of the gap's round-off over its rate, see `Flight.round_off`."""
+
+FAULTS: Final = ("missed", "late", "invented")
+"""What may be wrong with a touch-down, see `judge`."""
+
+
+def judge(flight: Flight) -> dict[str, float]:
+    """Run one flight through the engine, up to its first touch-down and a little further.
+
+    Returns:
+        Whether it `touched` by the reference; whether the engine `missed` that, `invented` a touch-down
+        where there is none or before there is one, or found one too `late`; the `error` of its time [s],
+        and the `excess` of that over what round-off explains [s], infinite where there is no time.
+    """
+    expected = flight.first_touch(DURATION)
+    end = DURATION if expected is None else min(expected + AFTER_TOUCH, DURATION)
+    made = run(flight.motor, HertzPenalty(stiffness=1e10, friction_coefficient=0.0), end)
+    found = made.contacts["start_time"]
+    touched, error, excess = expected is not None, 0.0, -inf
+    if expected is not None and found.size > 0:
+        error = float(found[0]) - expected
+        rate = abs(float(flight.at(expected)[1]))
+        excess = abs(error) - flight.round_off(expected, made.statistics["flight_steps"]) / rate
+    elif touched or found.size > 0:
+        excess = inf
+    faulty = excess > TIME_DIGIT
+    missed = faulty and found.size == 0
+    late = faulty and error > 0.0
+    faults = {"missed": missed, "late": late, "invented": faulty and not missed and not late}
+    return {"touched": touched, **faults, "error": abs(error), "excess": excess}
+
+
+def judged(seed: int, numbers: Iterable[int]) -> pd.DataFrame:
+    """Run the random flights with these numbers; gives a row for each, see `judge`.
+
+    Raises:
+        RuntimeError: the engine gave a run up; with its flight, which `random_flight` gives again.
+    """
+    rows = []
+    for number in numbers:
+        kind, flight = random_flight(seed, number)
+        try:
+            rows.append({"kind": kind, "number": number, **judge(flight)})
+        except RuntimeError as error:
+            raise RuntimeError(f"Flight {number} of seed {seed}: {error}") from error
+    return pd.DataFrame(rows)
+
+
+def tally(flights: pd.DataFrame) -> pd.DataFrame:
+    """Count the flights of every kind; give the largest error and excess, and the number of the latter."""
+    return flights.groupby("kind").agg(
+        flights=("number", "size"),
+        **{name: (name, "sum") for name in ("touched", *FAULTS)},
+        **{name: (name, "max") for name in ("error", "excess")},
+        worst=("excess", lambda excess: flights.loc[excess.idxmax(), "number"]),
+    )
+
+
+@proof(REFERENCES)
+def random_touchdowns(flights: int = 1000, seed: int = 0) -> Claims:
+    """Flights that touch, graze by less than a nanometre, dip twice, or dip between two samples."""
+    for kind, found in tally(judged(seed, range(flights))).iterrows():
+        words = f"random flights, {kind}"
+        yield at_least(f"{words}: of them touch", found["touched"], 1)
+        for fault in FAULTS:
+            statement = f"{words}: touch-downs {fault} of {found['flights']:.0f} flights"
+            yield at_most(statement, found[fault], 0)
+
 
 @proof(REFERENCES)
 def printed_table() -> Claims:
@@ -93,10 +171,8 @@ def rigid_case_a() -> Claims:
         found = 2.0 * _measure(fine, name) - _measure(coarse, name)
         words = f"case A, lagrange_stick, step to zero: {name.replace('_', ' ')}"
         yield Claim(words, value, found, left, units=units)
-    words, found = (
-        "case A, lagrange_slip, step 10 ns: rotor velocity",
-        last(finest, "rotor_velocity"),
-    )
+    words = "case A, lagrange_slip, step 10 ns: rotor velocity"
+    found = last(finest, "rotor_velocity")
     yield Claim(words, SLIP_ONLY_VELOCITY, found, 1e-4, units="rad s-1")
     peaks = [float(made.contacts["peak_normal_force"].max()) for made in (slipping, finest)]
     words = "case A, lagrange_slip: peak force at half the step"

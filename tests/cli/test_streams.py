@@ -7,12 +7,14 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.command_line import cases
 
 from contactlab.metrics import read_run
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="The shell's words for closed streams.")
 
 RUN = "solver.duration=0.2 ms"
+STREAMS = ("2>&-", ">&-", "<&- >&- 2>&-", "> /dev/full", "| true")
 
 
 def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -24,9 +26,7 @@ def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize(
-    "words", ["2>&-", ">&-", "<&- >&- 2>&-", "> /dev/full", "| true"], ids=lambda words: words
-)
+@pytest.mark.parametrize("words", cases(STREAMS, ("<&- >&- 2>&-", "> /dev/full")), ids=str)
 def test_a_run_is_whole_wherever_its_words_go(words: str, tmp_path: Path) -> None:
     if "/dev/full" in words and not Path("/dev/full").exists():
         pytest.skip("No device that is always full.")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from contactlab.laws import LagrangeStick, MoreauJean, Newton, Poisson, Stronge
-from contactlab.testing.plants import block, paper_motor
-from contactlab.testing.runs import MOTOR_DURATION, first, run
+from contactlab.testing.contract import MOTOR_DURATION
+from contactlab.testing.plants import block, first, paper_motor, run
 from contactlab.trajectory import Trajectory
 
 Law = type[Newton] | type[Poisson] | type[Stronge] | type[MoreauJean]

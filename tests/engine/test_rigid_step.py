@@ -15,8 +15,7 @@ from contactlab.laws import LagrangeSlip, LagrangeStick
 from contactlab.motor import RitzResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
-from contactlab.testing.plants import silent_drive
-from contactlab.testing.runs import first, last, run
+from contactlab.testing.plants import first, last, run, silent_drive
 
 Array = NDArray[np.float64]
 Law = LagrangeSlip | LagrangeStick

@@ -18,6 +18,8 @@ def test_every_way_to_run_is_timed() -> None:
     assert all(row.seconds > 0.0 for row in rows)
 
 
+# The short form is the sweep that tests/sweeps/test_metrics.py kills.
+@pytest.mark.long
 def test_a_sweep_that_is_killed_on_the_way_ends_the_same(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

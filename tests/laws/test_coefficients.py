@@ -18,8 +18,7 @@ from contactlab.laws import (
 )
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
-from contactlab.testing.contract import check
-from contactlab.testing.runs import Bench
+from contactlab.testing.contract import Bench, check
 
 Array = np.ndarray
 Forces = tuple[float, float, float, float]

@@ -16,8 +16,7 @@ from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Reg
 from contactlab.laws.normal import NORMAL_FORCES, HertzElliptic, HertzPoint, Line, Linear
 from contactlab.laws.normal.hertz import approach_factor
 from contactlab.laws.part import NormalForce
-from contactlab.testing.plants import block, paper_motor, way_of
-from contactlab.testing.runs import run
+from contactlab.testing.plants import block, paper_motor, run, way_of
 from contactlab.trajectory import Trajectory
 
 

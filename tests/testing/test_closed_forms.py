@@ -1,12 +1,20 @@
 """The engine on small plants, against what can be written down."""
 
 from collections.abc import Callable, Iterator
+from math import exp, pi, sqrt
 
 import pytest
+from support.tensile_dashpot import TensileDashpot
 
 from contactlab.testing import Claim
 from contactlab.testing.claim import CLOSED_FORMS
-from contactlab.testing.closed_forms import dashpot_impacts, hertz_impact, modal_impacts
+from contactlab.testing.closed_forms import (
+    dashpot_impacts,
+    hertz_impact,
+    modal_impacts,
+    restitution,
+)
+from contactlab.testing.plants import block, first, run
 
 Form = Callable[..., Iterator[Claim]]
 
@@ -30,6 +38,19 @@ def test_hertz_impact_at_other_speeds_and_stiffnesses(speed: float, stiffness: f
 @pytest.mark.parametrize("ratio", [0.01, 0.1, 0.6, 0.9])
 def test_dashpot_impact_at_other_dampings(ratio: float) -> None:
     assert_all(dashpot_impacts(ratio=ratio))
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.3, 0.9])
+def test_a_dashpot_that_pulls_is_released_where_the_gap_opens(ratio: float) -> None:
+    # d = exp(-b t) sin(w t) v/w, b = ratio w_0, w = w_0 sqrt(1 - ratio^2)
+    mass, stiffness, speed = 1e-2, 1e7, 0.5
+    rate = sqrt(stiffness / mass)
+    b, w = ratio * rate, rate * sqrt(1.0 - ratio**2)
+    law = TensileDashpot(stiffness, 2.0 * b * mass)
+    ball = block(mass, height=1e-6, gap_rate=-speed)
+    found = run(ball, law, 1e-6 / speed + 2.0 * pi / w)
+    assert restitution(found) == pytest.approx(exp(-pi * b / w), rel=0.0, abs=1e-6)
+    assert first(found, "duration") == pytest.approx(pi / w, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(2, 12))

@@ -4,14 +4,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+from support.tensile_dashpot import TensileDashpot
+
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS, Flores, LinearDamping
-from contactlab.laws.friction import FRICTIONS, LuGre, Mindlin
-from contactlab.laws.normal import NORMAL_FORCES, Line
+from contactlab.laws.friction import FRICTIONS, Coulomb, LuGre, Mindlin
+from contactlab.laws.normal import NORMAL_FORCES, Line, Linear
 from contactlab.testing import LawContract
 from contactlab.testing.claim import PROPERTIES
-from contactlab.testing.plants import SpringDashpot, TensileDashpot
 
 HELD = {
     "hertz_penalty": HertzPenalty(stiffness=1e10, friction_coefficient=0.3),
@@ -19,7 +20,7 @@ HELD = {
     "lagrange_stick": LagrangeStick(friction_coefficient=0.3),
     "lagrange_stick_with_much_friction": LagrangeStick(friction_coefficient=0.8),
     "lagrange_slip": LagrangeSlip(friction_coefficient=0.3),
-    "spring_dashpot": SpringDashpot(1e7, 5.0, static_friction=0.4, kinetic_friction=0.3),
+    "spring_dashpot": Composed(Linear(1e7), LinearDamping(0.95), Coulomb(0.3, static_ratio=1.5)),
     "tensile_dashpot": TensileDashpot(stiffness=1e7, damping=5.0),
     "newton": LAWS["newton"](friction_coefficient=0.3, restitution=0.5),
     "poisson": LAWS["poisson"](friction_coefficient=0.3, restitution=0.5),

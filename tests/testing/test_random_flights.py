@@ -2,17 +2,20 @@
 
 import csv
 import importlib.util
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from contactlab.testing import random_flights
-from contactlab.testing.flights import Flight
-from contactlab.testing.random_flights import DURATION, FAULTS, KINDS, judge, judged, random_flight
+from contactlab.testing import plants, references
+from contactlab.testing.flights import DURATION, KINDS, Flight, random_flight
+from contactlab.testing.references import FAULTS, judge, judged, tally
+from contactlab.trajectory import Ending, Trajectory
 
 SCRIPT = Path(__file__).parents[2] / "experiments" / "random_flights.py"
 FLIGHTS = 600
@@ -35,7 +38,7 @@ def rows() -> pd.DataFrame:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_touch_down_is_missed_late_or_invented(kind: str) -> None:
-    found = random_flights.tally(rows()).loc[kind]
+    found = tally(rows()).loc[kind]
     assert found["flights"] > 0.1 * FLIGHTS
     # The claim is about both: flights that touch and flights that do not.
     assert 0.2 * found["flights"] < found["touched"] < found["flights"]
@@ -87,7 +90,7 @@ def test_a_tally_counts_and_names_the_worst_flight() -> None:
             {"kind": "b", "number": 9, **right, "missed": True, "error": 0.0, "excess": np.inf},
         ]
     )
-    found = random_flights.tally(table)
+    found = tally(table)
     assert list(found["worst"]) == [7, 9]
     assert list(found["error"]) == [1e-8, 5e-9]
     assert found[["flights", "touched", *FAULTS]].to_numpy().tolist() == [
@@ -108,7 +111,7 @@ def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -
     made = SimpleNamespace(
         contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10}
     )
-    monkeypatch.setattr(random_flights, "run", lambda *_: made)
+    monkeypatch.setattr(references, "run", lambda *_: made)
     found = judge(flight)
     assert found["touched"] == (flight.first_touch(DURATION) is not None)
     return {fault for fault in FAULTS if found[fault]}
@@ -125,3 +128,22 @@ def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatc
     assert faults_of(monkeypatch, touching, when - 1e-9) == {"invented"}
     assert faults_of(monkeypatch, open_one, 1e-4) == {"invented"}
     assert faults_of(monkeypatch, open_one) == set()
+
+
+def test_a_flight_whose_run_gives_up_is_named_and_no_verdict_is_made_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    simulate, made = plants.simulate, []
+
+    def gives_the_third_up(*motor_and_law: Any, **named: Any) -> Trajectory:
+        run = simulate(*motor_and_law, **named)
+        made.append(run)
+        if len(made) < 3:
+            return run
+        return replace(run, ending=Ending.STALLED, message="Its steps do not advance.")
+
+    monkeypatch.setattr(plants, "simulate", gives_the_third_up)
+    sentence = r"^Flight 7 of seed 3: hertz_penalty: Its steps do not advance\.$"
+    with pytest.raises(RuntimeError, match=sentence):
+        judged(3, range(5, 9))
+    assert len(made) == 3
