@@ -15,12 +15,12 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.cli.app import choices_of
 from contactlab.cli.arguments import quoted
 from contactlab.cli.checking import sentences
-from contactlab.config import ConfigurationError
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
 from contactlab.settings import Sweep
 from contactlab.sweeps.plan import Configuration, Outputs, Plan
-from contactlab.sweeps.values import FORMS, SweepError, is_spaced, spread
+from contactlab.sweeps.values import FORMS, SweepError, call_in, spread
 
 
 @final
@@ -35,28 +35,27 @@ class Arguments:
     def __init__(self, overrides: Iterable[Override], section: Mapping[str, Any]) -> None:
         self.columns: dict[str, list[Value]] = {}
         self.faults: list[str] = []
+        self.settings = dict(section)
         self._typed: dict[str, list[str]] = {}
-        self._order: dict[str, tuple[str, str]] = {}
-        settings = dict(section)
+        self._lines: dict[str, tuple[str, bool]] = {}
         for override in overrides:
-            key, line = override.key_or_group, str(override.input_line)
+            key = override.key_or_group
             values, typed = self._values(override)
             if key.startswith("sweep."):
                 # A list of names is written as that of values is.
                 if override.is_sweep_override():
-                    settings[key.removeprefix("sweep.")] = values
+                    self.settings[key.removeprefix("sweep.")] = values
                 continue
-            if key in self._order:
+            if key in self._lines:
                 self.faults.append(
                     f"{key} is given more than once; it must be either swept or set, and once. Leave the "
                     "others out."
                 )
-            swept = override.is_sweep_override() or any(map(is_spaced, values))
-            self._order[key] = ("" if swept else line, line.partition("=")[0])
+            swept = override.is_sweep_override() or any(map(call_in, values))
+            self._lines[key] = (str(override.input_line), swept)
             if swept:
                 self.columns[key], self._typed[key] = values, typed
-        self.settings = settings
-        if self.columns and settings["samples"] is not None:
+        if self.columns and self.settings["samples"] is not None:
             self.faults.append(
                 f"{', '.join(self.columns)} and the table of sweep.samples are swept at once; it must be one "
                 "of them. Put all into the table, or leave it out."
@@ -65,7 +64,7 @@ class Arguments:
     @property
     def fixed(self) -> list[str]:
         """The overrides that all runs have."""
-        return [line for line, _ in self._order.values() if line]
+        return [line for line, swept in self._lines.values() if not swept]
 
     def lines(self, plan: Plan) -> Callable[[int], list[str]]:
         """Give what gives the overrides of each run, with its values as typed where they were one by one."""
@@ -79,7 +78,8 @@ class Arguments:
             places = zip(texts.items(), plan.places(cell), strict=True)
             chosen = {key: column[place] for (key, column), place in places}
             lines = [
-                line or f"{name}={chosen.pop(key)}" for key, (line, name) in self._order.items()
+                f"{line.partition('=')[0]}={chosen.pop(key)}" if swept else line
+                for key, (line, swept) in self._lines.items()
             ]
             return [*lines, *(f"{key}={text}" for key, text in chosen.items())]
 
@@ -97,7 +97,7 @@ class Arguments:
             if not said.shuffle:
                 return [text], []
             try:
-                values = spread(override.key_or_group, text, float)
+                values = spread(override.key_or_group, text)
             except SweepError as error:
                 self.faults.append(str(error))
                 return [], []
@@ -118,19 +118,14 @@ class HydraComposer:
         self._loader = context.config_loader
         self._config = config
         self._fixed = list(fixed)
-        self._places: dict[tuple[Value, ...], DictConfig] = {}
-        self.choices: dict[tuple[Value, ...], dict[str, str | None]] = {}
+        self._composed: dict[tuple[Value, ...], DictConfig] = {}
 
     def options(self, key: str) -> list[str]:
         """Give the options of a group; none for what is no group."""
         return self._loader.get_group_options(key)
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Give the configuration with these options, all else as it is set.
-
-        Raises:
-            ConfigurationError: it cannot be composed.
-        """
+        """Give the configuration with these options, all else as it is set."""
         lines = [*self._fixed, *(f"{group}={option}" for group, option in chosen.items())]
         try:
             composed = self._loader.load_sweep_config(self._config, lines)
@@ -141,54 +136,37 @@ class HydraComposer:
         sweep = everything["hydra"]["sweep"]
         # The folder is told before Hydra knows the job.
         sweep["subdir"] = str(sweep["subdir"]).replace("${hydra:", "${hydra.")
-        place = OmegaConf.create(everything)
+        place = self._composed[tuple(chosen.values())] = OmegaConf.create(everything)
         OmegaConf.copy_cache(self._config, place)
-        options = tuple(chosen.values())
-        self._places[options], self.choices[options] = place, choices_of(composed.hydra)
         return {key: value for key, value in everything.items() if key not in ("hydra", "sweep")}
 
-    def resolve(self, configuration: Configuration) -> Configuration:
-        """Put values in the place of references to them.
-
-        Raises:
-            ConfigurationError: one refers to what there is not.
-        """
+    def build(self, configuration: Configuration) -> Setup:
+        """Build what a configuration says, with values in the place of references to them."""
         if "${" not in str(configuration):
-            return configuration
+            return build(configuration)
         try:
-            return OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)  # type: ignore[return-value]
+            resolved = OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)
         except OmegaConfBaseException as error:
-            raise ConfigurationError(
-                [f"{one_line(error)} Correct the reference in ${{...}}."]
-            ) from error
+            words = f"{one_line(error)} Correct the reference in ${{...}}."
+            raise ConfigurationError([words]) from error
+        return build(resolved)  # type: ignore[arg-type]
 
-    def folder(
-        self,
-        chosen: tuple[Value, ...],
-        lines: Sequence[str],
-        values: Mapping[str, Value],
-        cell: int,
-    ) -> str:
-        """Name the folder of a run, as Hydra does.
-
-        Args:
-            chosen: the options of the swept groups.
-            lines: its overrides.
-            values: its swept values, by key.
-            cell: its number.
+    def job(self, plan: Plan, cell: int, lines: Sequence[str]) -> tuple[str, dict[str, str | None]]:
+        """Name the folder of a run with these overrides, as Hydra does, and give the options chosen.
 
         Raises:
             ConfigurationError: the name refers to what there is not.
         """
-        place = self._places[chosen]
+        point = plan.point(cell)
+        place = self._composed[tuple(point.pop(group) for group in plan.groups)]
         said = place.hydra.job.config.override_dirname
         told = sorted(line for line in lines if line.partition("=")[0] not in said.exclude_keys)
         place.hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
         place.hydra.job.num, place.hydra.job.id = cell, str(cell)
         try:
-            for key, value in values.items():
+            for key, value in point.items():
                 OmegaConf.update(place, key, value, force_add=True)
-            return str(OmegaConf.select(place, "hydra.sweep.subdir"))
+            return str(OmegaConf.select(place, "hydra.sweep.subdir")), choices_of(place.hydra)
         except OmegaConfBaseException as error:
             raise ConfigurationError(
                 [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]

@@ -1,23 +1,21 @@
 """What a sweep found as one dataset, read from its folder alone, whatever it keeps of its runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import netCDF4
 import numpy as np
 import xarray
 import yaml
 
-from contactlab.config.nesting import nested
+from contactlab.config.nesting import flat, nested
 from contactlab.metrics import METRICS, read_run
 from contactlab.results import files
 from contactlab.results.provenance import checkout_state
-from contactlab.sweeps.dataset import DATASET, SERIES, counts_of, dataset_of, series_group, write
+from contactlab.sweeps.dataset import DATASET, SERIES, Slab, counts_of, dataset_of, write
 from contactlab.sweeps.discovery import FoundRun, discovered
-from contactlab.sweeps.layout import Layout, common_settings, layout_of
-from contactlab.sweeps.manifest import kept
-from contactlab.sweeps.state import Status
+from contactlab.sweeps.layout import Layout, layout_of
+from contactlab.sweeps.state import Status, common_of, read_manifest
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import SweepError
 
@@ -58,8 +56,14 @@ def collect(
             f"'{directory}' is not there; it must be a folder of runs. "
             "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
         )
-    if (keep := kept(directory)) == "metrics":
-        return _of_store(directory, bool(output or series or metrics))
+    keep = read_manifest(directory).keep
+    if keep == "metrics":
+        if output or series or metrics:
+            raise SweepError(
+                f"'{directory}' is the folder of a sweep that keeps metrics, whose dataset is its {DATASET} "
+                "with the series that it keeps; another file and other series must be left out."
+            )
+        return Store.opened(directory).merge()
     if unknown := [name for name in series if name not in SERIES]:
         raise SweepError(
             f"{', '.join(unknown)} is no time series; it must be of {', '.join(SERIES)}."
@@ -73,95 +77,68 @@ def collect(
     layout = layout_of(runs, samples=keep == "samples")
     dataset = _dataset(runs, layout, metrics or tuple(METRICS))
     path = directory / DATASET if output is None else Path(output)
-
-    def add_series(partial: Path) -> None:
-        _add_series(partial, runs, layout, list(dict.fromkeys(series)))
-
-    write(dataset, path, add_series if series else None)
+    names = list(dict.fromkeys(series))
+    write(dataset, path, names, lambda: _slabs(runs, layout, names))
     dataset.encoding["source"] = str(path)
     return dataset
 
 
-def _of_store(directory: Path, otherwise: bool) -> xarray.Dataset:
-    """Collect what is finished of a sweep that keeps metrics."""
-    if otherwise:
-        raise SweepError(
-            f"'{directory}' is the folder of a sweep that keeps metrics, whose dataset is its {DATASET} with "
-            "the series that it keeps; another file and other series must be left out."
-        )
-    store = Store.opened(directory)
-    dataset = store.merge()
-    dataset.encoding["source"] = str(store.file)
-    return dataset
-
-
 def _dataset(runs: Sequence[FoundRun], layout: Layout, metrics: Sequence[str]) -> xarray.Dataset:
-    common = common_settings(runs)
-    sections = [run.job.configuration.get("law") for run in runs]
+    # Runs whose configuration is not known do not count.
+    known = [run.configuration for run in runs if run.configuration]
+    sections = [configuration.get("law") for configuration in known]
     laws = {str(section.get("name")) for section in sections if isinstance(section, dict)}
+    common = nested(common_of([*map(flat, known)]))
     revision, dirty = checkout_state()
-    status = layout.spread([run.status for run in runs], Status.ABSENT, np.int8)
-    dataset = dataset_of(
-        layout.axes,
-        {
-            key: layout.spread([run.metrics.get(key, np.nan) for run in runs], np.nan, np.float64)
+    status = [run.status for run in runs]
+    columns = {
+        **{
+            key: layout.spread([run.metrics.get(key, np.nan) for run in runs], np.nan)
             for key in metrics
         },
-        status,
-        layout.spread([run.reason for run in runs], NOT_ASKED, object),
-        {
-            "law": " ".join(sorted(laws)),
-            "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
-            "git_revision": revision,
-            "git_dirty": dirty,
-            **counts_of(np.array([run.status for run in runs], dtype=np.int8)),
-        },
-        grid=layout.grid,
-    )
-    jobs = layout.spread([run.name for run in runs], "", object)
-    dataset["job"] = (layout.dims, jobs, {"long_name": "folder of the run"})
-    names = layout.names_beside
-    return dataset.assign_coords(
-        {
-            name: (layout.dims, values, axis.attributes)
-            for name, (axis, values) in zip(names, layout.beside, strict=True)
-        }
+        "status": layout.spread(status, np.int8(Status.ABSENT)),
+        "reason": layout.spread([run.reason for run in runs], NOT_ASKED),
+        "job": layout.spread([run.name for run in runs], ""),
+    }
+    attributes = {
+        "law": " ".join(sorted(laws)),
+        "configuration": yaml.safe_dump(common, sort_keys=False, allow_unicode=True),
+        "git_revision": revision,
+        "git_dirty": dirty,
+        **counts_of(np.array(status, dtype=np.int8)),
+    }
+    return dataset_of(
+        layout.axes, columns, attributes, samples=not layout.grid, beside=layout.beside
     )
 
 
-def _add_series(path: Path, runs: Sequence[FoundRun], layout: Layout, names: Sequence[str]) -> None:
-    """Add the time series of the complete runs to a file that has the dimensions of the layout.
+def _slabs(runs: Sequence[FoundRun], layout: Layout, names: Sequence[str]) -> Iterator[Slab]:
+    """Give the time series of the complete runs.
 
     Raises:
         SweepError: no run is complete, or they are not recorded at the same times, or lack a series.
     """
-    complete = [
-        (int(place), run)
-        for place, run in zip(layout.place, runs, strict=True)
-        if run.status is Status.COMPLETE
-    ]
-    if not complete:
+    first: tuple[str, np.ndarray] | None = None
+    for place, run in zip(layout.place, runs, strict=True):
+        if run.status is not Status.COMPLETE:
+            continue
+        try:
+            tree = read_run(run.folder / files.DATASET)
+        except ValueError as error:
+            raise SweepError(str(error)) from error
+        time = np.asarray(tree["time"].values, dtype=np.float64)
+        first = first or (run.name, time)
+        if not np.array_equal(time, first[1]):
+            raise SweepError(
+                f"'{run.name}' is recorded at other times than '{first[0]}'; for time series they must be "
+                "the same. Leave out --series, or run all with one solver.duration and one "
+                "record.interval."
+            )
+        if lacking := [name for name in names if name not in tree.variables]:
+            raise SweepError(f"'{run.name}' has no {lacking[0]}; leave it out of --series.")
+        cell = tuple(map(int, np.unravel_index(place, layout.shape)))
+        yield cell, time, {name: np.asarray(tree[name]) for name in names}
+    if first is None:
         raise SweepError(
             "There is no complete run; there must be one for time series. Leave out --series."
         )
-    with netCDF4.Dataset(path, "a") as file:
-        group, time = None, np.empty(0)
-        for place, run in complete:
-            try:
-                tree = read_run(run.folder / files.DATASET)
-            except ValueError as error:
-                raise SweepError(str(error)) from error
-            mine = np.asarray(tree["time"].values, dtype=np.float64)
-            if group is None:
-                group, time = series_group(file, layout.dims, names, mine), mine
-            if not np.array_equal(mine, time):
-                raise SweepError(
-                    f"'{run.name}' is recorded at other times than '{complete[0][1].name}'; for time "
-                    "series they must be the same. Leave out --series, or run all with one "
-                    "solver.duration and one record.interval."
-                )
-            cell: Any = (*map(int, np.unravel_index(place, layout.shape)), slice(None))
-            for name in names:
-                if name not in tree.variables:
-                    raise SweepError(f"'{run.name}' has no {name}; leave it out of --series.")
-                group[name][cell] = tree[name].values

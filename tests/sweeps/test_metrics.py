@@ -17,10 +17,10 @@ from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.metrics import METRICS
 from contactlab.sweeps import SweepError
+from contactlab.sweeps.batch import Batch
 from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.manifest import MANIFEST
-from contactlab.sweeps.plan import USUAL, with_key
-from contactlab.sweeps.state import Status
+from contactlab.sweeps.plan import Outputs, with_key
+from contactlab.sweeps.state import MANIFEST, Status
 from contactlab.sweeps.store import CHUNKS, DIGEST, UNFINISHED, Store
 
 SHORT = "solver.duration=1 ms"
@@ -33,7 +33,7 @@ def opened(path: Path, name: str = DATASET) -> xarray.Dataset:
 
 def run_chunk(chunk: int) -> None:
     folder = Store.opened(Path("here"))
-    with folder.batch(1) as batch:
+    with Batch(folder.plan.setup_at, folder.plan.outputs, 1) as batch:
         folder.run(chunk, batch)
 
 
@@ -52,7 +52,7 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     found = opened(Path("here"))
     assert found["clearance"].attrs["units"] == "m"
     assert found["phase"].values.tolist() == [-np.pi / 2.0, 0.5]
-    assert list(found.data_vars) == [*USUAL, "status", "reason"]
+    assert list(found.data_vars) == [*Outputs().metrics, "status", "reason"]
     base = yaml.safe_load(found.attrs["configuration"])
     for clearance in found["clearance"].values:
         for phase in found["phase"].values:
