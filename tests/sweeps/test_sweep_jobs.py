@@ -123,7 +123,7 @@ def test_a_run_that_was_killed_is_run_again(
     command: Command, simulations: Simulations, tmp_path: Path
 ) -> None:
     long_run = ["-m", "contact.clearance=1e-6,2e-6", "solver.duration=1e4", "record.interval=1e-2"]
-    place = tmp_path / folder("1e-06", "record.interval=0.01", "solver.duration=10000.0")
+    place = tmp_path / folder("1e-06", *long_run[2:])
     process = subprocess.Popen(
         [sys.executable, "-m", "contactlab", *long_run, *QUICK],
         cwd=tmp_path,
