@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, TypeAlias, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 import pandas
@@ -15,24 +15,15 @@ from contactlab.config import Setup, build
 from contactlab.config.composition import compose, options_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import Value
-from contactlab.engine.arguments import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.results.netcdf import settings_of
+from contactlab.simulation import KEYS, setup_of
 from contactlab.sweeps.batch import Batch, Report, SetupAt
 from contactlab.sweeps.dataset import Axis, dataset_of
 from contactlab.sweeps.plan import Configuration, Outputs, Plan, with_key
 from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import listed
-
-KEYS: Final = {
-    "duration": ("solver", "duration"),
-    "record_interval": ("record", "interval"),
-    "contact_step": ("solver", "contact_step"),
-    "tolerance": ("solver", "tolerance"),
-}
-"""What a script names otherwise than the configuration."""
 
 Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 
@@ -96,12 +87,8 @@ def sweep(
     if not columns:
         raise ValueError(NOTHING)
     outputs = Outputs.named(metrics, series)
-    solver = {
-        "duration": duration,
-        "record_interval": record_interval,
-        "contact_step": contact_step,
-        "tolerance": tolerance,
-    }
+    numbers = (duration, record_interval, contact_step, tolerance)
+    solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
     if motor is not None:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
             raise ValueError(
@@ -110,9 +97,8 @@ def sweep(
             )
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
         plan = Plan(axes=axes, samples=samples, outputs=outputs)
-        setup_at: SetupAt = partial(
-            _setup, plan, motor, _checked(plan, law, record_interval), solver
-        )
+        _refuse(plan, law, record_interval)
+        setup_at: SetupAt = partial(_setup, plan, motor, law, solver)
     else:
         composer = ScriptComposer(base, law, solver)
         plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
@@ -128,43 +114,28 @@ def sweep(
         return dataset_of(plan.axes, batch.answers(range(plan.cells)), samples=samples)
 
 
-def _checked(
-    plan: Plan, law: ContactLaw | Callable[..., ContactLaw] | str, record_interval: float | None
-) -> Callable[..., ContactLaw]:
-    """Refuse what no function can make runs of; give the function that makes the law."""
+def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
+    """Refuse what no function can make runs of."""
     if empty := [axis.key for axis in plan.axes if not axis.values]:
         raise ValueError(
             f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list "
             "or an array of numbers."
         )
+    if not callable(law):
+        check_kind("The law", law, ContactLaw)
     if plan.outputs.sampled and record_interval is None:
         raise ValueError(
             "The record interval is None; series, and metrics that are of more than the contacts and the "
             "end, need records. Give a record_interval in seconds."
         )
-    if callable(law):
-        return law
-    check_kind("The law", law, ContactLaw)
-    return lambda **_: law  # type: ignore[return-value]
 
 
 def _setup(
-    plan: Plan,
-    motor: Callable[..., Motor],
-    law: Callable[..., ContactLaw],
-    solver: Mapping[str, Any],
-    cell: int,
+    plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int
 ) -> Setup:
     """Make what runs in a cell by functions of its values."""
     point = plan.point(cell)
-    made, acting = motor(**point), law(**point)
-    given = {key: value for key, value in solver.items() if value is not None}
-    usual = {
-        "record_interval": given["duration"],
-        "contact_step": default_contact_step(made.modes, acting),
-        "tolerance": None,
-    }
-    return Setup(motor=made, law=acting, configuration=settings_of(made, acting), **usual | given)
+    return setup_of(motor(**point), law(**point) if callable(law) else law, solver)
 
 
 def _values(given: Any) -> list[Value]:
@@ -183,14 +154,14 @@ class ScriptComposer:
     Args:
         base: overrides, a configuration or a setup.
         law: a name; None for that of the base.
-        solver: values of `KEYS` that all runs have; None for those of the base.
+        solver: values of `contactlab.simulation.KEYS` that all runs have.
     """
 
     def __init__(
         self,
         base: Sequence[str] | Configuration | Setup,
         law: object = None,
-        solver: Mapping[str, float | None] | None = None,
+        solver: Mapping[str, float] | None = None,
     ) -> None:
         self._base = base.configuration if isinstance(base, Setup) else base
         self._chosen = {} if law is None else {"law": law}
@@ -220,8 +191,7 @@ class ScriptComposer:
         else:
             found = compose([*self._base, *lines])
         for name, value in self._solver.items():
-            if value is not None:
-                found = with_key(found, KEYS[name], value)
+            found = with_key(found, KEYS[name], value)
         return {name: section for name, section in found.items() if name not in NOT_OF_A_RUN}
 
     def build(self, configuration: Configuration) -> Setup:
