@@ -31,7 +31,7 @@ from contactlab.cli.checking import (
 )
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
-from contactlab.cli.sweep_arguments import Arguments, HydraComposer, outputs_of, table
+from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
@@ -40,9 +40,9 @@ from contactlab.results.files import LOG, told
 from contactlab.settings import Sweep
 from contactlab.sweeps.batch import Batch, WorkerError, processors
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.plan import Plan, code_digest_of
-from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
-from contactlab.sweeps.state import Job, extend_manifest, key_of, resume, sentence
+from contactlab.sweeps.plan import Outputs, Plan, code_digest_of
+from contactlab.sweeps.planning import NOTHING, full_keys, planned, raise_faults, setups_of
+from contactlab.sweeps.state import extend_manifest, resume, sentence
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
 
@@ -95,21 +95,21 @@ class ContactlabSweeper(Sweeper):
         # Hydra lets the errors of what it calls through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        arguments = Arguments(overrides, section)
-        composer = HydraComposer(self._context, self._config, arguments.fixed)
+        arguments = Arguments(self._context, self._config, overrides, section)
         faults = [*misplaced(lines, swept=True), *arguments.faults]
         try:
-            validate({**composer.compose({}), "sweep": arguments.settings})
+            validate({**arguments.compose({}), "sweep": arguments.settings})
         except ConfigurationError as error:
             # What else is wrong may be set right by what is swept.
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
-        _raise(faults)
+        raise_faults(faults)
         settings = Sweep(**arguments.settings)
-        samples = full_keys(table(settings.samples), composer) if settings.samples else None
+        outputs = Outputs.named(settings.metrics, settings.series or ())
+        samples = settings.samples
         plan = planned(
-            composer,
-            arguments.columns if samples is None else samples,
-            outputs_of(settings),
+            arguments,
+            full_keys(table(samples), arguments) if samples else arguments.columns,
+            outputs,
             samples=samples is not None,
             chunk=settings.chunk,
             progress=terminal.progress,
@@ -118,14 +118,22 @@ class ContactlabSweeper(Sweeper):
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
             tell(f"contactlab: {words}", sys.stderr)
         if settings.keep == "metrics":
-            return self._metrics(plan, composer, settings, folder)
-        status = self._folders(self._jobs(plan, arguments, composer), plan.samples, folder)
-        kept = outputs_of(settings)
-        collect_swept(folder, kept.series, () if settings.metrics is None else kept.metrics)
+            return self._metrics(plan, arguments, settings.workers, folder)
+        status = self._folders(plan, arguments, folder)
+        collect_swept(folder, outputs.series, outputs.metrics if settings.metrics else ())
         return status
 
-    def _folders(self, jobs: Sequence[tuple[str, Job]], samples: bool, folder: Path) -> int:
-        """Run jobs that leave a folder each, but for those that are complete; give the worst status."""
+    def _folders(self, plan: Plan, arguments: Arguments, folder: Path) -> int:
+        """Run what leaves a folder each, but for what is complete; give the worst status."""
+        if plan.cells > MOST_JOBS:
+            raise ConfigurationError(
+                [
+                    f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs are asked for; a sweep of "
+                    f"folders must have at most {MOST_JOBS}. Take fewer values, or sweep.keep=metrics, "
+                    "which keeps numbers alone."
+                ]
+            )
+        jobs = [*arguments.jobs(plan, setups_of(plan, arguments, terminal.progress))]
         names = Counter(name for name, _ in jobs)
         faults = [
             f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite each other; "
@@ -136,11 +144,11 @@ class ContactlabSweeper(Sweeper):
         # Of folders that are not there yet the longest name tells.
         tried = {*(folder / name for name in names if (folder / name).exists())}
         faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
-        _raise(faults)
+        raise_faults(faults)
         done, said = resume([(folder / name, job.key) for name, job in jobs])
         print(said, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, dict(jobs), samples)
+        extend_manifest(folder, dict(jobs), plan.samples)
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
         if not pending:
             return COMPLETE
@@ -152,27 +160,7 @@ class ContactlabSweeper(Sweeper):
         ]
         return self._launched(self._task, batch, folder)
 
-    def _jobs(
-        self, plan: Plan, arguments: Arguments, composer: HydraComposer
-    ) -> list[tuple[str, Job]]:
-        """Build every run; give the name of its folder and what it is asked for."""
-        if plan.cells > MOST_JOBS:
-            _raise(
-                [
-                    f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs are asked for; a sweep of "
-                    f"folders must have at most {MOST_JOBS}. Take fewer values, or sweep.keep=metrics, "
-                    "which keeps numbers alone."
-                ]
-            )
-        jobs = []
-        lines_of = arguments.lines(plan)
-        for cell, setup in setups_of(plan, composer, terminal.progress):
-            lines = lines_of(cell)
-            name, choices = composer.job(plan, cell, lines)
-            jobs.append((name, Job(key_of(setup), tuple(lines), choices, setup.configuration)))
-        return jobs
-
-    def _metrics(self, plan: Plan, composer: HydraComposer, settings: Sweep, folder: Path) -> int:
+    def _metrics(self, plan: Plan, arguments: Arguments, workers: int | None, folder: Path) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
         faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
         if not plan.axes:
@@ -182,9 +170,9 @@ class ContactlabSweeper(Sweeper):
                 "The configuration has references in ${...}; a sweep of metrics must have their values, "
                 "which may depend on what is swept. Write the values."
             )
-        _raise(faults)
+        raise_faults(faults)
         if plan.samples:
-            deque(setups_of(plan, composer, terminal.progress), maxlen=0)
+            deque(setups_of(plan, arguments, terminal.progress), maxlen=0)
         store = Store(folder, plan)
         store.begin()
         print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
@@ -196,7 +184,7 @@ class ContactlabSweeper(Sweeper):
                 )
         try:
             with terminal.raising():
-                status = self._chunks(store, settings.workers)
+                status = self._chunks(store, workers)
                 dataset = store.merge()
         except (WorkerError, OSError) as error:
             why = told(error) if isinstance(error, OSError) else str(error)
@@ -276,8 +264,3 @@ def run_chunk(settings: DictConfig) -> int:
     with Batch(store.plan.setup_at, store.plan.outputs, min(workers, processors())) as batch:
         store.run(asked.number, batch)
     return COMPLETE
-
-
-def _raise(faults: list[str]) -> None:
-    if faults:
-        raise ConfigurationError(faults)

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from contactlab import metrics
-from contactlab.config import Setup, build
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import Value
 from contactlab.laws import law_class
 from contactlab.metrics import METRICS
@@ -41,7 +41,7 @@ class Outputs:
         """Take names, each once; None stands for the usual metrics and 'all' for all of them.
 
         Raises:
-            ValueError: a name that is no metric or no series, or nothing at all.
+            ConfigurationError: a name that is no metric or no series, or nothing at all.
         """
         chosen = cls.metrics if metrics is None else METRICS if metrics == "all" else metrics
         asked = {
@@ -51,11 +51,13 @@ class Outputs:
         for (kind, names), known in zip(asked.items(), ([*METRICS], [*SERIES]), strict=True):
             for name in {*names} - {*known}:
                 hint = suggestion(name, known, f"One is {known[0]}.")
-                raise ValueError(
-                    f"There is no {kind} '{name}'; it must be one of {', '.join(known)}. {hint}"
+                raise ConfigurationError(
+                    [f"There is no {kind} '{name}'; it must be one of {', '.join(known)}. {hint}"]
                 )
         if not any(asked.values()):
-            raise ValueError("Nothing is asked for; there must be one metric or series at least.")
+            raise ConfigurationError(
+                ["Nothing is asked for; there must be one metric or series at least."]
+            )
         return cls(*asked.values())
 
     @property

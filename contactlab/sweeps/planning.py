@@ -1,6 +1,6 @@
 """The plan of a sweep from what somebody asked for; every value of it is checked, and every fault told."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import product
 from math import ceil, prod
@@ -80,7 +80,7 @@ def planned(
     """
     groups = {key: options for key in columns if (options := composer.options(key))}
     faults = [*_faults_of(columns, groups, outputs)]
-    _raise(faults)
+    raise_faults(faults)
     listing = [columns[group] for group in groups]
     combined = zip(*listing, strict=True) if samples and groups else product(*listing)
     choices = tuple(dict.fromkeys(combined))
@@ -118,11 +118,11 @@ def planned(
         if not samples and len({*found}) < len(found):
             faults.append(f"{key} has a value twice; give every value once.")
         axes.append(Axis(key, tuple(found), units, meaning))
-    _raise(faults)
+    raise_faults(faults)
     cells = len(axes[0].values) if samples else prod(len(axis.values) for axis in axes)
     if cells > MOST_RUNS:
         sizes = " x ".join(str(len(axis.values)) for axis in axes)
-        _raise(
+        raise_faults(
             [
                 f"{sizes} = {cells:.4g} runs are asked for; a sweep must have at most {MOST_RUNS}, whose "
                 "numbers fit into memory. Take fewer values."
@@ -156,7 +156,7 @@ def setups_of(
             except ConfigurationError as error:
                 faults += error.faults
             show(cell + 1)
-    _raise(faults)
+    raise_faults(faults)
 
 
 def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
@@ -178,9 +178,10 @@ def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]
     return found
 
 
-def _raise(faults: Sequence[str]) -> None:
-    if faults:
-        raise ConfigurationError(list(dict.fromkeys(faults)))
+def raise_faults(faults: Iterable[str]) -> None:
+    """Raise a ConfigurationError of the faults, each told once; nothing where there is none."""
+    if told := list(dict.fromkeys(faults)):
+        raise ConfigurationError(told)
 
 
 def _faults_of(
