@@ -52,12 +52,7 @@ MOST_JOBS = 100_000
 
 @final
 class ContactlabSweeper(Sweeper):
-    """Plans, checks, resumes and collects a sweep.
-
-    Args:
-        max_batch_size: jobs that a launcher is given at once; None is all.
-        params: what is swept beside the arguments, values by key.
-    """
+    """Plans, checks, resumes and collects a sweep; its options are those of `ContactlabSweeperConf`."""
 
     def __init__(
         self, max_batch_size: int | None = None, params: Mapping[str, str] | None = None

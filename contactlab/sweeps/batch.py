@@ -62,11 +62,7 @@ def processors() -> int:
 class Batch:
     """Runs cells of one sweep, by processes whose number changes no bit. A context manager.
 
-    Args:
-        setup_at: what runs in a cell.
-        outputs: what is kept.
-        workers: how many processes; one is this process itself. None is one a processor.
-        report: hears of the progress.
+    One worker is this process itself; None is one a processor.
     """
 
     def __init__(
@@ -95,11 +91,7 @@ class Batch:
         self._executor.shutdown(cancel_futures=True)
 
     def answers(self, cells: Sequence[int]) -> Answers:
-        """Run some cells.
-
-        Raises:
-            WorkerError: a worker died.
-        """
+        """Run some cells; a WorkerError tells that a worker died."""
         count = min(self._count, len(cells))
         size = max(1, min(MOST_IN_PIECE, ceil(len(cells) / (4 * count))))
         pieces = [cells[at : at + size] for at in range(0, len(cells), size)]

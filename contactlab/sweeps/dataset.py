@@ -64,18 +64,13 @@ Slab = tuple[tuple[int, ...], Array, Mapping[str, Array]]
 @final
 @dataclass(frozen=True)
 class Axis:
-    """Holds a parameter that differs from run to run.
-
-    Args:
-        key: key or group of the configuration, 'contact.clearance' or 'law/normal'; from Python a name.
-        values: numbers in SI, or names of options.
-        units: in the words of the CF conventions; empty for names and where it is not known.
-        long_name: what it means; empty where that is not known.
-    """
+    """Holds a parameter that differs from run to run: numbers in SI, or names of options."""
 
     key: str
+    """Of the configuration, or a group of it: 'contact.clearance', 'law/normal'; from Python any name."""
     values: tuple[Value, ...]
     units: str = ""
+    """In the words of the CF conventions; empty for names and where it is not known."""
     long_name: str = ""
 
     @property

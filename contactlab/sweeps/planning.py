@@ -143,11 +143,7 @@ def planned(
 def setups_of(
     plan: Plan, composer: Composer, progress: Progress = unseen
 ) -> Iterator[tuple[int, Setup]]:
-    """Build every run of a plan: give cell and setup of each that is sound, and refuse the others at the end.
-
-    Raises:
-        ConfigurationError: with every fault that was found.
-    """
+    """Build every run of a plan: give cell and setup of the sound ones, and refuse the others at the end."""
     faults: list[str] = []
     with progress(plan.cells, "runs", "Checking the sweep") as show:
         for cell in range(plan.cells):

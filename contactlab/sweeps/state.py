@@ -156,11 +156,7 @@ def _foreign_code(law: type) -> tuple[str, ...]:
 
 
 def write_state(folder: Path, state: State) -> None:
-    """Write the state of a run, whole or not at all.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
+    """Write the state of a run, whole or not at all."""
     _write(folder / STATE, asdict(state))
 
 
@@ -170,15 +166,9 @@ def read_state(folder: Path) -> State | None:
 
 
 def extend_manifest(folder: Path, jobs: Mapping[str, Job], samples: bool) -> None:
-    """Add jobs to a sweep's manifest, or put them in the place of those of the same folder.
+    """Add jobs, by the names of their folders, to a sweep's manifest, or put them in the place of others.
 
-    Args:
-        folder: of the sweep.
-        jobs: by the names of their folders in it.
-        samples: whether they are the rows of a table, which form no grid.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
+    Samples are the rows of a table, which form no grid.
     """
     merged = {**read_manifest(folder).jobs, **jobs}
     settings = {name: flat(job.configuration) for name, job in merged.items()}
@@ -257,6 +247,7 @@ def _why(folder: Path, key: str) -> str:
 
 
 def _write(file: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON, whole or not at all; an OSError says why it cannot be."""
     text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False)
     with whole_file(file) as partial:
         partial.write_text(f"{text}\n", encoding="utf-8")

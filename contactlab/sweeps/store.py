@@ -48,12 +48,7 @@ class ChunkGoneError(Exception):
 
 @final
 class Store:
-    """Keeps a sweep on the disk.
-
-    Args:
-        path: its folder.
-        plan: what it runs.
-    """
+    """Keeps the sweep of a plan on the disk, in the folder `path`."""
 
     def __init__(self, path: Path, plan: Plan) -> None:
         self.path = path
@@ -61,11 +56,7 @@ class Store:
 
     @classmethod
     def opened(cls, path: Path) -> "Store":
-        """Open a folder that a sweep was begun in.
-
-        Raises:
-            SweepError: there is no plan in it that can be read.
-        """
+        """Open a folder that a sweep was begun in; a SweepError tells that it is none."""
         try:
             return cls(path, Plan.of_text((path / MANIFEST).read_bytes()))
         # Somebody else's file of that name may be anything.
@@ -110,12 +101,7 @@ class Store:
         return sum(len(self.plan.cells_of(chunk)) for chunk in self.missing())
 
     def run(self, chunk: int, batch: Batch) -> None:
-        """Run a chunk and keep its answers, unless another process has done so meanwhile.
-
-        Raises:
-            WorkerError: a worker process died.
-            OSError: the answers cannot be written.
-        """
+        """Run a chunk and keep its answers, unless another process has done so meanwhile."""
         file = self._file(chunk)
         if file.exists() or self.complete:
             return
@@ -129,7 +115,12 @@ class Store:
                 raise
 
     def run_missing(self, workers: int | None, report: Report | None = None) -> None:
-        """Run all chunks that are not finished; raises as `run` does."""
+        """Run all chunks that are not finished.
+
+        Raises:
+            WorkerError: a worker process died.
+            OSError: the answers cannot be written.
+        """
         with Batch(self.plan.setup_at, self.plan.outputs, workers, report) as batch:
             for chunk in self.missing():
                 self.run(chunk, batch)
@@ -161,11 +152,7 @@ class Store:
         return dataset
 
     def dataset(self) -> xarray.Dataset:
-        """Read the dataset of the whole sweep.
-
-        Raises:
-            SweepError: it is damaged.
-        """
+        """Read the dataset of the whole sweep; a SweepError tells that it is damaged."""
         file, told = self.path / DATASET, self.path / DIGEST
         if told.exists() and told.read_text(encoding="utf-8") != _digest_line(file):
             raise SweepError(
@@ -176,11 +163,7 @@ class Store:
         return _read(file)
 
     def _merged(self, chunks: Sequence[int]) -> xarray.Dataset:
-        """Write the dataset of some chunks, that of all as the sweep's.
-
-        Raises:
-            ChunkGoneError: a chunk is there no more; nothing was written.
-        """
+        """Write the dataset of some chunks, that of all as the sweep's; nothing where one is gone."""
         plan, whole = self.plan, len(chunks) == len(self.plan.chunks)
         columns: Answers = {
             **{key: np.full(plan.cells, np.nan) for key in plan.outputs.metrics},
@@ -221,11 +204,7 @@ class Store:
                 yield place, answers["time"], series
 
     def _verify(self, path: Path, dataset: xarray.Dataset) -> None:
-        """Read back what was written, before the chunks that it was made of may go.
-
-        Raises:
-            OSError: it is something else.
-        """
+        """Read back what was written, before the chunks that it was made of may go."""
         same = _read(path).equals(dataset)
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
@@ -244,9 +223,6 @@ def write_chunk(file: Path, answers: Answers) -> None:
     """Write a chunk, whole or not at all; the same answers give the same bytes.
 
     NumPy reads the file as any .npz. One that a digest does not end or does not fit is damaged.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
     """
     stream = BytesIO()
     np.savez(stream, **answers)  # type: ignore[arg-type]
@@ -256,12 +232,7 @@ def write_chunk(file: Path, answers: Answers) -> None:
 
 
 def read_chunk(file: Path) -> Answers:
-    """Read the answers of a chunk.
-
-    Raises:
-        ChunkGoneError: it is not there.
-        SweepError: it is damaged.
-    """
+    """Read the answers of a chunk; a SweepError tells that it is damaged."""
     try:
         kept, size = file.read_bytes(), sha256().digest_size
         if sha256(memoryview(kept)[:-size]).digest() != kept[-size:]:
