@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 RECORD_INTERVAL: Final = 1e-6
 """Time between records where none is asked for [s]."""
 
-_KEYS: Final = {
+KEYS: Final = {
     "duration": ("solver", "duration"),
     "record_interval": ("record", "interval"),
     "contact_step": ("solver", "contact_step"),
@@ -165,7 +165,7 @@ def simulate(
         contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
     """
     numbers = (duration, record_interval, contact_step, tolerance)
-    given = {name: x for name, x in zip(_KEYS, numbers, strict=True) if x is not None}
+    given = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
         given[name] = float(value)
@@ -191,7 +191,7 @@ def simulate(
             )
         setup = _changed(motor, given)
     else:
-        setup = _setup(motor, law, given)
+        setup = setup_of(motor, law, given)
     trajectory = trajectory_of(
         setup.motor,
         setup.law,
@@ -228,7 +228,7 @@ def load(path: str | Path) -> Solution:
         return Solution(tree)
 
 
-def _setup(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
+def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
     """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
     check_kind("The motor", motor, Motor)
     if isinstance(law, str):
@@ -250,13 +250,13 @@ def _setup(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
         tolerance=None,
         configuration=settings_of(motor, law),
     )
-    return _changed(usual, {name: getattr(usual, name) for name in _KEYS} | given)
+    return _changed(usual, {name: getattr(usual, name) for name in KEYS} | given)
 
 
 def _changed(setup: Setup, given: dict[str, Any]) -> Setup:
     """Give a setup with other numbers, which its configuration tells too."""
     configuration = {name: dict(section) for name, section in setup.configuration.items()}
     for name, value in given.items():
-        section, key = _KEYS[name]
+        section, key = KEYS[name]
         configuration.setdefault(section, {})[key] = value
     return replace(setup, **given, configuration=configuration)

@@ -25,7 +25,7 @@ import numpy as np
 from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.sweeps.batch import Batch
-from contactlab.sweeps.plan import Outputs, Plan, Setups
+from contactlab.sweeps.plan import Outputs, Plan
 from contactlab.sweeps.planning import planned
 from contactlab.sweeps.sweep import ScriptComposer
 
@@ -74,12 +74,11 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
     Every way runs the same block of runs one after the other, and its shortest time for a block counts: what
     else the machine does only ever makes it longer.
     """
-    setup_at = Setups(plan)
-    SETUPS[:] = [setup_at(cell) for cell in range(plan.cells)]
+    SETUPS[:] = [plan.setup_at(cell) for cell in range(plan.cells)]
     blocks = [range(i, min(i + BLOCK, plan.cells)) for i in range(0, plan.cells, BLOCK)]
     with (
-        Batch(setup_at, plan.outputs, 1) as one,
-        Batch(setup_at, plan.outputs, 2) as two,
+        Batch(plan.setup_at, plan.outputs, 1) as one,
+        Batch(plan.setup_at, plan.outputs, 2) as two,
         get_context("fork").Pool(2) as independent,
     ):
         ways: dict[str, Callable[[range], object]] = {

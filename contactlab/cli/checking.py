@@ -23,6 +23,7 @@ from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import VERBS, gives_several
+from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import Setup, build
@@ -70,14 +71,16 @@ class Check(Callback):
         announce([setup.configuration])
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
-        """Give the exit status of a sweep by what its runs left, where the sweeper is another.
+        """Collect what a sweep left, and give its exit status by that, where the sweeper is another.
 
         Raises:
             SystemExit: with it, where a run is not complete.
         """
         if "contactlab" in str(config.hydra.sweeper.get("_target_")):
             return
-        found = Path(str(config.hydra.sweep.dir)).rglob(STATE)
+        folder = Path(str(config.hydra.sweep.dir))
+        collect_swept(folder)
+        found = folder.rglob(STATE)
         states = {state.state for path in found if (state := read_state(path.parent))}
         if states - {COMPLETE_STATE}:
             sys.exit(REFUSED if REFUSED_STATE in states else INCOMPLETE)

@@ -1,10 +1,12 @@
 """`contactlab collect DIR`: the runs of a sweep as one dataset over their parameters."""
 
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 
 
 def main(arguments: list[str]) -> int:
@@ -25,22 +27,36 @@ def main(arguments: list[str]) -> int:
         help="time series that go into the group 'series'; the runs must be recorded at the same times",
     )
     given = parser.read(arguments)
-    # Imported here: they bring the compiler, which --help does not need.
-    from contactlab.results.files import told
-    from contactlab.sweeps.collection import collect
-    from contactlab.sweeps.dataset import summary
-    from contactlab.sweeps.values import SweepError, listed
-
     try:
-        with terminal.raising():
-            dataset = collect(given.directory, given.output, listed(given.series))
-    except SweepError as error:
-        raise RefusalError(str(error)) from error
-    except OSError as error:
-        raise RefusalError(f"The runs could not be collected: {told(error)}") from error
+        _collect(given.directory, given.output, given.series.split(",") if given.series else ())
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "Interrupted before the runs were collected; nothing was written."
         ) from None
-    print(summary(dataset, dataset.encoding["source"]))
     return COMPLETE
+
+
+def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[str] = ()) -> None:
+    """Collect what a sweep left; a failure of that is told and is none of the sweep."""
+    try:
+        _collect(folder, None, series, metrics)
+    except RefusalError as error:
+        tell(f"The runs could not be collected: {error}", sys.stderr)
+
+
+def _collect(
+    folder: Path, output: Path | None, series: Sequence[str], metrics: Sequence[str] = ()
+) -> None:
+    # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.results.files import told
+    from contactlab.sweeps import SweepError, collect
+    from contactlab.sweeps.dataset import summary
+
+    try:
+        with terminal.raising():
+            dataset = collect(folder, output, series, metrics)
+    except SweepError as error:
+        raise RefusalError(str(error)) from error
+    except OSError as error:
+        raise RefusalError(f"The runs could not be collected: {told(error)}") from error
+    print(summary(dataset, dataset.encoding["source"]))

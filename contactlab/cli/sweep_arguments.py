@@ -2,7 +2,7 @@
 
 import random
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, final
 
 import pandas
@@ -15,48 +15,56 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.cli.app import choices_of
 from contactlab.cli.arguments import quoted
 from contactlab.cli.checking import sentences
-from contactlab.config import ConfigurationError
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
-from contactlab.settings import Sweep
-from contactlab.sweeps.plan import Configuration, Outputs, Plan
-from contactlab.sweeps.values import FORMS, SweepError, is_spaced, spread
+from contactlab.sweeps.plan import Configuration, Plan
+from contactlab.sweeps.planning import raise_faults
+from contactlab.sweeps.state import Job, key_of
+from contactlab.sweeps.values import FORMS, call_in, spread
 
 
 @final
 class Arguments:
-    """Reads the arguments of a sweep.
+    """Reads the arguments of a sweep, and composes configurations by Hydra; see `planning.Composer`.
 
     Args:
+        context, config: what Hydra gives a sweeper.
         overrides: as Hydra parses them.
         section: the section `sweep` as Hydra composes it.
     """
 
-    def __init__(self, overrides: Iterable[Override], section: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        context: HydraContext,
+        config: DictConfig,
+        overrides: Iterable[Override],
+        section: Mapping[str, Any],
+    ) -> None:
         self.columns: dict[str, list[Value]] = {}
         self.faults: list[str] = []
+        self.settings = dict(section)
+        self._loader, self._config = context.config_loader, config
         self._typed: dict[str, list[str]] = {}
-        self._order: dict[str, tuple[str, str]] = {}
-        settings = dict(section)
+        self._lines: dict[str, str] = {}
+        self._composed: dict[tuple[Value, ...], DictConfig] = {}
         for override in overrides:
-            key, line = override.key_or_group, str(override.input_line)
-            values, typed = self._values(override)
+            key = override.key_or_group
+            values = self._values(override)
             if key.startswith("sweep."):
                 # A list of names is written as that of values is.
                 if override.is_sweep_override():
-                    settings[key.removeprefix("sweep.")] = values
+                    self.settings[key.removeprefix("sweep.")] = values
                 continue
-            if key in self._order:
+            if key in self._lines:
                 self.faults.append(
                     f"{key} is given more than once; it must be either swept or set, and once. Leave the "
                     "others out."
                 )
-            swept = override.is_sweep_override() or any(map(is_spaced, values))
-            self._order[key] = ("" if swept else line, line.partition("=")[0])
-            if swept:
-                self.columns[key], self._typed[key] = values, typed
-        self.settings = settings
-        if self.columns and settings["samples"] is not None:
+            self._lines[key] = str(override.input_line)
+            if override.is_sweep_override() or any(map(call_in, values)):
+                self.columns[key] = values
+        if self.columns and self.settings["samples"] is not None:
             self.faults.append(
                 f"{', '.join(self.columns)} and the table of sweep.samples are swept at once; it must be one "
                 "of them. Put all into the table, or leave it out."
@@ -65,73 +73,15 @@ class Arguments:
     @property
     def fixed(self) -> list[str]:
         """The overrides that all runs have."""
-        return [line for line, _ in self._order.values() if line]
-
-    def lines(self, plan: Plan) -> Callable[[int], list[str]]:
-        """Give what gives the overrides of each run, with its values as typed where they were one by one."""
-        texts = {}
-        for axis in plan.axes:
-            typed = self._typed.get(axis.key, ())
-            as_typed = len(typed) == len(axis.values)
-            texts[axis.key] = typed if as_typed else [_text(value) for value in axis.values]
-
-        def lines_of(cell: int) -> list[str]:
-            places = zip(texts.items(), plan.places(cell), strict=True)
-            chosen = {key: column[place] for (key, column), place in places}
-            lines = [
-                line or f"{name}={chosen.pop(key)}" for key, (line, name) in self._order.items()
-            ]
-            return [*lines, *(f"{key}={text}" for key, text in chosen.items())]
-
-        return lines_of
-
-    def _values(self, override: Override) -> tuple[list[Any], list[str]]:
-        """Give the values of an override, and how they are typed."""
-        line = str(override.input_line)
-        if override.is_delete():
-            return [], []
-        if not override.is_sweep_override():
-            return [_plain(override.value())], [line.partition("=")[2]]
-        if isinstance(said := override.value(), RangeSweep):
-            text = f"range({said.start},{said.stop},{said.step})"
-            if not said.shuffle:
-                return [text], []
-            try:
-                values = spread(override.key_or_group, text, float)
-            except SweepError as error:
-                self.faults.append(str(error))
-                return [], []
-            random.shuffle(values)
-            return values, [_text(value) for value in values]
-        if not override.is_discrete_sweep():
-            self.faults.append(f"{line} cannot be swept; a swept parameter must have {FORMS}.")
-            return [], []
-        values = [_plain(value) for value in override.sweep_iterator(Transformer.identity)]
-        return values, [str(text) for text in override.sweep_string_iterator()]
-
-
-@final
-class HydraComposer:
-    """Composes configurations by Hydra, once for every combination of options; see `planning.Composer`."""
-
-    def __init__(self, context: HydraContext, config: DictConfig, fixed: Sequence[str]) -> None:
-        self._loader = context.config_loader
-        self._config = config
-        self._fixed = list(fixed)
-        self._places: dict[tuple[Value, ...], DictConfig] = {}
-        self.choices: dict[tuple[Value, ...], dict[str, str | None]] = {}
+        return [line for key, line in self._lines.items() if key not in self.columns]
 
     def options(self, key: str) -> list[str]:
         """Give the options of a group; none for what is no group."""
         return self._loader.get_group_options(key)
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Give the configuration with these options, all else as it is set.
-
-        Raises:
-            ConfigurationError: it cannot be composed.
-        """
-        lines = [*self._fixed, *(f"{group}={option}" for group, option in chosen.items())]
+        """Give the configuration with these options, all else as it is set."""
+        lines = [*self.fixed, *(f"{group}={option}" for group, option in chosen.items())]
         try:
             composed = self._loader.load_sweep_config(self._config, lines)
         # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
@@ -141,70 +91,84 @@ class HydraComposer:
         sweep = everything["hydra"]["sweep"]
         # The folder is told before Hydra knows the job.
         sweep["subdir"] = str(sweep["subdir"]).replace("${hydra:", "${hydra.")
-        place = OmegaConf.create(everything)
+        place = self._composed[tuple(chosen.values())] = OmegaConf.create(everything)
         OmegaConf.copy_cache(self._config, place)
-        options = tuple(chosen.values())
-        self._places[options], self.choices[options] = place, choices_of(composed.hydra)
         return {key: value for key, value in everything.items() if key not in ("hydra", "sweep")}
 
-    def resolve(self, configuration: Configuration) -> Configuration:
-        """Put values in the place of references to them.
-
-        Raises:
-            ConfigurationError: one refers to what there is not.
-        """
+    def build(self, configuration: Configuration) -> Setup:
+        """Build what a configuration says, with values in the place of references to them."""
         if "${" not in str(configuration):
-            return configuration
+            return build(configuration)
         try:
-            return OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)  # type: ignore[return-value]
+            resolved = OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)
         except OmegaConfBaseException as error:
-            raise ConfigurationError(
-                [f"{one_line(error)} Correct the reference in ${{...}}."]
-            ) from error
+            words = f"{one_line(error)} Correct the reference in ${{...}}."
+            raise ConfigurationError([words]) from error
+        return build(resolved)  # type: ignore[arg-type]
 
-    def folder(
-        self,
-        chosen: tuple[Value, ...],
-        lines: Sequence[str],
-        values: Mapping[str, Value],
-        cell: int,
-    ) -> str:
-        """Name the folder of a run, as Hydra does.
-
-        Args:
-            chosen: the options of the swept groups.
-            lines: its overrides.
-            values: its swept values, by key.
-            cell: its number.
+    def jobs(self, plan: Plan, setups: Iterable[tuple[int, Setup]]) -> Iterator[tuple[str, Job]]:
+        """Give what each run is asked for, values as typed where they were one by one, and its folder's name.
 
         Raises:
-            ConfigurationError: the name refers to what there is not.
+            ConfigurationError: the name, made as Hydra makes it, refers to what there is not.
         """
-        place = self._places[chosen]
-        said = place.hydra.job.config.override_dirname
-        told = sorted(line for line in lines if line.partition("=")[0] not in said.exclude_keys)
-        place.hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
-        place.hydra.job.num, place.hydra.job.id = cell, str(cell)
-        try:
-            for key, value in values.items():
-                OmegaConf.update(place, key, value, force_add=True)
-            return str(OmegaConf.select(place, "hydra.sweep.subdir"))
-        except OmegaConfBaseException as error:
-            raise ConfigurationError(
-                [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
-            ) from error
+        texts = {}
+        for axis in plan.axes:
+            typed = self._typed.get(axis.key, ())
+            as_typed = len(typed) == len(axis.values)
+            texts[axis.key] = typed if as_typed else [_text(value) for value in axis.values]
+        for cell, setup in setups:
+            places = zip(texts.items(), plan.places(cell), strict=True)
+            chosen = {key: column[place] for (key, column), place in places}
+            lines = {
+                key: f"{line.partition('=')[0]}={chosen[key]}" if key in chosen else line
+                for key, line in self._lines.items()
+            }
+            more = [f"{key}={text}" for key, text in chosen.items() if key not in lines]
+            told = [*lines.values(), *more]
+            point = plan.point(cell)
+            place = self._composed[tuple(point.pop(group) for group in plan.groups)]
+            name = _folder(place, told, point, cell)
+            yield (
+                name,
+                Job(key_of(setup), tuple(told), choices_of(place.hydra), setup.configuration),
+            )
+
+    def _values(self, override: Override) -> list[Any]:
+        """Give the values of an override; how they are typed is noted."""
+        key, line = override.key_or_group, str(override.input_line)
+        if override.is_delete():
+            return []
+        if not override.is_sweep_override():
+            self._typed[key] = [line.partition("=")[2]]
+            return [_plain(override.value())]
+        if isinstance(said := override.value(), RangeSweep):
+            values: list[Any] = [f"range({said.start},{said.stop},{said.step})"]
+            if said.shuffle:
+                values = spread(key, values[0])
+                random.shuffle(values)
+            return values
+        if not override.is_discrete_sweep():
+            self.faults.append(f"{line} cannot be swept; a swept parameter must have {FORMS}.")
+            return []
+        self._typed[key] = [str(text) for text in override.sweep_string_iterator()]
+        return [_plain(value) for value in override.sweep_iterator(Transformer.identity)]
 
 
-def outputs_of(settings: Sweep) -> Outputs:
-    """Take what is kept of a run.
-
-    Raises:
-        ConfigurationError: there is no such metric or series.
-    """
+def _folder(place: DictConfig, lines: list[str], values: Mapping[str, Value], cell: int) -> str:
+    """Name the folder of a run in a composed configuration."""
+    said = place.hydra.job.config.override_dirname
+    told = sorted(line for line in lines if line.partition("=")[0] not in said.exclude_keys)
+    place.hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
+    place.hydra.job.num, place.hydra.job.id = cell, str(cell)
     try:
-        return Outputs.named(settings.metrics, settings.series or ())
-    except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+        for key, value in values.items():
+            OmegaConf.update(place, key, value, force_add=True)
+        return str(OmegaConf.select(place, "hydra.sweep.subdir"))
+    except OmegaConfBaseException as error:
+        raise ConfigurationError(
+            [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
+        ) from error
 
 
 def table(path: str) -> dict[str, list[Value]]:
@@ -231,14 +195,12 @@ def table(path: str) -> dict[str, list[Value]]:
                 "or netCDF, whose columns are keys and whose rows are runs."
             ]
         ) from error
-    empty = [
+    raise_faults(
         f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "
         "leave the row out."
         for name in rows
         for row in rows[name].isna().to_numpy().nonzero()[0]
-    ]
-    if empty:
-        raise ConfigurationError(empty)
+    )
     return {str(name).strip(): rows[name].tolist() for name in rows}
 
 

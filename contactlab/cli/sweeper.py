@@ -29,21 +29,20 @@ from contactlab.cli.checking import (
     sentences,
     sets_friction,
 )
+from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
-from contactlab.cli.sweep_arguments import Arguments, HydraComposer, outputs_of, table
+from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
 from contactlab.config.rules import idle_friction
 from contactlab.results.files import LOG, told
 from contactlab.settings import Sweep
-from contactlab.sweeps.batch import WorkerError, processors
-from contactlab.sweeps.collection import collect
+from contactlab.sweeps.batch import Batch, WorkerError, processors
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.manifest import extend_manifest, resume, sentence
-from contactlab.sweeps.plan import Plan, Setups, code_digest_of
-from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
-from contactlab.sweeps.state import Job, key_of
+from contactlab.sweeps.plan import Outputs, Plan, code_digest_of
+from contactlab.sweeps.planning import NOTHING, full_keys, planned, raise_faults, setups_of
+from contactlab.sweeps.state import extend_manifest, resume, sentence
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
 
@@ -53,12 +52,7 @@ MOST_JOBS = 100_000
 
 @final
 class ContactlabSweeper(Sweeper):
-    """Plans, checks, resumes and collects a sweep.
-
-    Args:
-        max_batch_size: jobs that a launcher is given at once; None is all.
-        params: what is swept beside the arguments, values by key.
-    """
+    """Plans, checks, resumes and collects a sweep; its options are those of `ContactlabSweeperConf`."""
 
     def __init__(
         self, max_batch_size: int | None = None, params: Mapping[str, str] | None = None
@@ -71,7 +65,6 @@ class ContactlabSweeper(Sweeper):
     ) -> None:
         """See `Sweeper.setup`."""
         self._context, self._task, self._config = hydra_context, task_function, config
-        self._parser = OverridesParser.create(config_loader=hydra_context.config_loader)
 
     def sweep(self, arguments: list[str]) -> None:
         """Run a sweep, or go on with it.
@@ -79,9 +72,8 @@ class ContactlabSweeper(Sweeper):
         Raises:
             SystemExit: with the status of the worst run, or that of what was refused.
         """
-        lines = [*(f"{key}={value}" for key, value in self._params.items()), *arguments]
         try:
-            status = self._swept(lines)
+            status = self._swept([*(f"{k}={v}" for k, v in self._params.items()), *arguments])
         except ConfigurationError as error:
             status = refuse(dict.fromkeys(error.faults))
         except SweepError as error:
@@ -91,28 +83,29 @@ class ContactlabSweeper(Sweeper):
 
     def _swept(self, lines: Sequence[str]) -> int:
         try:
-            overrides = self._parser.parse_overrides(list(lines))
+            parser = OverridesParser.create(config_loader=self._context.config_loader)
+            overrides = parser.parse_overrides(list(lines))
             folder = Path(str(self._config.hydra.sweep.dir))
             section: Any = OmegaConf.to_container(self._config.sweep, resolve=True)
         # Hydra lets the errors of what it calls through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        arguments = Arguments(overrides, section)
-        composer = HydraComposer(self._context, self._config, arguments.fixed)
+        arguments = Arguments(self._context, self._config, overrides, section)
         faults = [*misplaced(lines, swept=True), *arguments.faults]
         try:
-            validate({**composer.compose({}), "sweep": arguments.settings})
+            validate({**arguments.compose({}), "sweep": arguments.settings})
         except ConfigurationError as error:
             # What else is wrong may be set right by what is swept.
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
-        if faults:
-            raise ConfigurationError(faults)
+        raise_faults(faults)
         settings = Sweep(**arguments.settings)
+        outputs = Outputs.named(settings.metrics, settings.series or ())
+        samples = settings.samples
         plan = planned(
-            composer,
-            full_keys(table(settings.samples), composer) if settings.samples else arguments.columns,
-            outputs_of(settings),
-            samples=settings.samples is not None,
+            arguments,
+            full_keys(table(samples), arguments) if samples else arguments.columns,
+            outputs,
+            samples=samples is not None,
             chunk=settings.chunk,
             progress=terminal.progress,
         )
@@ -120,14 +113,23 @@ class ContactlabSweeper(Sweeper):
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
             tell(f"contactlab: {words}", sys.stderr)
         if settings.keep == "metrics":
-            return self._metrics(plan, settings, folder)
-        return self._folders(self._jobs(plan, arguments, composer), settings, folder)
+            return self._metrics(plan, arguments, settings.workers, folder)
+        status = self._folders(plan, arguments, folder)
+        collect_swept(folder, outputs.series, outputs.metrics if settings.metrics else ())
+        return status
 
-    def _folders(
-        self, jobs: Sequence[tuple[str, Job, list[str]]], settings: Sweep, folder: Path
-    ) -> int:
-        """Run jobs that leave a folder each, but for those that are complete; give the worst status."""
-        names = Counter(name for name, _, _ in jobs)
+    def _folders(self, plan: Plan, arguments: Arguments, folder: Path) -> int:
+        """Run what leaves a folder each, but for what is complete; give the worst status."""
+        if plan.cells > MOST_JOBS:
+            raise ConfigurationError(
+                [
+                    f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs are asked for; a sweep of "
+                    f"folders must have at most {MOST_JOBS}. Take fewer values, or sweep.keep=metrics, "
+                    "which keeps numbers alone."
+                ]
+            )
+        jobs = [*arguments.jobs(plan, setups_of(plan, arguments, terminal.progress))]
+        names = Counter(name for name, _ in jobs)
         faults = [
             f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite each other; "
             "it must differ from job to job. Leave it out, and give every value once."
@@ -137,51 +139,23 @@ class ContactlabSweeper(Sweeper):
         # Of folders that are not there yet the longest name tells.
         tried = {*(folder / name for name in names if (folder / name).exists())}
         faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
-        if faults:
-            raise ConfigurationError(faults)
-        done, said = resume([(folder / name, job.key) for name, job, _ in jobs])
+        raise_faults(faults)
+        done, said = resume([(folder / name, job.key) for name, job in jobs])
         print(said, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, {name: job for name, job, _ in jobs}, bool(settings.samples))
+        extend_manifest(folder, dict(jobs), plan.samples)
         pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
-        status = COMPLETE
-        if pending:
-            announce(job.configuration for _, job, _ in pending)
-            OmegaConf.save(self._config, folder / "multirun.yaml")
-            where = f"hydra.sweep.dir={quoted(str(folder))}"
-            batch = [
-                [*lines, where, f"hydra.sweep.subdir={quoted(name)}"] for name, _, lines in pending
-            ]
-            status = self._launched(self._task, batch, folder)
-        _collected(folder, settings)
-        return status
+        if not pending:
+            return COMPLETE
+        announce(job.configuration for _, job in pending)
+        OmegaConf.save(self._config, folder / "multirun.yaml")
+        where = f"hydra.sweep.dir={quoted(str(folder))}"
+        batch = [
+            [*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending
+        ]
+        return self._launched(self._task, batch, folder)
 
-    def _jobs(
-        self, plan: Plan, arguments: Arguments, composer: HydraComposer
-    ) -> list[tuple[str, Job, list[str]]]:
-        """Build every run; give the name of its folder, what it is asked for, and its overrides."""
-        if plan.cells > MOST_JOBS:
-            raise ConfigurationError(
-                [
-                    f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs are asked for; a sweep of "
-                    f"folders must have at most {MOST_JOBS}. Take fewer values, or sweep.keep=metrics, "
-                    "which keeps numbers alone."
-                ]
-            )
-        jobs = []
-        lines_of = arguments.lines(plan)
-        resolve = composer.resolve if "${" in str(plan.bases) else None
-        for cell, setup in setups_of(plan, resolve, terminal.progress):
-            lines = lines_of(cell)
-            point = plan.point(cell)
-            options = tuple(point[group] for group in plan.groups)
-            values = {key: point[key] for key in point if key not in plan.groups}
-            name = composer.folder(options, lines, values, cell)
-            job = Job(key_of(setup), tuple(lines), composer.choices[options], setup.configuration)
-            jobs.append((name, job, lines))
-        return jobs
-
-    def _metrics(self, plan: Plan, settings: Sweep, folder: Path) -> int:
+    def _metrics(self, plan: Plan, arguments: Arguments, workers: int | None, folder: Path) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
         faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
         if not plan.axes:
@@ -191,20 +165,21 @@ class ContactlabSweeper(Sweeper):
                 "The configuration has references in ${...}; a sweep of metrics must have their values, "
                 "which may depend on what is swept. Write the values."
             )
-        if faults:
-            raise ConfigurationError(faults)
+        raise_faults(faults)
         if plan.samples:
-            deque(setups_of(plan, None, terminal.progress), maxlen=0)
+            deque(setups_of(plan, arguments, terminal.progress), maxlen=0)
         store = Store(folder, plan)
         store.begin()
         print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
         if plan.outputs.series:
             # A run that is refused is told of at its place.
             with suppress(ConfigurationError):
-                announce_series(plan.cells, len(plan.outputs.series), Setups(plan)(0).configuration)
+                announce_series(
+                    plan.cells, len(plan.outputs.series), plan.setup_at(0).configuration
+                )
         try:
             with terminal.raising():
-                status = self._chunks(store, store.missing(), settings.workers)
+                status = self._chunks(store, workers)
                 dataset = store.merge()
         except (WorkerError, OSError) as error:
             why = told(error) if isinstance(error, OSError) else str(error)
@@ -214,20 +189,21 @@ class ContactlabSweeper(Sweeper):
             raise KeyboardInterrupt(
                 "Interrupted. The chunks that are finished are kept: the same command goes on there."
             ) from None
-        print(summary(dataset, store.file))
+        print(summary(dataset, dataset.encoding["source"]))
         return max(status, int(dataset.attrs["runs_absent"] > 0))
 
-    def _chunks(self, store: Store, missing: Sequence[int], workers: int | None) -> int:
+    def _chunks(self, store: Store, workers: int | None) -> int:
         """Run the chunks that are missing, here or by a launcher."""
-        if not missing:
+        if not (missing := store.missing()):
             return COMPLETE
         if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
             with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
                 store.run_missing(workers, show)
             return COMPLETE
         where = quoted(str(store.path.absolute()))
+        below = str((store.path / CHUNKS).absolute())
         own = [
-            f"hydra.sweep.dir={quoted(str((store.path / CHUNKS).absolute()))}",
+            f"hydra.sweep.dir={quoted(below)}",
             "hydra.sweep.subdir=log/${hydra.job.num}",
             "hydra.output_subdir=null",
         ]
@@ -235,7 +211,7 @@ class ContactlabSweeper(Sweeper):
             [f"+chunk.folder={where}", f"+chunk.number={n}", f"+chunk.workers={workers or 0}", *own]
             for n in missing
         ]
-        self._config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
+        self._config.hydra.sweep.dir = below
         return self._launched(run_chunk, batch, store.path)
 
     def _launched(self, task: TaskFunction, batch: list[list[str]], folder: Path) -> int:
@@ -280,19 +256,6 @@ def run_chunk(settings: DictConfig) -> int:
         )
     # The processes of a launcher share a machine, unless a cluster gives each some processors.
     workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
-    with store.batch(min(workers, processors())) as batch:
+    with Batch(store.plan.setup_at, store.plan.outputs, min(workers, processors())) as batch:
         store.run(asked.number, batch)
     return COMPLETE
-
-
-def _collected(folder: Path, settings: Sweep) -> None:
-    """Collect what is there; a failure of that is told and is none of the sweep."""
-    try:
-        with terminal.raising():
-            kept = outputs_of(settings)
-            metrics = () if settings.metrics is None else kept.metrics
-            dataset = collect(folder, series=kept.series, metrics=metrics)
-            print(summary(dataset, dataset.encoding["source"]))
-    except (SweepError, OSError) as error:
-        why = told(error) if isinstance(error, OSError) else str(error)
-        tell(f"The runs could not be collected: {why}", sys.stderr)

@@ -12,26 +12,28 @@ import os
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from functools import partial
 from math import ceil
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import prepare, simulate
 from contactlab.engine.callback import is_of_a_signal
 from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
 from contactlab.metrics import Run, assess
-from contactlab.sweeps.answers import Answers, joined, stacked
 from contactlab.sweeps.plan import Outputs
 from contactlab.sweeps.state import Status, status_of
-from contactlab.trajectory import Trajectory
+
+Answers = dict[str, NDArray[Any]]
+"""What some runs gave, a row each: metrics by key, series as NAME_series, NaN where there is none, `status`
+and `reason`; and `time`, that of the records of the series in all runs."""
 
 SetupAt = Callable[[int], Setup]
 """What runs in a cell; it may raise a `ConfigurationError`, which makes the cell a refused one."""
@@ -60,11 +62,7 @@ def processors() -> int:
 class Batch:
     """Runs cells of one sweep, by processes whose number changes no bit. A context manager.
 
-    Args:
-        setup_at: what runs in a cell.
-        outputs: what is kept.
-        workers: how many processes; one is this process itself. None is one a processor.
-        report: hears of the progress.
+    One worker is this process itself; None is one a processor.
     """
 
     def __init__(
@@ -93,67 +91,55 @@ class Batch:
         self._executor.shutdown(cancel_futures=True)
 
     def answers(self, cells: Sequence[int]) -> Answers:
-        """Run some cells.
-
-        Raises:
-            WorkerError: a worker died.
-        """
+        """Run some cells; a WorkerError tells that a worker died."""
         count = min(self._count, len(cells))
         size = max(1, min(MOST_IN_PIECE, ceil(len(cells) / (4 * count))))
         pieces = [cells[at : at + size] for at in range(0, len(cells), size)]
-        if count < 2:
-            workspace = Workspace()
-            parts = []
-            for piece in pieces:
-                parts.append(_answers(*self._task, piece, workspace))
-                self._ended(len(piece))
-            return joined(parts)
+        parts = []
         try:
-            futures = self._submitted(pieces)
-            for done in as_completed(futures):
-                self._ended(done.result().status.size)
+            if count < 2:
+                ended: Iterator[Answers] = map(partial(_answers, *self._task, Workspace()), pieces)
+            else:
+                executor = self._started(cells)
+                # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have:
+                # the workers do not ask for them.
+                with warnings.catch_warnings():
+                    warnings.filterwarnings("ignore", "This process", DeprecationWarning)
+                    ended = executor.map(_work, pieces)
+            for part in ended:
+                parts.append(part)
+                self._done += part["status"].size
+                if self._report:
+                    self._report(self._done)
         except BrokenProcessPool as error:
             raise WorkerError(
                 "A worker process died, maybe for want of memory; what was finished before is kept. Start "
                 "again, with fewer workers if it dies again."
             ) from error
-        return joined([future.result() for future in futures])
+        return joined(parts)
 
-    def _ended(self, count: int) -> None:
-        self._done += count
-        if self._report:
-            self._report(self._done)
-
-    def _submitted(self, pieces: Sequence[Sequence[int]]) -> list[Future[Answers]]:
-        with ExitStack() as stack:
-            if self._executor is None:
-                self._prepare(pieces)
-                self._executor = ProcessPoolExecutor(
-                    self._count,
-                    mp_context=multiprocessing.get_context(START_METHOD),
-                    initializer=_begin,
-                    initargs=self._task,
-                )
-                # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have:
-                # the workers do not ask for them.
-                stack.enter_context(warnings.catch_warnings())
-                warnings.filterwarnings("ignore", "This process", DeprecationWarning)
-            return [self._executor.submit(_work, piece) for piece in pieces]
-
-    def _prepare(self, pieces: Sequence[Sequence[int]]) -> None:
-        """Load the engine, so that no worker has to."""
-        for cell in (cell for piece in pieces for cell in piece):
-            try:
-                setup = self._task[0](cell)
-                prepare(setup.motor, setup.law)
-            # The cell's own run tells of it.
-            except Exception:
-                continue
-            break
+    def _started(self, cells: Sequence[int]) -> ProcessPoolExecutor:
+        """Give the workers, begun with the engine loaded, so that none has to load it."""
+        if self._executor is None:
+            for cell in cells:
+                try:
+                    setup = self._task[0](cell)
+                    prepare(setup.motor, setup.law)
+                    break
+                # The cell's own run tells of it.
+                except Exception:
+                    continue
+            self._executor = ProcessPoolExecutor(
+                self._count,
+                mp_context=multiprocessing.get_context(START_METHOD),
+                initializer=_begin,
+                initargs=self._task,
+            )
+        return self._executor
 
 
-_WORKER: Final[dict[str, tuple[SetupAt, Outputs, Workspace]]] = {}
-"""What a worker process has for all its pieces."""
+_WORKER: Final[list[Callable[[Sequence[int]], Answers]]] = []
+"""What a worker process does with all its pieces."""
 
 
 def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
@@ -165,52 +151,45 @@ def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     # What is there stays as it is: looking it over would copy the memory that a fork shares.
     gc.freeze()
-    _WORKER["task"] = (setup_at, outputs, Workspace())
+    _WORKER[:] = [partial(_answers, setup_at, outputs, Workspace())]
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:
     """End this process as soon as nobody waits for it any more: a command that is killed tells nobody."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
+    if (parent := multiprocessing.parent_process()) is not None:
         parent.join()
         os._exit(1)
 
 
 def _work(cells: Sequence[int]) -> Answers:
-    setup_at, outputs, workspace = _WORKER["task"]
-    return _answers(setup_at, outputs, cells, workspace)
+    return _WORKER[0](cells)
 
 
 def _answers(
-    setup_at: SetupAt, outputs: Outputs, cells: Sequence[int], workspace: Workspace
+    setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cells: Sequence[int]
 ) -> Answers:
-    """Run some cells, one after the other."""
-    metrics = np.full((len(cells), len(outputs.metrics)), np.nan)
-    status = np.zeros(len(cells), dtype=np.int8)
-    reason = [""] * len(cells)
-    series: dict[str, list[Array]] = {name: [] for name in outputs.series}
-    time = np.empty(0)
-    for place, cell in enumerate(cells):
-        run, status[place], reason[place] = _run(setup_at, cell, outputs, workspace, metrics[place])
-        # A series alone, not the memory of all that the run has recorded.
-        for name, rows in series.items():
-            rows.append(np.empty(0) if run is None else run.series[name].copy())
-        if run is not None and outputs.series:
-            time = max(time, run.time, key=len)
-    return Answers(
-        metrics, status, reason, {name: stacked(rows) for name, rows in series.items()}, time
-    )
+    return joined([_run(setup_at, outputs, workspace, cell) for cell in cells])
 
 
-def _run(
-    setup_at: SetupAt, cell: int, outputs: Outputs, workspace: Workspace, metrics: Array
-) -> tuple[Trajectory | None, Status, str]:
-    """Run one cell; its metrics go into `metrics` if it reached its end.
+def joined(parts: Sequence[Answers]) -> Answers:
+    """Give the answers of all parts, one after the other; NaN where a part has no records."""
+    time = max((part["time"] for part in parts), key=len)
 
-    Returns:
-        The run if it reached its end, what became of it and why.
-    """
+    def rows(part: Answers, name: str) -> NDArray[Any]:
+        found = part[name]
+        return found if found.ndim == 1 or found.size else np.full((len(found), time.size), np.nan)
+
+    names = [name for name in parts[0] if name != "time"]
+    return {name: np.concatenate([rows(part, name) for part in parts]) for name in names} | {
+        "time": time
+    }
+
+
+def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -> Answers:
+    """Run one cell: what became of it and why, with its numbers where it reached its end."""
+    metrics = dict.fromkeys(outputs.metrics, np.nan)
+    series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
     try:
         setup = setup_at(cell)
         run = simulate(
@@ -222,18 +201,28 @@ def _run(
             tolerance=setup.tolerance,
             workspace=workspace,
         )
-        if not run.ending.reached_end:
-            return None, status_of(run.ending), run.message
-        found = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)
+        status, reason = status_of(run.ending), run.message
+        if run.ending.reached_end:
+            found = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)
+            metrics = {key: found[key] for key in outputs.metrics}
+            if outputs.series:
+                # A series alone, not the memory of all that the run has recorded.
+                series = {name: run.series[name].copy() for name in outputs.series}
+                time = run.time
     except ConfigurationError as error:
-        return None, Status.REFUSED, " ".join(error.faults)
+        status, reason = Status.REFUSED, " ".join(error.faults)
     except LawError as error:
-        return None, Status.FAILED, str(error)
+        status, reason = Status.FAILED, str(error)
     # The others shall not suffer from what one of ten thousand runs into.
     except Exception as error:
         # That a cluster's time is up is no result of the cell: the chunk is to be made again.
         if is_of_a_signal(error):
             raise
-        return None, Status.FAILED, f"The run ended in {type(error).__name__}: {error}"
-    metrics[:] = [found[key] for key in outputs.metrics]
-    return run, status_of(run.ending), run.message
+        status, reason = Status.FAILED, f"The run ended in {type(error).__name__}: {error}"
+    return {
+        **{key: np.array([value]) for key, value in metrics.items()},
+        "status": np.array([status], dtype=np.int8),
+        "reason": np.array([reason]),
+        **{f"{name}_series": rows[np.newaxis] for name, rows in series.items()},
+        "time": time,
+    }

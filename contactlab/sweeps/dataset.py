@@ -1,6 +1,6 @@
 """Many runs as one dataset: parameters as coordinates, metrics as variables, a code where one is missing."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
@@ -11,6 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from contactlab import variables
+from contactlab.arrays import Array
 from contactlab.config.nesting import Value
 from contactlab.metrics import METRICS
 from contactlab.results.files import whole_netcdf
@@ -40,22 +41,36 @@ REASONS: Final = {
 }
 """Reasons that need no run to tell them."""
 
+_ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
+    **{
+        k: {"units": m.units, "symbol": m.symbol, "long_name": m.meaning}
+        for k, m in METRICS.items()
+    },
+    **{f"{name}_series": cf_attributes(variable) for name, variable in SERIES.items()},
+    "status": {
+        "long_name": "what became of the run",
+        "flag_values": np.array([code.value for code in Status], dtype=np.int8),
+        "flag_meanings": " ".join(code.name.lower() for code in Status),
+    },
+    "reason": {"long_name": "why a run has no numbers"},
+    "job": {"long_name": "folder of the run"},
+}
+"""Of the variables, by name."""
+
+Slab = tuple[tuple[int, ...], Array, Mapping[str, Array]]
+"""The place of a run, the times of its records and its series by name."""
+
 
 @final
 @dataclass(frozen=True)
 class Axis:
-    """Holds a parameter that differs from run to run.
-
-    Args:
-        key: key or group of the configuration, 'contact.clearance' or 'law/normal'; from Python a name.
-        values: numbers in SI, or names of options.
-        units: in the words of the CF conventions; empty for names and where it is not known.
-        long_name: what it means; empty where that is not known.
-    """
+    """Holds a parameter that differs from run to run: numbers in SI, or names of options."""
 
     key: str
+    """Of the configuration, or a group of it: 'contact.clearance', 'law/normal'; from Python any name."""
     values: tuple[Value, ...]
     units: str = ""
+    """In the words of the CF conventions; empty for names and where it is not known."""
     long_name: str = ""
 
     @property
@@ -65,76 +80,83 @@ class Axis:
             return np.array([text_of(value) for value in self.values])
         return np.asarray(self.values, dtype=np.float64)
 
-    @property
-    def attributes(self) -> dict[str, str]:
-        """What a dataset says of it."""
-        said = {"key": self.key, "units": self.units, "long_name": self.long_name}
-        return {name: text for name, text in said.items() if text}
-
-
-def names_of(axes: Sequence[Axis]) -> list[str]:
-    """Give the names of axes in a dataset."""
-    named = short_names([axis.key for axis in axes], TAKEN)
-    return [named[axis.key] for axis in axes]
-
 
 def dataset_of(
     axes: Sequence[Axis],
-    metrics: Mapping[str, NDArray[np.float64]],
-    status: NDArray[np.int8],
-    reason: NDArray[Any],
-    attributes: Mapping[str, Any],
+    columns: Mapping[str, NDArray[Any]],
+    attributes: dict[str, Any] | None = None,
     *,
-    grid: bool = True,
+    samples: bool = False,
+    beside: Sequence[Axis] = (),
 ) -> xarray.Dataset:
     """Give one dataset of many runs.
 
     Args:
-        axes: the parameters; their values are the coordinates.
-        metrics: keys of `contactlab.metrics.METRICS`, each with an array; NaN where a run has none.
-        status: codes of `Status`.
-        reason: a sentence where a run is not complete, else empty.
+        axes: the parameters; each is a dimension, in this order, or all lie along `RUN`.
+        columns: metrics, series over time, 'status' and 'reason', the first dimension that of the runs in C
+            order over the axes.
         attributes: of the dataset, beside those that every sweep has.
-        grid: whether each axis is a dimension, in their order; else all lie along `RUN`.
+        samples: whether the n-th run has the n-th value of every axis.
+        beside: parameters that follow from those of the axes, a value a run.
     """
-    names = names_of(axes)
-    dims = tuple(names) if grid else (RUN,)
-    coordinates = {
-        name: ((name,) if grid else dims, axis.coordinate, axis.attributes)
-        for name, axis in zip(names, axes, strict=True)
+    keys = short_names([axis.key for axis in (*axes, *beside)], TAKEN)
+    names = [keys[axis.key] for axis in axes]
+    dims = [RUN] if samples else names
+    shape = [-1] if samples else [len(axis.values) for axis in axes]
+
+    def variable(attributes: Mapping[str, Any], values: NDArray[Any]) -> xarray.Variable:
+        cells = values.astype(object) if values.dtype.kind == "U" else values
+        along = [*dims, *["time"][: values.ndim - 1]]
+        return xarray.Variable(along, cells.reshape(*shape, *values.shape[1:]), attributes)
+
+    coordinates: dict[str, Any] = {}
+    for axis in (*axes, *beside):
+        said = {"key": axis.key, "units": axis.units, "long_name": axis.long_name}
+        told, values = {name: text for name, text in said.items() if text}, axis.coordinate
+        lies = not samples and axis in axes
+        name = keys[axis.key]
+        coordinates[name] = (name, values, told) if lies else variable(told, values)
+    if (time := columns.get("time")) is not None and time.size:
+        coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
+    found = {
+        name: variable(_ATTRIBUTES[name], values)
+        for name, values in columns.items()
+        if name != "time"
     }
-    found: dict[str, Any] = {key: (dims, values, _said(key)) for key, values in metrics.items()}
-    flags = {
-        "long_name": "what became of the run",
-        "flag_values": np.array([code.value for code in Status], dtype=np.int8),
-        "flag_meanings": " ".join(code.name.lower() for code in Status),
-    }
-    found["status"] = (dims, status.astype(np.int8), flags)
-    found["reason"] = (dims, reason.astype(object), {"long_name": "why a run has no numbers"})
     every = {
         "Conventions": "CF-1.11",
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
         "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
         **versions(),
         "code_digest": code_digest(),
-        "complete": int(bool(np.all(status == Status.COMPLETE))),
+        "complete": int(bool(np.all(columns["status"] == Status.COMPLETE))),
     }
-    return xarray.Dataset(found, coordinates, every | counts_of(status) | dict(attributes))
+    return xarray.Dataset(
+        found, coordinates, every | counts_of(columns["status"]) | (attributes or {})
+    )
 
 
-def counts_of(status: NDArray[np.int8]) -> dict[str, int]:
+def counts_of(status: NDArray[np.int8]) -> dict[str, Any]:
     """Count the runs, and those of each status, as attributes."""
     counted = {f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status}
     return {"runs": int(status.size), **counted}
 
 
-def write(dataset: xarray.Dataset, path: Path, more: Callable[[Path], None] | None = None) -> None:
+def write(
+    dataset: xarray.Dataset,
+    path: Path,
+    series: Sequence[str] = (),
+    slabs: Callable[[], Iterable[Slab]] = tuple,
+    finish: Callable[[Path], object] = lambda _: None,
+) -> None:
     """Write a dataset of many runs, whole or not at all; the same dataset gives the same bytes.
 
     Args:
         dataset: as `dataset_of` gives it.
         path: the file, in a folder that exists.
-        more: adds to the file before it takes its name.
+        series: names of the time series that go into the group `series`, NaN where a run has none.
+        slabs: gives those of each run, so that no more than one need be in memory.
+        finish: looks at the file before it takes its name.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -147,55 +169,50 @@ def write(dataset: xarray.Dataset, path: Path, more: Callable[[Path], None] | No
     }
     with whole_netcdf(path) as partial:
         dataset.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encoding)
-        if more is not None:
-            more(partial)
+        if series:
+            with netCDF4.Dataset(partial, "a") as file:
+                group = None
+                for place, time, rows in slabs():
+                    group = group or _series_group(file, dataset["status"].dims, series, time)
+                    for name in series:
+                        group[name][place] = rows[name]
+        finish(partial)
 
 
-def series_group(
-    file: netCDF4.Dataset, dims: Sequence[str], names: Sequence[str], time: NDArray[np.float64]
+def _series_group(
+    file: netCDF4.Dataset, dims: Sequence[Any], names: Sequence[str], time: Array
 ) -> netCDF4.Group:
-    """Make the group of time series in a file, so that no more than one run need be in memory.
-
-    Args:
-        file: open for writing; it has the dimensions.
-        dims: of the cells.
-        names: of the series.
-        time: of the records [s].
-
-    Returns:
-        The group; what is not written to it is NaN.
-    """
+    """Make the group of time series in a file that has the dimensions of the runs."""
     group = file.createGroup(GROUP)
     group.createDimension("time", time.size)
+    # A slab is a chunk, so that a run is read or written without its neighbours.
+    packed: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fill_value": np.nan}
+    chunks = [1] * len(dims) + [max(time.size, 1)]
     axis = group.createVariable("time", "f8", ["time"])
     axis.setncatts(cf_attributes(variables.TIME))
     axis[:] = time
     for name in names:
-        target = group.createVariable(
-            name,
-            "f8",
-            [*dims, "time"],
-            compression="zlib",
-            complevel=1,
-            shuffle=True,
-            # A slab is a chunk, so that a run is read or written without its neighbours.
-            chunksizes=[1] * len(dims) + [max(time.size, 1)],
-            fill_value=np.nan,
-        )
+        target = group.createVariable(name, "f8", [*dims, "time"], chunksizes=chunks, **packed)
         target.setncatts(cf_attributes(SERIES[name]))
     return group
 
 
 def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
     """Say how many runs ended in which way, why those did that are not complete, and where all of it is."""
-    status, reason = dataset["status"].values.ravel(), dataset["reason"].values.ravel()
+    status = dataset["status"]
     counts = {code: int((status == code).sum()) for code in Status}
     width = len(str(max(counts.values())))
     lines = [f"{count:>{width}} {code.name.lower()}" for code, count in counts.items() if count]
-    names = _names(dataset)
-    told = [place for place in (status != Status.COMPLETE).nonzero()[0] if names(place)]
+    # Cells of a grid that no run was asked for have no folder.
+    asked = dataset["job"] != "" if "job" in dataset else True
+    told = np.argwhere(((status != Status.COMPLETE) & asked).values)
     for place in told[:most]:
-        lines.append(f"{names(place)}: {Status(status[place]).name.lower()}. {reason[place]}")
+        cell = dataset.isel(dict(zip(status.dims, place, strict=True)))
+        point = ", ".join(f"{key}={text_of(value.item())}" for key, value in cell.coords.items())
+        name = cell["job"].item() if "job" in cell else point
+        lines.append(
+            f"{name}: {Status(cell['status'].item()).name.lower()}. {cell['reason'].item()}"
+        )
     if len(told) > most:
         lines.append(
             f"... and {len(told) - most} more: `status` and `reason` in the file tell of each."
@@ -204,28 +221,8 @@ def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
     return "\n".join([*lines, f"Collected in {path}: {sizes}."])
 
 
-def _names(dataset: xarray.Dataset) -> Callable[[int], str]:
-    """Give what names a run: its folder, empty where it has none, or else its parameters."""
-    if "job" in dataset:
-        jobs = dataset["job"].values.ravel()
-        return lambda place: str(jobs[place])
-    sizes = dataset.sizes
-
-    def name(place: int) -> str:
-        at = dict(zip(sizes, map(int, np.unravel_index(place, tuple(sizes.values()))), strict=True))
-        cell = dataset.coords.to_dataset().isel(at)
-        return ", ".join(f"{key}={text_of(value.item())}" for key, value in cell.coords.items())
-
-    return name
-
-
 def text_of(value: Any) -> str:
     """Give a value of a key as a text: true and false as a configuration has them, nothing for null."""
     if value is None:
         return ""
     return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _said(key: str) -> dict[str, str]:
-    metric = METRICS[key]
-    return {"units": metric.units, "symbol": metric.symbol, "long_name": metric.meaning}

@@ -4,7 +4,6 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -12,8 +11,15 @@ from contactlab.config.faults import one_line
 from contactlab.metrics import assess, configuration_of, is_complete, read_run
 from contactlab.results.files import DATASET, STATE, remove_left
 from contactlab.sweeps.dataset import REASONS
-from contactlab.sweeps.manifest import MANIFEST, read_manifest
-from contactlab.sweeps.state import RUNNING, Job, State, Status, read_state, status_of
+from contactlab.sweeps.state import (
+    MANIFEST,
+    RUNNING,
+    Job,
+    Status,
+    read_manifest,
+    read_state,
+    status_of,
+)
 from contactlab.trajectory import Ending
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
@@ -29,18 +35,18 @@ class FoundRun:
     Args:
         name: its folder, seen from the folder that is collected.
         folder: where it lies.
-        job: what it was asked for; without overrides where nothing but its dataset tells of it.
+        job: what it was asked for; None where nothing but its dataset tells of it.
         status, reason: what became of it.
-        told: whether overrides and choices are known.
+        configuration: nested, resolved, numbers in SI; empty where it is not known.
         metrics: by key, empty where it did not reach its end.
     """
 
     name: str
     folder: Path
-    job: Job
+    job: Job | None
     status: Status
     reason: str
-    told: bool
+    configuration: dict[str, Any]
     metrics: dict[str, float]
 
 
@@ -54,27 +60,29 @@ def discovered(directory: Path) -> Iterator[FoundRun]:
         if DATASET in files or STATE in files:
             folders.add(Path(place))
         if MANIFEST in files:
-            jobs = read_manifest(Path(place))
+            jobs = read_manifest(Path(place)).jobs
             listed |= {Path(place) / name: job for name, job in jobs.items()}
-    for folder in sorted(folders | listed.keys(), key=partial(_in_order, directory)):
-        name = folder.relative_to(directory).as_posix()
-        if folder not in folders:
-            reason = REASONS[Status.ABSENT]
-            yield FoundRun(name, folder, listed[folder], Status.ABSENT, reason, True, {})
-        elif (state := read_state(folder)) is not None:
-            yield _of_state(name, folder, state)
-        else:
-            yield _of_dataset(name, folder, listed.get(folder))
+    names = {folder.relative_to(directory).as_posix(): folder for folder in {*folders, *listed}}
+    for name in sorted(names, key=_in_order):
+        yield _found(name, names[name], listed.get(names[name]), names[name] in folders)
 
 
-def _of_state(name: str, folder: Path, state: State) -> FoundRun:
-    """Take a run that says itself what became of it."""
-    status = _OF_STATE.get(state.state, Status.FAILED)
-    reason = state.reason or REASONS.get(status, f"The run is {state.state}.")
-    metrics: dict[str, float] = {}
-    if status in _WITH_NUMBERS:
-        _, status, reason, metrics = _assessed(folder)
-    return FoundRun(name, folder, state.job, status, reason, True, metrics)
+def _found(name: str, folder: Path, listed: Job | None, begun: bool) -> FoundRun:
+    """Take a run that says itself what became of it, or of which there is a dataset alone."""
+    state = read_state(folder) if begun else None
+    job = state.job if state else listed
+    configuration, metrics = dict(job.configuration) if job else {}, dict[str, float]()
+    status = _OF_STATE.get(state.state, Status.FAILED) if state else Status.COMPLETE
+    reason = (state and state.reason) or REASONS.get(status, f"The run is {state and state.state}.")
+    if not begun:
+        status, reason = Status.ABSENT, REASONS[Status.ABSENT]
+    elif state is None and not (folder / DATASET).is_file():
+        status = Status.FAILED
+        reason = f"{STATE} cannot be read, and there is no {DATASET}. Run it again."
+    elif status in _WITH_NUMBERS:
+        told, status, reason, metrics = _assessed(folder)
+        configuration = configuration if job else told
+    return FoundRun(name, folder, job, status, reason, configuration, metrics)
 
 
 def _assessed(folder: Path) -> tuple[dict[str, Any], Status, str, dict[str, float]]:
@@ -94,19 +102,7 @@ def _assessed(folder: Path) -> tuple[dict[str, Any], Status, str, dict[str, floa
         return configuration, Status.FAILED, one_line(error), {}
 
 
-def _of_dataset(name: str, folder: Path, job: Job | None) -> FoundRun:
-    """Take a run of which there is a dataset alone."""
-    told = job is not None
-    job = job or Job()
-    if not (folder / DATASET).is_file():
-        reason = f"{STATE} cannot be read, and there is no {DATASET}. Run it again."
-        return FoundRun(name, folder, job, Status.FAILED, reason, told, {})
-    configuration, status, reason, metrics = _assessed(folder)
-    job = job if told else Job(configuration=configuration)
-    return FoundRun(name, folder, job, status, reason, told, metrics)
-
-
-def _in_order(directory: Path, folder: Path) -> list[tuple[int, str]]:
+def _in_order(name: str) -> list[tuple[int, str]]:
     """Sort 10_... after 9_..."""
-    words = re.split(r"(\d+)", folder.relative_to(directory).as_posix())
+    words = re.split(r"(\d+)", name)
     return [(int(word), "") if word.isdigit() else (-1, word) for word in words]

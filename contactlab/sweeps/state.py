@@ -1,24 +1,38 @@
-"""What becomes of a run: a code that a dataset holds, and `state.json` in the run's folder.
+"""What becomes of runs: a code in a dataset, `state.json` in a run's folder, `sweep.json` in a sweep's.
 
 The state is written as RUNNING before a run begins and with its end after its dataset is whole, so that a
-run that was killed is known by it. It holds no times: the same run leaves the same bytes.
+run that was killed is known by it. It holds no times: the same run leaves the same bytes. The manifest of a
+sweep is written before the first job begins, so that one that never began is known when the runs are
+collected. What all jobs share stands there once. A sweep that is extended keeps the jobs it had.
 """
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from enum import IntEnum
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, final
+from typing import Any, Final, TypeVar, final
+
+from pydantic import TypeAdapter
 
 from contactlab.config import Setup
+from contactlab.config.nesting import flat, nested
 from contactlab.fingerprint import fingerprint, is_own
 from contactlab.laws.registry import provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, versions
 from contactlab.trajectory import Ending
+
+MANIFEST: Final = "sweep.json"
+"""Of a sweep that keeps metrics it is the plan."""
+
+Held = TypeVar("Held")
+
+_adapter: Final[Callable[[type], TypeAdapter[Any]]] = cache(TypeAdapter)
+"""Gives what reads a class from JSON."""
 
 
 class Status(IntEnum):
@@ -93,6 +107,34 @@ class State:
     digest: str = ""
 
 
+@final
+@dataclass(frozen=True)
+class Manifest:
+    """Lists the jobs of a sweep of folders.
+
+    Args:
+        keep: 'runs', 'samples', which form no grid, or 'metrics', of which a plan tells instead.
+        common: the part of the configuration that all jobs share, by full key.
+        jobs: by the names of their folders; in the file with the rest of the configuration, by full key.
+    """
+
+    keep: str = "runs"
+    common: Mapping[str, Any] = field(default_factory=dict)
+    jobs: Mapping[str, Job] = field(default_factory=dict)
+
+
+_WHY: Final = {
+    "failed": ("failed", "failed"),
+    "cut": ("was cut short", "were cut short"),
+    "early": ("ended early", "ended early"),
+    "open": ("has an open ledger", "have open ledgers"),
+    "changed": ("is of another configuration or code", "are of another configuration or code"),
+    "lost": ("has lost its dataset", "have lost their datasets"),
+    "new": ("is new", "are new"),
+}
+"""Why one run, and several, that are not complete are not, in the order of the sentence."""
+
+
 def key_of(setup: Setup) -> str:
     """Give the digest of what a run's numbers depend on: configuration, version, code, whose law it is."""
     parts = (json.dumps(setup.configuration, sort_keys=True), *code_of(type(setup.law)))
@@ -101,67 +143,7 @@ def key_of(setup: Setup) -> str:
 
 def code_of(law: type) -> tuple[str, ...]:
     """Give what tells the code that a run with a law depends on: version, digests, and whose law it is."""
-    return (
-        versions()["contactlab_version"],
-        code_digest(),
-        provenance(law),
-        *_foreign_code(law),
-    )
-
-
-def write_state(folder: Path, state: State) -> None:
-    """Write the state of a run, whole or not at all.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
-    text = json.dumps(asdict(state), indent=1, sort_keys=True, ensure_ascii=False)
-    with whole_file(folder / STATE) as partial:
-        partial.write_text(f"{text}\n", encoding="utf-8")
-
-
-def read_state(folder: Path) -> State | None:
-    """Read the state of a run; None where there is none that can be read."""
-    try:
-        read = json.loads((folder / STATE).read_text(encoding="utf-8"))
-        job = read["job"]
-        return State(
-            str(read["state"]),
-            job_of(job, str(job["key"])),
-            str(read["reason"]),
-            str(read["digest"]),
-        )
-    # Somebody else's file of that name may be anything.
-    except (OSError, ValueError, TypeError, AttributeError, KeyError):
-        return None
-
-
-def job_of(read: Mapping[str, Any], key: str = "") -> Job:
-    """Give a job as a file holds it, its configuration apart from others.
-
-    Raises:
-        ValueError, TypeError, LookupError: it is something else.
-    """
-    choices = {str(group): option and str(option) for group, option in read["choices"].items()}
-    return Job(key, tuple(map(str, read["overrides"])), choices, dict(read["configuration"]))
-
-
-def is_done(folder: Path, key: str) -> bool:
-    """Tell whether a folder holds the complete run of a key, its dataset as the run left it."""
-    state = read_state(folder)
-    return (
-        state is not None
-        and state.state == COMPLETE
-        and state.job.key == key
-        and _is_sound(folder / DATASET, state.digest)
-    )
-
-
-def _is_sound(dataset: Path, digest: str) -> bool:
-    try:
-        return digest_of_file(dataset) == digest
-    except OSError:
-        return False
+    return (versions()["contactlab_version"], code_digest(), provenance(law), *_foreign_code(law))
 
 
 @cache
@@ -171,3 +153,110 @@ def _foreign_code(law: type) -> tuple[str, ...]:
         return ()
     found = fingerprint(law)
     return found.digest, found.sources()
+
+
+def write_state(folder: Path, state: State) -> None:
+    """Write the state of a run, whole or not at all."""
+    _write(folder / STATE, asdict(state))
+
+
+def read_state(folder: Path) -> State | None:
+    """Read the state of a run; None where there is none that can be read."""
+    return _read(State, folder / STATE)
+
+
+def extend_manifest(folder: Path, jobs: Mapping[str, Job], samples: bool) -> None:
+    """Add jobs, by the names of their folders, to a sweep's manifest, or put them in the place of others.
+
+    Samples are the rows of a table, which form no grid.
+    """
+    merged = {**read_manifest(folder).jobs, **jobs}
+    settings = {name: flat(job.configuration) for name, job in merged.items()}
+    common = common_of([*settings.values()])
+    jobs_listed = {
+        name: replace(
+            job, configuration={k: v for k, v in settings[name].items() if k not in common}
+        )
+        for name, job in merged.items()
+    }
+    manifest = Manifest("samples" if samples else "runs", common, jobs_listed)
+    _write(folder / MANIFEST, asdict(manifest))
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Read the manifest of a sweep, jobs with their whole configurations; an empty one where it cannot be."""
+    read = _read(Manifest, folder / MANIFEST) or Manifest()
+    whole = {
+        name: replace(job, configuration=nested({**read.common, **job.configuration}))
+        for name, job in read.jobs.items()
+    }
+    return replace(read, jobs=whole)
+
+
+def common_of(settings: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Give the keys that have one value in all settings."""
+    first = settings[0] if settings else {}
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in other and other[key] == value for other in settings)
+    }
+
+
+def is_done(folder: Path, key: str) -> bool:
+    """Tell whether a folder holds the complete run of a key, its dataset as the run left it."""
+    state = read_state(folder)
+    if state is None or (state.state, state.job.key) != (COMPLETE, key):
+        return False
+    try:
+        return digest_of_file(folder / DATASET) == state.digest
+    except OSError:
+        return False
+
+
+def resume(jobs: Sequence[tuple[Path, str]]) -> tuple[list[bool], str]:
+    """Tell which jobs, each folder and key, are complete already, and say in a sentence what runs and why."""
+    done = [is_done(folder, key) for folder, key in jobs]
+    why = Counter(_why(*job) for job, is_there in zip(jobs, done, strict=True) if not is_there)
+    return done, sentence(len(jobs), why)
+
+
+def sentence(total: int, why: Mapping[str, int]) -> str:
+    """Say how many of all runs are complete, and how many run for which reason."""
+    runs, pending = "1 run" if total == 1 else f"{total} runs", sum(why.values())
+    if not pending:
+        return f"{runs}: {'it is' if total == 1 else 'all are'} complete and skipped."
+    parts = [f"{why[name]} {said[why[name] > 1]}" for name, said in _WHY.items() if why.get(name)]
+    count = total - pending
+    skipped = f"{count} {'is' if count == 1 else 'are'} complete and skipped; " if count else ""
+    listed = " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+    return f"{runs}: {skipped}{listed}: {'this runs' if pending == 1 else 'these run'}."
+
+
+def _why(folder: Path, key: str) -> str:
+    """Tell why a run that is not complete is not."""
+    if (state := read_state(folder)) is None:
+        return "new"
+    if state.state in (FAILED, REFUSED):
+        return "failed"
+    if state.state in (RUNNING, INTERRUPTED):
+        return "cut"
+    if state.job.key != key:
+        return "changed"
+    return {COMPLETE: "lost", UNBALANCED: "open"}.get(state.state, "early")
+
+
+def _write(file: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON, whole or not at all; an OSError says why it cannot be."""
+    text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False)
+    with whole_file(file) as partial:
+        partial.write_text(f"{text}\n", encoding="utf-8")
+
+
+def _read(kind: type[Held], file: Path) -> Held | None:
+    """Read what `_write` wrote; None for somebody else's file of that name, which may be anything."""
+    try:
+        found: Held = _adapter(kind).validate_json(file.read_bytes())
+        return found
+    except (OSError, ValueError):
+        return None

@@ -17,6 +17,8 @@ import errno
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from hashlib import sha256
+from io import BytesIO
 from pathlib import Path
 from typing import Final, final
 
@@ -26,36 +28,27 @@ import xarray
 import yaml
 
 from contactlab.results.files import digest_of_file, whole_file
-from contactlab.sweeps.answers import Answers, ChunkGoneError, read_chunk, write_chunk
-from contactlab.sweeps.batch import Batch, Report
-from contactlab.sweeps.dataset import (
-    DATASET,
-    GROUP,
-    REASONS,
-    RUN,
-    dataset_of,
-    names_of,
-    series_group,
-    write,
-)
-from contactlab.sweeps.manifest import MANIFEST
-from contactlab.sweeps.plan import Plan, Setups
-from contactlab.sweeps.state import Status
+from contactlab.sweeps.batch import Answers, Batch, Report
+from contactlab.sweeps.dataset import DATASET, GROUP, REASONS, Slab, dataset_of, write
+from contactlab.sweeps.plan import Plan
+from contactlab.sweeps.state import MANIFEST, Status
 from contactlab.sweeps.values import SweepError
 
 CHUNKS: Final = "chunks"
 DIGEST: Final = f"{DATASET}.sha256"
 UNFINISHED: Final = "unfinished.nc"
 
+_GONE: Final = (errno.ENOENT, errno.ESTALE)
+"""How a file that another machine has removed is told of."""
+
+
+class ChunkGoneError(Exception):
+    """A chunk that was there is there no more: another process has merged it, or somebody removed it."""
+
 
 @final
 class Store:
-    """Keeps a sweep on the disk.
-
-    Args:
-        path: its folder.
-        plan: what it runs.
-    """
+    """Keeps the sweep of a plan on the disk, in the folder `path`."""
 
     def __init__(self, path: Path, plan: Plan) -> None:
         self.path = path
@@ -63,15 +56,11 @@ class Store:
 
     @classmethod
     def opened(cls, path: Path) -> "Store":
-        """Open a folder that a sweep was begun in.
-
-        Raises:
-            SweepError: there is no plan in it that can be read.
-        """
+        """Open a folder that a sweep was begun in; a SweepError tells that it is none."""
         try:
-            return cls(path, Plan.of_text((path / MANIFEST).read_text(encoding="utf-8")))
+            return cls(path, Plan.of_text((path / MANIFEST).read_bytes()))
         # Somebody else's file of that name may be anything.
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError) as error:
             raise SweepError(
                 f"'{path}' holds no {MANIFEST} that can be read; it must be the folder of a sweep with "
                 "sweep.keep=metrics. `contactlab -m KEY=VALUES sweep.keep=metrics` begins one."
@@ -103,7 +92,7 @@ class Store:
 
     def missing(self) -> list[int]:
         """List the chunks that are not finished; none where the whole sweep is there."""
-        missing = [chunk for chunk in range(self.plan.chunks) if not self._file(chunk).exists()]
+        missing = [chunk for chunk in self.plan.chunks if not self._file(chunk).exists()]
         # In this order: who completes the sweep removes the chunks afterwards.
         return [] if self.complete else missing
 
@@ -111,17 +100,8 @@ class Store:
         """Count the runs of the chunks that are not finished."""
         return sum(len(self.plan.cells_of(chunk)) for chunk in self.missing())
 
-    def batch(self, workers: int | None, report: Report | None = None) -> Batch:
-        """Give the processes that run the chunks."""
-        return Batch(Setups(self.plan), self.plan.outputs, workers, report)
-
     def run(self, chunk: int, batch: Batch) -> None:
-        """Run a chunk and keep its answers, unless another process has done so meanwhile.
-
-        Raises:
-            WorkerError: a worker process died.
-            OSError: the answers cannot be written.
-        """
+        """Run a chunk and keep its answers, unless another process has done so meanwhile."""
         file = self._file(chunk)
         if file.exists() or self.complete:
             return
@@ -141,7 +121,7 @@ class Store:
             WorkerError: a worker process died.
             OSError: the answers cannot be written.
         """
-        with self.batch(workers, report) as batch:
+        with Batch(self.plan.setup_at, self.plan.outputs, workers, report) as batch:
             for chunk in self.missing():
                 self.run(chunk, batch)
 
@@ -149,7 +129,8 @@ class Store:
         """Write the dataset of all chunks that are finished; the chunks go when none is missing.
 
         Returns:
-            The metrics over the axes; series are in the file only.
+            The metrics over the axes; series are in the file only, which is the attribute `source` of its
+            `encoding`.
 
         Raises:
             SweepError: a chunk or the dataset is damaged.
@@ -157,28 +138,21 @@ class Store:
         """
         while not self.complete:
             missing = set(self.missing())
-            chunks = [chunk for chunk in range(self.plan.chunks) if chunk not in missing]
+            chunks = [chunk for chunk in self.plan.chunks if chunk not in missing]
             # Another process has completed the sweep, and looking again finds that.
             with suppress(ChunkGoneError):
                 dataset = self._merged(chunks)
                 if missing:
+                    dataset.encoding["source"] = str(self.path / UNFINISHED)
                     return dataset
         dataset = self.dataset()
+        dataset.encoding["source"] = str(self.path / DATASET)
         shutil.rmtree(self.path / CHUNKS, ignore_errors=True)
         (self.path / UNFINISHED).unlink(missing_ok=True)
         return dataset
 
-    @property
-    def file(self) -> Path:
-        """Where the dataset is."""
-        return self.path / (DATASET if self.complete else UNFINISHED)
-
     def dataset(self) -> xarray.Dataset:
-        """Read the dataset of the whole sweep.
-
-        Raises:
-            SweepError: it is damaged.
-        """
+        """Read the dataset of the whole sweep; a SweepError tells that it is damaged."""
         file, told = self.path / DATASET, self.path / DIGEST
         if told.exists() and told.read_text(encoding="utf-8") != _digest_line(file):
             raise SweepError(
@@ -186,89 +160,97 @@ class Store:
                 f"changed. Move it away and give the command again: its runs are made anew. If the change "
                 f"is yours, remove {DIGEST}."
             )
-        with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as found:
-            return found.load()
+        return _read(file)
 
     def _merged(self, chunks: Sequence[int]) -> xarray.Dataset:
-        """Write the dataset of some chunks, that of all as the sweep's.
-
-        Raises:
-            ChunkGoneError: a chunk is there no more; nothing was written.
-        """
-        plan = self.plan
-        metrics = np.full((plan.cells, len(plan.outputs.metrics)), np.nan)
-        status = np.full(plan.cells, Status.ABSENT, dtype=np.int8)
-        reason = np.full(plan.cells, REASONS[Status.ABSENT], dtype=object)
-        for chunk, answers in self._answers(chunks):
-            cells = plan.cells_of(chunk)
-            place = slice(cells.start, cells.stop)
-            metrics[place], status[place] = answers.metrics, answers.status
-            reason[place] = answers.reason
+        """Write the dataset of some chunks, that of all as the sweep's; nothing where one is gone."""
+        plan, whole = self.plan, len(chunks) == len(self.plan.chunks)
+        columns: Answers = {
+            **{key: np.full(plan.cells, np.nan) for key in plan.outputs.metrics},
+            "status": np.full(plan.cells, Status.ABSENT, dtype=np.int8),
+            "reason": np.full(plan.cells, REASONS[Status.ABSENT], dtype=object),
+        }
+        for chunk in chunks:
+            cells, answers = plan.cells_of(chunk), read_chunk(self._file(chunk))
+            for name, column in columns.items():
+                column[cells.start : cells.stop] = answers[name]
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
+        configuration = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
         dataset = dataset_of(
-            plan.axes,
-            dict(zip(plan.outputs.metrics, metrics.T.reshape(-1, *plan.shape), strict=True)),
-            status.reshape(plan.shape),
-            reason.reshape(plan.shape),
-            {"configuration": yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)},
-            grid=not plan.samples,
+            plan.axes, columns, {"configuration": configuration}, samples=plan.samples
         )
-        whole = len(chunks) == plan.chunks
 
         def finish(partial: Path) -> None:
-            if plan.outputs.series:
-                self._add_series(partial, chunks)
             if whole:
                 self._verify(partial, dataset)
                 # Before the sweep has its name: killed in between, the chunks make the same again.
                 with whole_file(self.path / DIGEST) as told:
                     told.write_text(_digest_line(partial), encoding="utf-8")
 
-        write(dataset, self.path / (DATASET if whole else UNFINISHED), finish)
+        path = self.path / (DATASET if whole else UNFINISHED)
+        write(dataset, path, plan.outputs.series, lambda: self._slabs(chunks), finish)
         return dataset
 
     def _file(self, chunk: int) -> Path:
         return self.path / CHUNKS / f"{chunk:06d}.npz"
 
-    def _answers(self, chunks: Sequence[int]) -> Iterator[tuple[int, Answers]]:
-        """Read finished chunks, one in memory at a time."""
+    def _slabs(self, chunks: Sequence[int]) -> Iterator[Slab]:
+        """Give the series of every run with records, one chunk in memory at a time."""
         for chunk in chunks:
-            yield chunk, read_chunk(self._file(chunk))
-
-    def _runs(self, chunks: Sequence[int]) -> Iterator[tuple[Answers, tuple[int, ...], int]]:
-        """Give every run with records: the answers of its chunk, its cell, its row in there."""
-        for chunk, found in self._answers(chunks):
-            for row, cell in enumerate(self.plan.cells_of(chunk) if found.time.size else ()):
-                yield found, tuple(map(int, np.unravel_index(cell, self.plan.shape))), row
-
-    def _add_series(self, path: Path, chunks: Sequence[int]) -> None:
-        """Add the series of chunks to a file that has the dimensions of the sweep."""
-        dims = [RUN] if self.plan.samples else names_of(self.plan.axes)
-        with netCDF4.Dataset(path, "a") as file:
-            group = None
-            for found, place, row in self._runs(chunks):
-                group = group or series_group(file, dims, self.plan.outputs.series, found.time)
-                for name, rows in found.series.items():
-                    group[name][place] = rows[row]
+            answers = read_chunk(self._file(chunk))
+            for row, cell in enumerate(self.plan.cells_of(chunk) if answers["time"].size else ()):
+                place = tuple(map(int, np.unravel_index(cell, self.plan.shape)))
+                series = {n: answers[f"{n}_series"][row] for n in self.plan.outputs.series}
+                yield place, answers["time"], series
 
     def _verify(self, path: Path, dataset: xarray.Dataset) -> None:
-        """Read back what was written, before the chunks that it was made of may go.
-
-        Raises:
-            OSError: it is something else.
-        """
-        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as written:
-            same = written.load().equals(dataset)
-        if self.plan.outputs.series:
-            with netCDF4.Dataset(path) as file:
-                file.set_auto_mask(False)
+        """Read back what was written, before the chunks that it was made of may go."""
+        same = _read(path).equals(dataset)
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            for place, _, series in self._slabs(
+                self.plan.chunks if self.plan.outputs.series else ()
+            ):
                 same &= all(
-                    np.array_equal(file[GROUP][name][place], rows[row], equal_nan=True)
-                    for found, place, row in self._runs(range(self.plan.chunks))
-                    for name, rows in found.series.items()
+                    np.array_equal(file[GROUP][name][place], values, equal_nan=True)
+                    for name, values in series.items()
                 )
         if not same:
             raise OSError(errno.EIO, "what was written is not what is read back")
+
+
+def write_chunk(file: Path, answers: Answers) -> None:
+    """Write a chunk, whole or not at all; the same answers give the same bytes.
+
+    NumPy reads the file as any .npz. One that a digest does not end or does not fit is damaged.
+    """
+    stream = BytesIO()
+    np.savez(stream, **answers)  # type: ignore[arg-type]
+    stream.write(sha256(stream.getbuffer()).digest())
+    with whole_file(file) as partial:
+        partial.write_bytes(stream.getbuffer())
+
+
+def read_chunk(file: Path) -> Answers:
+    """Read the answers of a chunk; a SweepError tells that it is damaged."""
+    try:
+        kept, size = file.read_bytes(), sha256().digest_size
+        if sha256(memoryview(kept)[:-size]).digest() != kept[-size:]:
+            raise ValueError("its digest is another")
+        with np.load(BytesIO(kept), allow_pickle=False) as read:
+            return dict(read)
+    except (OSError, ValueError) as error:
+        if isinstance(error, OSError) and error.errno in _GONE:
+            raise ChunkGoneError from error
+        raise SweepError(
+            f"'{file}' is damaged ({error}); it must be as it was written. Remove it and give the "
+            "same command again: its runs are made anew."
+        ) from error
+
+
+def _read(file: Path) -> xarray.Dataset:
+    with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as found:
+        return found.load()
 
 
 def _digest_line(file: Path) -> str:

@@ -6,14 +6,16 @@ range(0, 1 um, 0.1 um)        in steps, STOP not among them
 """
 
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from decimal import Decimal
 from math import ceil, isfinite
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from contactlab.config.nesting import Value
+from contactlab.config.quantity import UnitError, describe, to_si
+from contactlab.parameter import from_cf
 
 FORMS: Final = (
     "values like 1e-6,2e-6 or '0.5 um,1 um', range(START,STOP,STEP) without STOP, linspace(FIRST,LAST,COUNT) "
@@ -23,7 +25,6 @@ FORMS: Final = (
 MOST_RUNS: Final = 10_000_000
 """Runs of a sweep that keeps metrics; its numbers are in memory at the end, about 200 bytes a run."""
 
-_SPACED: Final[dict[str, Callable[..., Any]]] = {"linspace": np.linspace, "geomspace": np.geomspace}
 _CALL: Final = re.compile(r"\s*(linspace|geomspace|range)\s*\((.*)\)\s*")
 _COMMA: Final = re.compile(r",(?![^(]*\))")
 """One that is not inside brackets."""
@@ -38,38 +39,41 @@ def listed(text: str) -> list[str]:
     return [part.strip().strip("'\"") for part in _COMMA.split(text) if part.strip()]
 
 
-def is_spaced(value: object) -> bool:
-    """Tell whether a value is a text that stands for several."""
-    return isinstance(value, str) and _CALL.fullmatch(value) is not None
+def call_in(value: object) -> tuple[str, list[str]] | None:
+    """Give name and arguments of a text that stands for several values; None for what does not."""
+    call = _CALL.fullmatch(value) if isinstance(value, str) else None
+    return call and (call[1], [part.strip().strip("'\"") for part in call[2].split(",")])
 
 
-def spread(key: str, value: Value, number: Callable[[str], float]) -> list[Value]:
+def number(key: str, text: str, units: str) -> float:
+    """Give the SI number of a text, a SweepError where it is none of these units."""
+    try:
+        return to_si(text, from_cf(units) if units else "1")
+    except UnitError as error:
+        raise SweepError(f"{key}: {describe(text)}, {error}.") from None
+
+
+def spread(key: str, value: Value, units: str = "") -> list[Value]:
     """Give all values that one element of a list stands for.
 
-    Args:
-        key: for the sentences.
-        value: a number or a text.
-        number: the SI number of a text.
-
     Raises:
-        SweepError: it cannot be read, has no end or no value, or too many.
+        SweepError: it cannot be read in the units, has no end or no value, or too many.
     """
-    call = _CALL.fullmatch(value) if isinstance(value, str) else None
-    if call is None:
+    if (call := call_in(value)) is None:
         return [value]
-    name, parts = call[1], [part.strip().strip("'\"") for part in call[2].split(",")]
+    name, parts = call
     form = "range(START,STOP,STEP)" if name == "range" else f"{name}(FIRST,LAST,COUNT)"
     if len(parts) not in ((1, 2, 3) if name == "range" else (3,)) or not all(parts):
         raise SweepError(f"{key}={value} does not have three arguments; it must be {form}.")
     if name == "range":
-        return _stepped(key, str(value), parts, number)
+        return _stepped(key, value, parts, units)
     # A number of very many digits is none that Python reads.
     if not parts[2].isdecimal() or not 1 <= int(parts[2][:20]) <= MOST_RUNS:
         raise SweepError(
             f"{key}={value} has the count '{parts[2]}'; it must be a whole number of at least 1 and at "
             f"most {MOST_RUNS}."
         )
-    first, last = number(parts[0]), number(parts[1])
+    first, last = (number(key, end, units) for end in parts[:2])
     if not isfinite(last - first):
         raise SweepError(
             f"{key} goes from {first:g} to {last:g}; both ends must be finite numbers, and so must be what "
@@ -80,16 +84,15 @@ def spread(key: str, value: Value, number: Callable[[str], float]) -> list[Value
             f"{key} goes from {first:g} to {last:g} by geomspace, whose ends must not be zero and must "
             "have one sign. Use linspace."
         )
-    return [float(found) for found in _SPACED[name](first, last, int(parts[2]))]
+    spaced = np.linspace if name == "linspace" else np.geomspace
+    return list(spaced(first, last, int(parts[2])).tolist())
 
 
-def _stepped(
-    key: str, text: str, parts: Sequence[str], number: Callable[[str], float]
-) -> list[Value]:
+def _stepped(key: str, text: Value, parts: Sequence[str], units: str) -> list[Value]:
     """Give the numbers of a range: as decimals, so that no round-off lets one reach STOP."""
     ends = ["0", *parts] if len(parts) == 1 else [*parts]
     ends += ["1"] * (3 - len(ends))
-    start, stop, step = (Decimal(repr(number(end))) for end in ends)
+    start, stop, step = (Decimal(repr(number(key, end, units))) for end in ends)
     if not all(end.is_finite() for end in (start, stop, step)) or not step:
         raise SweepError(
             f"{key}={text} does not end; START, STOP and STEP must be finite and STEP not 0."
@@ -115,18 +118,12 @@ def short_names(keys: Iterable[str], taken: Collection[str] = ()) -> dict[str, s
         keys: full keys or groups, 'contact.clearance' or 'law/normal'.
         taken: names that stand for something else.
     """
-    steps = {key: re.split(r"[./]", key) for key in keys}
-
-    def tail(key: str, length: int) -> str:
-        return "_".join(steps[key][-length:])
-
-    names = {}
-    for key, parts in steps.items():
-        own = [
-            tail(key, length)
-            for length in range(1, len(parts) + 1)
-            if tail(key, length) not in taken
-            and all(tail(key, length) != tail(other, length) for other in steps if other != key)
-        ]
-        names[key] = own[0] if own else "_".join(parts)
-    return names
+    tails = {}
+    for key in keys:
+        parts = re.split(r"[./]", key)
+        tails[key] = ["_".join(parts[at:]) for at in reversed(range(len(parts)))]
+    several = [*taken, *(tail for found in tails.values() for tail in found)]
+    return {
+        key: next((tail for tail in found if several.count(tail) == 1), found[-1])
+        for key, found in tails.items()
+    }

@@ -18,7 +18,7 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps.answers import Answers
+from contactlab.sweeps.batch import Answers
 from contactlab.sweeps.dataset import Axis
 from contactlab.sweeps.plan import Outputs, Plan
 from contactlab.sweeps.state import COMPLETE, Job, State, write_state
@@ -126,13 +126,13 @@ class Made:
     def answers(self, cells: Sequence[int]) -> Answers:
         self.meanwhile()
         time = np.linspace(0.0, 1.0, 5)
-        return Answers(
-            metrics=np.array(cells, dtype=float)[:, np.newaxis],
-            status=np.zeros(len(cells), dtype=np.int8),
-            reason=[""] * len(cells),
-            series={"gap": np.outer(cells, time)},
-            time=time,
-        )
+        return {
+            "peak_force": np.array(cells, dtype=float),
+            "status": np.zeros(len(cells), dtype=np.int8),
+            "reason": np.array([""] * len(cells)),
+            "gap_series": np.outer(cells, time),
+            "time": time,
+        }
 
 
 def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> Store:

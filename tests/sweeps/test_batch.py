@@ -21,7 +21,6 @@ from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree
 from contactlab.sweeps import Status, WorkerError, sweep
-from contactlab.sweeps.plan import AT_ANY_INTERVAL, USUAL
 
 DURATION = 1e-3
 CLEARANCES = (0.0, 0.5e-6, 1e-6)
@@ -62,13 +61,7 @@ def test_all_metrics_are_those_of_the_datasets() -> None:
     for clearance, phase in ((0.0, 2.0), (1e-6, -1.0)):
         motor = motor_at(clearance, phase)
         run = simulate(motor, law, duration=DURATION, record_interval=1e-6)
-        configuration = {
-            "law": {"name": law.name, **law.describe()},
-            "drive": {"frequency": 3210.0},
-            "rotor": {"radius": 25e-3, "inertia": 4.8e-5, "damping": 0.0, "load_torque": 0.0},
-            "contact": {"friction_coefficient": law.friction_coefficient},
-        }
-        expected = assess(to_datatree(run, configuration))
+        expected = assess(to_datatree(run))
         cell = found.sel(clearance=clearance, phase=phase)
         for key, value in expected.items():
             assert np.array_equal(cell[key], value, equal_nan=True), key
@@ -76,14 +69,10 @@ def test_all_metrics_are_those_of_the_datasets() -> None:
 
 
 def test_metrics_without_records_are_the_same_at_any_interval() -> None:
-    assert set(USUAL) <= set(AT_ANY_INTERVAL) <= set(METRICS)
+    without = [key for key, metric in METRICS.items() if not metric.needs_records]
+    assert {key for key, metric in METRICS.items() if metric.usual} <= {*without} < {*METRICS}
     every = [
-        swept(
-            hertz(),
-            record_interval=interval,
-            metrics=[*AT_ANY_INTERVAL, *more],
-            workers=1,
-        )[list(AT_ANY_INTERVAL)]
+        swept(hertz(), record_interval=interval, metrics=[*without, *more], workers=1)[without]
         for interval, more in ((None, []), (7e-6, ["torque"]), (1e-6, ["torque"]))
     ]
     assert every[0].equals(every[1])

@@ -340,8 +340,11 @@ def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
     monkeypatch.setitem(sys.modules, "hydra_plugins.choosing", sweeps)
     sweeper = "hydra.sweeper._target_=hydra_plugins.choosing.ChoosingSweeper"
     for _ in range(2):
-        _, _, err = command("-m", "drive.phase=0", sweeper, *QUICK)
+        status, out, err = command("-m", "drive.phase=0", sweeper, *QUICK)
+        assert status == 2
         assert "contact.clearance is -1e-06 m; it must be at least 0 m" in err
+        assert "2 complete\n1 refused\n" in out
+        assert "Collected in sweep/sweep.nc: run 3." in out
     assert simulations.seen == [1.0, 2.0]
     found = collect("sweep")
     assert found["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]

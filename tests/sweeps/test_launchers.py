@@ -13,6 +13,7 @@ import psutil
 import pytest
 from omegaconf import OmegaConf
 from support.command_line import Command
+from support.sweeps import METRICS_ALONE
 
 from contactlab.cli.sweeper import run_chunk
 from contactlab.sweeps import SweepError
@@ -134,14 +135,8 @@ def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Comma
 def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun = [
-        "-m",
-        "sweep.keep=metrics",
-        "drive.phase=0,1",
-        "solver.duration=1 ms",
-        "hydra.sweep.dir=here",
-    ]
-    assert command(*begun)[0] == 0
+    begun = ["drive.phase=0,1", "solver.duration=1 ms", "hydra.sweep.dir=here"]
+    assert command(*METRICS_ALONE, *begun)[0] == 0
     Path("here/sweep.nc").unlink()
     monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
     folder = OmegaConf.create({"chunk": {"folder": "here", "number": 0, "workers": 1}})
@@ -151,11 +146,8 @@ def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
 
 def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> None:
     swept = [
-        "-m",
-        "sweep.keep=metrics",
-        "drive.phase=linspace(-3,3,9)",
-        "sweep.chunk=3",
-        "solver.duration=1 ms",
+        *METRICS_ALONE,
+        *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms"),
     ]
     assert command(*swept, "hydra.sweep.dir=one")[0] == 0
     # In a process of its own, with which its workers end.
@@ -163,8 +155,5 @@ def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> No
     done = subprocess.run(two, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
     assert Path("two/sweep.nc").read_bytes() == Path("one/sweep.nc").read_bytes()
-    assert sorted(path.name for path in Path("two").iterdir()) == [
-        "sweep.json",
-        "sweep.nc",
-        "sweep.nc.sha256",
-    ]
+    left = sorted(path.name for path in Path("two").iterdir())
+    assert left == ["sweep.json", "sweep.nc", "sweep.nc.sha256"]

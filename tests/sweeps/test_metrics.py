@@ -17,13 +17,14 @@ from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.metrics import METRICS
 from contactlab.sweeps import SweepError
+from contactlab.sweeps.batch import Batch
 from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.manifest import MANIFEST
-from contactlab.sweeps.plan import USUAL, with_key
-from contactlab.sweeps.state import Status
+from contactlab.sweeps.plan import Outputs, with_key
+from contactlab.sweeps.state import MANIFEST, Status
 from contactlab.sweeps.store import CHUNKS, DIGEST, UNFINISHED, Store
 
 SHORT = "solver.duration=1 ms"
+HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")
 
 
 def opened(path: Path, name: str = DATASET) -> xarray.Dataset:
@@ -33,26 +34,19 @@ def opened(path: Path, name: str = DATASET) -> xarray.Dataset:
 
 def run_chunk(chunk: int) -> None:
     folder = Store.opened(Path("here"))
-    with folder.batch(1) as batch:
+    with Batch(folder.plan.setup_at, folder.plan.outputs, 1) as batch:
         folder.run(chunk, batch)
 
 
 def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
-    status, out, err = command(
-        "-m",
-        "sweep.keep=metrics",
-        SHORT,
-        "contact.clearance=linspace(0,2 um,3)",
-        "law=lagrange_stick",
-        "drive.phase=-90 deg,0.5",
-        "hydra.sweep.dir=here",
-    )
+    swept = ("contact.clearance=linspace(0,2 um,3)", "drive.phase=-90 deg,0.5")
+    status, out, err = command(*HERE, "law=lagrange_stick", *swept)
     assert status == 0, err
     assert "6 runs: 6 are new: these run." in out
     found = opened(Path("here"))
     assert found["clearance"].attrs["units"] == "m"
     assert found["phase"].values.tolist() == [-np.pi / 2.0, 0.5]
-    assert list(found.data_vars) == [*USUAL, "status", "reason"]
+    assert list(found.data_vars) == [*Outputs().metrics, "status", "reason"]
     base = yaml.safe_load(found.attrs["configuration"])
     for clearance in found["clearance"].values:
         for phase in found["phase"].values:
@@ -72,9 +66,7 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
 
 
 def test_a_sweep_is_the_sweep_of_single_runs_in_one_file(command: Command) -> None:
-    assert (
-        command(*METRICS_ALONE, SHORT, "law=hertz_penalty,newton", "hydra.sweep.dir=here")[0] == 0
-    )
+    assert command(*HERE, "law=hertz_penalty,newton")[0] == 0
     found = opened(Path("here"))
     assert found["law"].values.tolist() == ["hertz_penalty", "newton"]
     for law in ("hertz_penalty", "newton"):
@@ -88,20 +80,8 @@ def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
     tmp_path: Path,
 ) -> None:
     arguments = [
-        *(
-            sys.executable,
-            "-m",
-            "contactlab",
-            "-m",
-            "sweep.keep=metrics",
-            "sweep.chunk=40",
-            "sweep.workers=2",
-        ),
-        *(
-            "contact.clearance=linspace(0,2e-6,20)",
-            "drive.phase=linspace(-3,3,20)",
-            SHORT,
-        ),
+        *(sys.executable, "-m", "contactlab", *METRICS_ALONE, "sweep.chunk=40", "sweep.workers=2"),
+        *("contact.clearance=linspace(0,2e-6,20)", "drive.phase=linspace(-3,3,20)", SHORT),
     ]
     for killed in range(3):
         running = subprocess.Popen([*arguments, "hydra.sweep.dir=cut"], cwd=tmp_path)
@@ -143,13 +123,7 @@ def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Comma
 def test_workers_that_are_started_afresh_give_the_same(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    arguments = (
-        "-m",
-        "sweep.keep=metrics",
-        SHORT,
-        "drive.phase=linspace(-3,3,7)",
-        "sweep.workers=2",
-    )
+    arguments = (*METRICS_ALONE, SHORT, "drive.phase=linspace(-3,3,7)", "sweep.workers=2")
     assert command(*arguments, "hydra.sweep.dir=forked")[0] == 0
     # As where a system cannot fork.
     monkeypatch.setattr("contactlab.sweeps.batch.START_METHOD", "spawn")
@@ -157,34 +131,22 @@ def test_workers_that_are_started_afresh_give_the_same(
     assert (Path("forked") / DATASET).read_bytes() == (Path("spawned") / DATASET).read_bytes()
 
 
-def test_another_sweep_does_not_go_into_the_folder_of_one(command: Command) -> None:
-    assert command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")[0] == 0
+@pytest.mark.parametrize("by_other_code", [True, False])
+def test_another_sweep_does_not_go_into_the_folder_of_one(
+    command: Command, monkeypatch: pytest.MonkeyPatch, by_other_code: bool
+) -> None:
+    assert command(*HERE, "drive.phase=0,1")[0] == 0
     before = (Path("here") / DATASET).read_bytes()
-    status, _, err = command(*METRICS_ALONE, SHORT, "drive.phase=0,2", "hydra.sweep.dir=here")
+    if by_other_code:
+        monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
+    status, _, err = command(*HERE, "drive.phase=0,1" if by_other_code else "drive.phase=0,2")
     assert status == 2
-    assert "holds another sweep" in err
+    assert "holds another sweep, or one made by other code" in err
     assert (Path("here") / DATASET).read_bytes() == before
 
 
-def test_a_sweep_by_other_code_is_not_gone_on_with(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")[0] == 0
-    monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
-    status, _, err = command(*METRICS_ALONE, SHORT, "drive.phase=0,1", "hydra.sweep.dir=here")
-    assert status == 2
-    assert "made by other code" in err
-
-
 def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Command) -> None:
-    status, out, _ = command(
-        "-m",
-        "sweep.keep=metrics",
-        SHORT,
-        "placement.start=1 mm,12 mm",
-        "placement.end=10 mm,20 mm",
-        "hydra.sweep.dir=here",
-    )
+    status, out, _ = command(*HERE, "placement.start=1 mm,12 mm", "placement.end=10 mm,20 mm")
     assert status == 0
     assert "3 complete" in out
     assert "start=0.012, end=0.01: refused. placement" in out
@@ -198,23 +160,11 @@ def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Comma
 
 
 def test_series_lie_beside_the_metrics(command: Command) -> None:
-    status, _, _ = command(
-        "-m",
-        "sweep.keep=metrics",
-        SHORT,
-        "record.interval=10 us",
-        "drive.phase=0,1,2",
-        "law.stiffness=1e9,1e10",
-        "sweep.series=gap,rotor_velocity",
-        "sweep.metrics=all",
-        "sweep.chunk=2",
-        "hydra.sweep.dir=here",
-    )
-    assert status == 0
+    interval = "record.interval=10 us"
+    kept = ("sweep.series=gap,rotor_velocity", "sweep.metrics=all", "sweep.chunk=2")
+    assert command(*HERE, interval, "drive.phase=0,1,2", "law.stiffness=1e9,1e10", *kept)[0] == 0
     assert set(METRICS) <= set(opened(Path("here")).data_vars)
-    command(
-        SHORT, "record.interval=10 us", "drive.phase=2", "law.stiffness=1e9", "hydra.run.dir=run"
-    )
+    command(SHORT, interval, "drive.phase=2", "law.stiffness=1e9", "hydra.run.dir=run")
     with (
         xarray.open_datatree(Path("here") / DATASET, decode_times=False) as tree,
         xarray.open_dataset(Path("run") / "run.nc", decode_times=False) as run,
@@ -227,14 +177,7 @@ def test_series_lie_beside_the_metrics(command: Command) -> None:
 
 
 def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command) -> None:
-    arguments = (
-        "-m",
-        "sweep.keep=metrics",
-        SHORT,
-        "drive.phase=0,1,2",
-        "sweep.chunk=1",
-        "hydra.sweep.dir=here",
-    )
+    arguments = (*HERE, "drive.phase=0,1,2", "sweep.chunk=1")
     assert command(*arguments)[0] == 0
     whole = (Path("here") / DATASET).read_bytes()
     (Path("here") / DATASET).unlink()
@@ -251,14 +194,7 @@ def test_a_damaged_chunk_is_told_and_made_anew_once_it_is_gone(command: Command)
 
 
 def test_what_is_finished_of_a_sweep_can_be_collected(command: Command) -> None:
-    arguments = (
-        "-m",
-        "sweep.keep=metrics",
-        SHORT,
-        "drive.phase=0,1,2",
-        "sweep.chunk=1",
-        "hydra.sweep.dir=here",
-    )
+    arguments = (*HERE, "drive.phase=0,1,2", "sweep.chunk=1")
     assert command(*arguments)[0] == 0
     whole = opened(Path("here"))
     (Path("here") / DATASET).unlink()
@@ -309,10 +245,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=60)
     assert running.returncode == 130
-    assert (
-        err.strip()
-        .splitlines()[-1]
-        .startswith("Interrupted. The chunks that are finished are kept")
-    )
+    last = err.strip().splitlines()[-1]
+    assert last.startswith("Interrupted. The chunks that are finished are kept")
     assert "Traceback" not in err
     assert Store.opened(tmp_path / "here").missing()

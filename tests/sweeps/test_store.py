@@ -1,17 +1,17 @@
 """Processes that work on one sweep at a time take nothing from each other, and what is damaged is told."""
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.sweeps import CELLS, Made, begun, plan
 
 from contactlab.sweeps import SweepError, store
 from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.manifest import MANIFEST
 from contactlab.sweeps.plan import Plan
-from contactlab.sweeps.state import Status
+from contactlab.sweeps.state import MANIFEST, Status
 from contactlab.sweeps.store import CHUNKS, Store
 
 
@@ -146,12 +146,12 @@ def test_chunks_stay_where_the_sweep_is_read_back_otherwise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = begun(tmp_path, finished=3, series=("gap",))
-    add = Store._add_series
+    write = store.write
 
-    def lose(self: Store, path: Path, some: Sequence[int]) -> None:
-        add(self, path, some[:-1])
+    def lose(dataset: Any, path: Path, series: Any, slabs: Callable[[], Any], finish: Any) -> None:
+        write(dataset, path, series, lambda: [*slabs()][:-1], finish)
 
-    monkeypatch.setattr(Store, "_add_series", lose)
+    monkeypatch.setattr(store, "write", lose)
     with pytest.raises(OSError, match="what was written is not what is read back"):
         folder.merge()
     assert len(list((tmp_path / CHUNKS).iterdir())) == 3

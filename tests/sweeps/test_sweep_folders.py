@@ -79,13 +79,6 @@ def test_folders_differ_where_their_overrides_do() -> None:
     assert not any(set(name) & set("/:\\ '\"") for name in names)
 
 
-def test_a_value_that_is_given_twice_is_refused(command: Command) -> None:
-    status, _, err = command("-m", "contact.clearance=1e-6,1e-6", *QUICK)
-    assert status == 2
-    assert "contact.clearance has a value twice" in err
-    assert "give every value once" in err
-
-
 def test_a_folder_of_several_jobs_is_refused(command: Command) -> None:
     status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK, "hydra.sweep.subdir=one")
     assert status == 2
