@@ -4,7 +4,7 @@ from functools import cache
 from math import isfinite
 from numbers import Integral, Real
 from types import NoneType
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
@@ -31,16 +31,21 @@ def check_fields(owner: Any, title: str = "") -> None:
     """
     title = title or type(owner).__name__
     kind: type = type(owner)
-    given = [(name, getattr(owner, name), declared) for name, declared in _checked(kind).items()]
+    suspects = [
+        (name, value, declared)
+        for name, declared in _checked(kind).items()
+        if not declared.is_sound_float(value := getattr(owner, name))
+    ]
     wrong = [
         f"{title}: {name} is {shown(value)}; it must be {_expected(declared.kinds)}.{_way_out(value)}"
-        for name, value, declared in given
-        if not any(_is(value, kind) for kind in declared.kinds)
+        for name, value, declared in suspects
+        if not any(is_kind(value, kind) for kind in declared.kinds)
     ]
     if wrong:
         raise TypeError(" ".join(wrong))
-    numbers = [each for each in given if type(each[1]) is float or isinstance(each[1], Real)]
-    outside = [fault for each in numbers if (fault := _outside(*each))]
+    outside = [
+        fault for each in suspects if isinstance(each[1], Real) and (fault := _outside(*each))
+    ]
     if outside:
         raise ValueError(" ".join(f"{title}: {fault}" for fault in outside))
 
@@ -55,7 +60,7 @@ def check_number(words: str, value: object) -> None:
     Raises:
         TypeError: it is none.
     """
-    if not _is(value, float):
+    if not is_kind(value, float):
         raise TypeError(f"{words} is {shown(value)}; it must be a number.")
 
 
@@ -129,9 +134,14 @@ def _outside(name: str, value: float, declared: DeclaredField) -> str:
     return f"{name} is {value}{said.label}; it must be {said.range}. {declared.hint}".rstrip()
 
 
-def _is(value: object, kind: type) -> bool:
+def is_kind(value: object, kind: Any) -> bool:
+    """Tell whether a value is of an annotated kind: a class, a number, a `Literal`, a `list[...]`."""
     if type(value) is kind:
         return True
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
+    if get_origin(kind) is list:
+        return isinstance(value, list) and all(is_kind(one, *get_args(kind)) for one in value)
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)

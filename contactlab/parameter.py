@@ -8,7 +8,7 @@ from dataclasses import MISSING, dataclass
 from dataclasses import fields as dataclass_fields
 from functools import cache, cached_property, partial
 from math import inf, isfinite
-from types import NoneType
+from types import UnionType
 from typing import Annotated, Any, final, get_args, get_origin, get_type_hints
 
 
@@ -92,8 +92,18 @@ class DeclaredField:
     @cached_property
     def kinds(self) -> tuple[Any, ...]:
         """The kinds that are admitted, one of them `NoneType` where it may be None."""
-        kinds = get_args(self.kind)
-        return kinds if NoneType in kinds else (self.kind,)
+        return get_args(self.kind) if isinstance(self.kind, UnionType) else (self.kind,)
+
+    @cached_property
+    def is_number(self) -> bool:
+        """Whether it holds a declared number."""
+        return self.parameter is not None and not {int, float}.isdisjoint(self.kinds)
+
+    def is_sound_float(self, value: object) -> bool:
+        """Tell whether a value is a float that needs no closer look, as nearly every one is."""
+        if type(value) is not float or float not in self.kinds:
+            return False
+        return isfinite(value) if self.parameter is None else self.parameter.holds(value)
 
     @property
     def hint(self) -> str:

@@ -7,14 +7,12 @@ To add a group is to add a line to `GROUPS`; what binds several keys together is
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from types import NoneType
 from typing import Any, Final, Literal, final
 
-from pydantic import BaseModel
-
 from contactlab.config import quantity
-from contactlab.laws.declaration import SHARED, members_of
+from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
 from contactlab.motor import (
@@ -51,6 +49,11 @@ class Choice:
     group: str = ""
     default: str = ""
 
+    @cached_property
+    def told(self) -> dict[str, tuple[str, Keys]]:
+        """Each option with its keys, by the word of the key that tells it."""
+        return {keys[self.told_by].default: (o, keys) for o, keys in self.options.items()}
+
 
 def keys_of(owner: type, *without: str) -> Keys:
     """Give the keys that a class declares, those of the objects that it holds included."""
@@ -71,8 +74,6 @@ def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
     assert field.parameter is not None
     return replace(field, parameter=replace(field.parameter, **changes))
 
-
-_RESERVED: Final = frozenset({*dir(BaseModel), "path"})
 
 BASES: Final = {"ritz": RitzResonator, "finite_element": FiniteElementResonator}
 
@@ -132,27 +133,14 @@ def keys_of_law(owner: Any) -> Keys:
     Raises:
         ValueError: it has fields that cannot be keys.
     """
-    names = list(members_of(owner))
-    if taken := [name for name in names if name.startswith("_") or name in _RESERVED]:
-        raise ValueError(
-            f"{owner.name} has parameters named {', '.join(taken)}, which configurations use themselves; "
-            "they must be named otherwise."
-        )
-    return _named(
-        "name",
-        owner.name,
-        {
-            name: field if field.parameter else _part(field)
-            for name, field in declared_fields(owner).items()
-            if name != SHARED
-        },
-    )
-
-
-def _part(field: DeclaredField) -> Choice:
-    """The choice between the parts of a family."""
-    family = field.kind.family
-    return replace(FAMILIES[family], default=getattr(field.default, "name", ""))
+    keys = {
+        name: replace(FAMILIES[family], default=getattr(field.default, "name", ""))
+        if (family := family_of(field))
+        else field
+        for name, field in members_of(owner).items()
+        if name != SHARED
+    }
+    return _named("name", owner.name, keys)
 
 
 FAMILIES: Final = {
@@ -238,14 +226,10 @@ def help_on_keys() -> str:
     )
 
 
-def told_by(section: str) -> str:
-    """Give the key that tells which option a section is; empty for a section that is no choice."""
-    if section in GROUPS:
-        return GROUPS[section].told_by
-    return "name" if section.partition(".")[0] == "law" else ""
-
-
 def group_told_by(key: str) -> str:
     """Give the group whose choice a key tells, 'law/normal' for 'law.normal.name'; empty for other keys."""
     section, _, last = key.rpartition(".")
-    return section.replace(".", "/") if last and told_by(section) == last else ""
+    group = section.replace(".", "/")
+    if section in GROUPS:
+        return group if last == GROUPS[section].told_by else ""
+    return group if last == "name" and section.partition(".")[0] == "law" else ""

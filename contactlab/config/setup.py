@@ -13,19 +13,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, final
 
-from pydantic import ValidationError
-
 from contactlab.config.composition import compose
-from contactlab.config.faults import ConfigurationError, one_line, sentence
+from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
-from contactlab.config.nesting import nested
-from contactlab.config.rules import broken_rules
-from contactlab.config.schema import Section, configuration_with
+from contactlab.config.nesting import flat, nested
+from contactlab.config.rules import FRICTION, broken_rules
+from contactlab.config.schema import Examination
 from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
-from contactlab.laws.registry import LAWS, build_law, law_class, law_names
+from contactlab.laws.registry import build_law, law_class
 from contactlab.motor import (
     ContactGeometry,
     Drive,
@@ -39,6 +37,8 @@ from contactlab.motor import (
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
+
+_OF_RESONATOR = ("resonator", "piezoceramic", "placement")
 
 Values = Mapping[str, Any]
 
@@ -88,12 +88,13 @@ def build(
         )
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration, config_dir)
-    resolved = validate(configuration).model_dump(exclude={*NOT_OF_A_RUN})
+    resolved, law = _checked(configuration)
+    resolved = {group: section for group, section in resolved.items() if group not in NOT_OF_A_RUN}
     drive, solver, rotor = resolved["drive"], resolved["solver"], dict(resolved["rotor"])
     lengths = {key: resolved["contact"][key] for key in ("tip_length", "clearance")}
     geometry = ContactGeometry(**lengths, rotor_radius=rotor.pop("radius"))
     try:
-        modes = _modes(_resonator(resolved))
+        modes = _modes(tuple(flat({group: resolved[group] for group in _OF_RESONATOR}).items()))
     except ValueError as error:
         words = "resonator, piezoceramic and placement make no resonator"
         raise ConfigurationError([f"{words}: {error}"]) from error
@@ -101,7 +102,6 @@ def build(
         drive["frequency"] = float(modes.natural_frequency[0])
     tones = Drive.two_mode(**drive)
     _refuse_undamped_resonance(tones, modes)
-    law = _law(resolved)
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -120,63 +120,53 @@ def build(
     )
 
 
-def validate(configuration: Values) -> Section:
-    """Check a configuration without building anything but its law.
-
-    Args:
-        configuration: a mapping as for `build`.
+def validate(configuration: Values) -> dict[str, Any]:
+    """Check a configuration without building anything but its law, and give it with every number in SI.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
-    sound: dict[str, Any] = {}
-    faults: list[str] = []
-    given = configuration.get("law") if isinstance(configuration, Mapping) else None
-    law = str(given.get("name") if isinstance(given, Mapping) else getattr(given, "name", None))
-    others = [law] if law in law_names() and law not in LAWS else []
-    try:
-        checked = configuration_with(*others).model_validate(configuration, context=sound)
-    except ValidationError as error:
-        faults = [sentence(fault, law) for fault in error.errors(include_url=False)]
-    faults += broken_rules(sound)
-    needed = {"contact.friction_coefficient", "rotor.radius"}
-    if needed <= sound.keys() and not any(fault.startswith("law") for fault in faults):
+    return _checked(configuration)[0]
+
+
+def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
+    """Give a configuration in SI and its law, for `build` and `validate`."""
+    found = Examination(configuration)
+    law, sound = None, found.sound
+    faults = found.faults + broken_rules(sound)
+    needed = (FRICTION, "rotor.radius")
+    if all(key in sound for key in needed) and not any(fault.startswith("law") for fault in faults):
         try:
-            _law(nested(sound))
+            law = _law(found.values["law"], *(sound[key] for key in needed))
         except ConfigurationError as error:
             faults += error.faults
-    if faults:
+    if faults or law is None:
         raise ConfigurationError(faults)
-    return checked
-
-
-def _resonator(resolved: Values) -> PatchedBeam:
-    given, constants = dict(resolved["resonator"]), dict(resolved["piezoceramic"])
-    bending = constants.pop("constants") == "bending"
-    resonator: PatchedBeam = BASES[given.pop("basis")](
-        **given | {"steel": Steel(**given["steel"])},
-        piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
-        patch_start=resolved["placement"]["start"],
-        patch_end=resolved["placement"]["end"],
-    )
-    return resonator
+    return found.values, law
 
 
 # A sweep over anything else asks for the same resonator again and again.
 @lru_cache(maxsize=256)
-def _modes(resonator: PatchedBeam) -> NormalModes:
+def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
+    given, constants, placement = nested(dict(values)).values()
+    bending = constants.pop("constants") == "bending"
+    resonator: PatchedBeam = BASES[given.pop("basis")](
+        **given | {"steel": Steel(**given["steel"])},
+        piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
+        patch_start=placement["start"],
+        patch_end=placement["end"],
+    )
     return resonator.modes
 
 
-def _law(resolved: Values) -> ContactLaw:
-    given, name = resolved["law"], resolved["law"]["name"]
+def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+    name = given["name"]
     try:
-        mu = resolved["contact"]["friction_coefficient"]
-        law: ContactLaw = build_law(law_class(name), given, mu)
+        law: ContactLaw = build_law(law_class(name), given, friction_coefficient)
         # Those of this package are sound, and their kernels are not needed yet.
         if not is_own(type(law)):
             _take_in_once(law)
-        return law.on_rotor(resolved["rotor"]["radius"])
+        return law.on_rotor(rotor_radius)
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         # What the law itself raised is in the sentence already.
