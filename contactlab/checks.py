@@ -1,6 +1,6 @@
 """What a class is given from Python, checked against its annotations and told in sentences."""
 
-from functools import cache
+from functools import cache, partial
 from math import isfinite
 from numbers import Integral, Real
 from types import NoneType
@@ -17,20 +17,20 @@ _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False"}
 
 
 def check_fields(owner: Any, title: str = "") -> None:
-    """Refuse an object with a field that is not of the annotated kind, or out of the declared range.
+    """Refuse an object of a dataclass with a field that is of another kind or out of its range.
 
     Looks at fields of numbers and of classes; what else an annotation says is left to the owner.
 
     Args:
-        owner: of a dataclass.
+        owner: what is checked.
         title: how sentences begin; the name of its class by default.
 
     Raises:
         TypeError: with a sentence for each field that is of another kind.
         ValueError: with a sentence for each number that is not finite or out of its range.
     """
-    title = title or type(owner).__name__
     kind: type = type(owner)
+    title = title or kind.__name__
     suspects = [
         (name, value, declared)
         for name, declared in _checked(kind).items()
@@ -50,29 +50,30 @@ def check_fields(owner: Any, title: str = "") -> None:
         raise ValueError(" ".join(f"{title}: {fault}" for fault in outside))
 
 
-def check_number(words: str, value: object) -> None:
-    """Refuse what is no number.
+class Checked:
+    """Checks every object of a dataclass that derives from it by `check_fields`."""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+def check_kind(words: str, value: object, kind: type) -> None:
+    """Refuse what is of another kind.
 
     Args:
         words: what it is: "The duration".
         value: as given.
+        kind: a class; float and int stand for every number and whole number.
 
     Raises:
-        TypeError: it is none.
+        TypeError: it is of another kind.
     """
-    if not is_kind(value, float):
-        raise TypeError(f"{words} is {shown(value)}; it must be a number.")
-
-
-def check_kind(words: str, value: object, kind: type) -> None:
-    """Refuse what is no object of a class.
-
-    Raises:
-        TypeError: it is none.
-    """
-    if not isinstance(value, kind):
+    if not is_kind(value, kind):
         expected = _expected((kind,))
         raise TypeError(f"{words} is {shown(value)}; it must be {expected}.{_way_out(value)}")
+
+
+check_number = partial(check_kind, kind=float)
 
 
 def check_shape(
@@ -81,10 +82,8 @@ def check_shape(
     """Refuse what is no array of finite numbers, or one of another shape.
 
     Args:
-        words: what it is.
-        values: as given.
-        shape: -1 stands for any number.
-        meaning: of the shape.
+        words, values: what it is, and as given.
+        shape, meaning: -1 stands for any number.
         kinds: of numbers, as NumPy's `dtype.kind` has them.
 
     Raises:
@@ -125,7 +124,7 @@ def _checked(owner: type) -> dict[str, DeclaredField]:
 
 
 def _outside(name: str, value: float, declared: DeclaredField) -> str:
-    """What is wrong with a number; empty where nothing is."""
+    """Say what is wrong with a number; empty where nothing is."""
     if not isfinite(value):
         return f"{name} is {value}; it must be finite."
     said = declared.parameter

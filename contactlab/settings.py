@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal, final
 
-from contactlab.checks import check_fields
+from contactlab.checks import Checked
 from contactlab.parameter import Parameter, positive
 
 
 @final
 @dataclass(frozen=True)
-class Solver:
+class Solver(Checked):
     """How long and how finely to integrate."""
 
     duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
@@ -29,20 +29,14 @@ class Solver:
         ),
     ] = None
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
 
 @final
 @dataclass(frozen=True)
-class Record:
+class Record(Checked):
     """What is kept; it does not change the motion."""
 
     interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
     picture: Annotated[bool, Parameter("", "1", "whether run.png is drawn; it takes long")] = True
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @final

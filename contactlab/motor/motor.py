@@ -6,7 +6,7 @@ from typing import Annotated, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import check_fields, check_shape
+from contactlab.checks import Checked, check_shape
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.modes import NormalModes
@@ -15,7 +15,7 @@ from contactlab.parameter import Parameter, not_negative, positive
 
 @final
 @dataclass(frozen=True)
-class Rotor:
+class Rotor(Checked):
     """A rigid rotor, J Omegadot = -R F - C_r Omega - tau."""
 
     inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
@@ -31,9 +31,6 @@ class Rotor:
     initial_velocity: Annotated[
         float, Parameter("Omega(0)", "rad s-1", "velocity at the start")
     ] = 0.0
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @final
@@ -52,7 +49,7 @@ class ModalState:
 
 @final
 @dataclass(frozen=True)
-class Motor:
+class Motor(Checked):
     """Everything that moves; which contact law acts between tip and rotor is not part of it.
 
     A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
@@ -75,7 +72,7 @@ class Motor:
     start: ModalState | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         count = self.modes.stiffness.size
         if not np.all(self.modes.stiffness >= 0.0):
             raise ValueError(

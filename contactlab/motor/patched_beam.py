@@ -14,14 +14,14 @@ from typing import Annotated
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from contactlab.checks import check_fields
+from contactlab.checks import Checked
 from contactlab.motor.materials import Piezoceramic, Steel
 from contactlab.motor.modes import UNRESOLVED, NormalModes
 from contactlab.parameter import not_negative, positive
 
 
 @dataclass(frozen=True)
-class PatchedBeam(ABC):
+class PatchedBeam(Checked, ABC):
     """A clamped beam with two mirrored pairs of piezoceramic patches and a rigid tip at its centre.
 
     A layer is bonded to either side; the second set is the mirror image, [L - a_12, L - a_11], and
@@ -44,7 +44,7 @@ class PatchedBeam(ABC):
     stiffness_damping: Annotated[float, not_negative("beta", "s", "damping per stiffness")] = 2e-5
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         half = 0.5 * self.length
         if not self.patch_start < self.patch_end <= half:
             raise ValueError(

@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
-from contactlab.checks import check_fields
+from contactlab.checks import Checked
 from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
 from contactlab.motor.patched_beam import PatchedBeam
 from contactlab.parameter import Parameter, positive
@@ -26,7 +26,7 @@ SHAPES = Parameter("n", "1", "number of beam shapes", at_least=1, at_most=MOST_S
 
 @final
 @dataclass(frozen=True)
-class ClampedBeam:
+class ClampedBeam(Checked):
     """The first eigenshapes of a clamped-clamped Bernoulli-Euler beam, in a form that does not cancel.
 
     The textbook form psi = cosh z - cos z - s (sinh z - sin z), z = b x, subtracts numbers of size
@@ -42,9 +42,6 @@ class ClampedBeam:
 
     length: Annotated[float, positive("L", "m", "length between the clamps")]
     shapes: Annotated[int, SHAPES]
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @cached_property
     def wave_numbers(self) -> Array:
