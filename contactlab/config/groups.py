@@ -40,8 +40,7 @@ class Choice:
     Args:
         options: the keys of each, by name.
         told_by: the key that tells which it is; empty where there is one option only.
-        group: whose options they are, as a defaults list has it.
-        default: name of the usual option; empty where one must be chosen.
+        group, default: of a part of a law: its family, and the usual option if there is one.
     """
 
     options: Mapping[str, Keys]
@@ -176,15 +175,13 @@ def content(group: str, option: str) -> dict[str, Any]:
     """
     below = group.removeprefix("law/")
     choice = GROUPS.get(group) or FAMILIES.get(below) or laws(option)
-    keys = choice.options.get(option, {"name": DeclaredField(str, option, None)})
-    parts = {name: found for name, found in keys.items() if isinstance(found, Choice)}
+    keys = choice.options.get(option, _named("name", option, {}))
     entries = [
         {part.group if name == part.group else f"{part.group}@{name}": part.default}
-        for name, part in parts.items()
-        if part.default
+        for name, part in keys.items()
+        if isinstance(part, Choice) and part.default
     ]
-    values = _defaults({name: found for name, found in keys.items() if name not in parts})
-    return {"defaults": [*entries, "_self_"], **values} if entries else values
+    return {"defaults": [*entries, "_self_"], **_defaults(keys)} if entries else _defaults(keys)
 
 
 def _defaults(keys: Keys) -> dict[str, Any]:
@@ -193,6 +190,7 @@ def _defaults(keys: Keys) -> dict[str, Any]:
         if isinstance(found, dict)
         else (quantity.MISSING if found.default is MISSING else found.default)
         for name, found in keys.items()
+        if not isinstance(found, Choice)
     }
 
 
@@ -200,11 +198,9 @@ def full_keys(found: Any, path: str) -> Iterator[tuple[str, DeclaredField]]:
     """Give what is declared of every full key below a path, of every choice."""
     if isinstance(found, DeclaredField):
         yield path, found
-    elif isinstance(found, Choice):
-        for keys in found.options.values():
-            yield from full_keys(keys, path)
-    else:
-        for name, below in found.items():
+        return
+    for keys in found.options.values() if isinstance(found, Choice) else [found]:
+        for name, below in keys.items():
             yield from full_keys(below, f"{path}.{name}" if path else name)
 
 

@@ -1,10 +1,7 @@
 """From a configuration to the objects that run.
 
-    build(["law=newton", "drive.phase=0"]) -> Setup
-
 Everything a configuration may get wrong is found here, all at once, and told in a sentence each; see
-`contactlab.config.groups` for keys, units and ranges and `contactlab.config.rules` for what binds keys
-together.
+`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.rules` for what binds keys.
 """
 
 from collections.abc import Mapping, Sequence
@@ -74,8 +71,7 @@ def build(
 
     Args:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
-            configuration: a mapping of groups of keys, as `compose` gives it, with numbers in SI or
-            texts with units.
+            configuration: a mapping of groups of keys, with numbers in SI or texts with units.
         config_dir: folder of more options, for overrides.
 
     Raises:
@@ -89,10 +85,10 @@ def build(
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration, config_dir)
     resolved, law = _checked(configuration)
-    resolved = {group: section for group, section in resolved.items() if group not in NOT_OF_A_RUN}
-    drive, solver, rotor = resolved["drive"], resolved["solver"], dict(resolved["rotor"])
-    lengths = {key: resolved["contact"][key] for key in ("tip_length", "clearance")}
-    geometry = ContactGeometry(**lengths, rotor_radius=rotor.pop("radius"))
+    resolved = {group: keys for group, keys in resolved.items() if group not in NOT_OF_A_RUN}
+    drive, solver, record = resolved["drive"], resolved["solver"], resolved["record"]
+    contact, rotor = resolved["contact"], dict(resolved["rotor"])
+    geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
     try:
         modes = _modes(tuple(flat({group: resolved[group] for group in _OF_RESONATOR}).items()))
     except ValueError as error:
@@ -100,7 +96,7 @@ def build(
         raise ConfigurationError([f"{words}: {error}"]) from error
     if drive["frequency"] is None:
         drive["frequency"] = float(modes.natural_frequency[0])
-    tones = Drive.two_mode(**drive)
+    tones = _two_mode(**drive)
     _refuse_undamped_resonance(tones, modes)
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
@@ -109,15 +105,8 @@ def build(
         solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
-    return Setup(
-        motor=Motor(modes, tones, geometry, Rotor(**rotor)),
-        law=law,
-        duration=solver["duration"],
-        record_interval=resolved["record"]["interval"],
-        contact_step=solver["contact_step"],
-        tolerance=solver["tolerance"],
-        configuration=resolved,
-    )
+    motor = Motor(modes, tones, geometry, Rotor(**rotor))
+    return Setup(motor, law, record_interval=record["interval"], **solver, configuration=resolved)
 
 
 def validate(configuration: Values) -> dict[str, Any]:
@@ -130,14 +119,12 @@ def validate(configuration: Values) -> dict[str, Any]:
 
 
 def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
-    """Give a configuration in SI and its law, for `build` and `validate`."""
     found = Examination(configuration)
     law, sound = None, found.sound
     faults = found.faults + broken_rules(sound)
-    needed = (FRICTION, "rotor.radius")
-    if all(key in sound for key in needed) and not any(fault.startswith("law") for fault in faults):
+    if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
         try:
-            law = _law(found.values["law"], *(sound[key] for key in needed))
+            law = _law(found.values["law"], sound[FRICTION], sound["rotor.radius"])
         except ConfigurationError as error:
             faults += error.faults
     if faults or law is None:
@@ -145,7 +132,11 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     return found.values, law
 
 
-# A sweep over anything else asks for the same resonator again and again.
+# A sweep over anything else asks for the same law, drive and resonator again and again.
+_take_in_once = lru_cache(maxsize=4096)(take_in)
+_two_mode = lru_cache(maxsize=256)(Drive.two_mode)
+
+
 @lru_cache(maxsize=256)
 def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     given, constants, placement = nested(dict(values)).values()
@@ -171,16 +162,10 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
     except Exception as error:
         # What the law itself raised is in the sentence already.
         told = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
+        sentence = f"law={name} cannot be made from its parameters: {told}"
         if told.startswith(f"{name}: "):
-            raise ConfigurationError([f"law.{told.removeprefix(f'{name}: ')}"]) from error
-        raise ConfigurationError(
-            [f"law={name} cannot be made from its parameters: {told}"]
-        ) from error
-
-
-@lru_cache(maxsize=4096)
-def _take_in_once(law: ContactLaw) -> None:
-    take_in(law)
+            sentence = f"law.{told.removeprefix(f'{name}: ')}"
+        raise ConfigurationError([sentence]) from error
 
 
 def _refuse_undamped_resonance(drive: Drive, modes: NormalModes) -> None:

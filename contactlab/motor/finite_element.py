@@ -142,17 +142,13 @@ class FiniteElementResonator(PatchedBeam):
 
         A frequency on a coarse mesh lies above the true one, so elements that suit it are small enough.
         """
-        length = self.length
-        coarse = tuple(
-            ceil(4 * self.kept_modes * (end - start) / length) + 1
-            for start, end, _ in self._half_sections
-        )
+        share = 4 * self.kept_modes
+        coarse = tuple(ceil(share * size / self.length) + 1 for size, _, _ in self._sections)
         highest = self.discretise(coarse).lowest(self.kept_modes)[0][-1]
         counts = []
-        for start, end, patched in self._half_sections:
-            rigidity, mass = self._section(patched)
+        for size, rigidity, mass in self._sections:
             wave_number = (highest * mass / rigidity) ** 0.25
-            counts.append(max(1, ceil(wave_number * (end - start) / PHASE)))
+            counts.append(max(1, ceil(wave_number * size / PHASE)))
         if 2 * sum(counts) > MOST_ELEMENTS:
             raise ValueError(
                 f"{self.kept_modes} kept modes need {2 * sum(counts)} elements; there may be "
@@ -162,26 +158,22 @@ class FiniteElementResonator(PatchedBeam):
         return tuple(counts)
 
     @property
-    def _half_sections(self) -> list[tuple[float, float, bool]]:
-        """Start, end [m] and whether there are patches, from the clamp to the centre."""
+    def _sections(self) -> list[tuple[float, float, float]]:
+        """Length [m], bending rigidity [N m^2] and mass per length [kg/m] from the clamp to the centre."""
+        bare = (self.steel_rigidity, self.steel_mass)
+        patched = (self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass)
         edges = (0.0, self.patch_start, self.patch_end, 0.5 * self.length)
-        sections = zip(pairwise(edges), (False, True, False), strict=True)
-        return [(start, end, patched) for (start, end), patched in sections if end > start]
-
-    def _section(self, patched: bool) -> tuple[float, float]:
-        """Bending rigidity [N m^2] and mass per length [kg/m] of a section."""
-        if patched:
-            return self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass
-        return self.steel_rigidity, self.steel_mass
+        sections = zip(pairwise(edges), (bare, patched, bare), strict=True)
+        return [(end - start, *section) for (start, end), section in sections if end > start]
 
     def discretise(self, mesh: tuple[int, ...]) -> Discretisation:
         """The beam in `mesh[i]` equal elements in section i of its left half, and their mirror images."""
         half: list[tuple[float, float, float]] = []
-        for (start, end, patched), count in zip(self._half_sections, mesh, strict=True):
-            half += [((end - start) / count, *self._section(patched))] * count
-        size, rigidity, mass = (np.array(column) for column in zip(*half, *half[::-1], strict=True))
-        elements = HermiteBeam(size, rigidity)
-        matrix = elements.mass_matrix(mass)
+        for (size, rigidity, mass), count in zip(self._sections, mesh, strict=True):
+            half += [(size / count, rigidity, mass)] * count
+        sizes, rigidities, masses = map(np.array, zip(*half, *half[::-1], strict=True))
+        elements = HermiteBeam(sizes, rigidities)
+        matrix = elements.mass_matrix(masses)
         tip = elements.node_at(0.5 * self.length)
         matrix[tip, tip] += self.tip_mass
         matrix[tip + 1, tip + 1] += self.tip_inertia
@@ -192,4 +184,4 @@ class FiniteElementResonator(PatchedBeam):
                 # A moment on a clamp does no work.
                 if 0.0 < edge < self.length:
                     loads[elements.node_at(edge) + 1, column] += sign * self.moment_per_voltage
-        return Discretisation(elements, matrix, elements.mass_matrix(np.ones_like(mass)), loads)
+        return Discretisation(elements, matrix, elements.mass_matrix(np.ones_like(masses)), loads)
