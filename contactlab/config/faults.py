@@ -7,11 +7,7 @@ from contactlab.config.groups import GROUPS, known_keys
 
 
 class ConfigurationError(ValueError):
-    """A configuration that cannot run.
-
-    Args:
-        faults: one sentence each.
-    """
+    """A configuration that cannot run, with a sentence for each of its faults."""
 
     def __init__(self, faults: list[str]) -> None:
         super().__init__("\n".join(faults))
@@ -28,13 +24,7 @@ def one_line(error: BaseException) -> str:
 
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
-    """Say that a key does not exist, or not in this kind of section.
-
-    Args:
-        key: the key.
-        kind: what is chosen of the key's group; empty where it is no group.
-        known: the keys that there are with what is chosen.
-    """
+    """Say that a key is none of those that there are, or none of the kind that is chosen of its group."""
     if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
         group = key.rpartition(".")[0].replace(".", "/")
         return (

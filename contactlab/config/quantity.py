@@ -5,6 +5,7 @@ frequency in Hz, and '2 Hz' is no angular velocity. Either would be wrong by 2 p
 """
 
 import re
+from contextlib import suppress
 from decimal import Decimal
 from functools import cache
 from math import isfinite
@@ -56,8 +57,8 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     Raises:
         UnitError: what is wrong with it: "is ...".
     """
-    if field.is_sound_float(value) or (value is None and NoneType in field.kinds):
-        return value  # type: ignore[return-value]
+    if value is None and NoneType in field.kinds:
+        return None
     said, whole = field.parameter, int in field.kinds
     assert said is not None
     try:
@@ -94,50 +95,40 @@ def _plain(value: object) -> float:
 
 def describe(value: object) -> str:
     """Write a value of a configuration as a sentence shows it."""
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return str(value).lower()
     if isinstance(value, str):
         return f"'{value}'"
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list | tuple):
         return f"the list {list(value)}"
-    return str(value)
+    return (
+        str(value).lower() if isinstance(value, bool) else "null" if value is None else str(value)
+    )
 
 
 def to_si(text: str, unit: str) -> float:
-    """Give the number that a text gives, in an SI unit.
-
-    Args:
-        text: a number ('1e-6') or a number with a unit ('1 um').
-        unit: the SI unit of the result as configurations write it, '1' for a pure number.
+    """Give the number of a text, '1e-6' or '1 um', in an SI unit as configurations write it, '1' for none.
 
     Raises:
-        UnitError: if the text is neither, or if its unit has another dimension.
+        UnitError: the text is no such number, or its unit has another dimension.
     """
-    try:
+    with suppress(ValueError):
         return float(text)
-    except ValueError:
-        pass
     parts = _NUMBER_AND_UNIT.fullmatch(text)
     if parts is None:
         raise UnitError("which is not a number")
-    given = _root(parts["unit"])
+    given, wanted = _root(parts["unit"]), _root(unit)
     if given is None:
         raise UnitError(f"whose unit '{parts['unit'].strip()}' is unknown")
-    factor, units = given
-    wanted = _root(unit)
     if wanted is None:
         raise UnitError(f"which cannot be converted to the declared unit {unit}: that is unknown")
     # A damper's N m s per rad is usually written without the rad.
-    spelled = (wanted, _root(unit.removesuffix("/rad")))
-    if units not in [found[1] for found in spelled if found]:
+    without_angle = _root(unit.removesuffix("/rad")) or wanted
+    if given[1] not in (wanted[1], without_angle[1]):
         expected = "a pure number" if unit == "1" else unit
         raise UnitError(f"whose unit '{parts['unit'].strip()}' cannot be converted to {expected}")
     try:
-        return float(Decimal(parts["number"]) * factor / wanted[0])
+        return float(Decimal(parts["number"]) * given[0] / wanted[0])
     except ArithmeticError:
         raise UnitError("which is too large") from None
 

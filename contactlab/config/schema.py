@@ -1,7 +1,6 @@
 """A configuration held against what is declared of its keys: values in SI, and a sentence for each fault."""
 
 from collections.abc import Mapping
-from functools import cache
 from types import NoneType
 from typing import Any, get_args
 
@@ -28,8 +27,7 @@ class Examination:
 
     Attributes:
         values: of every section that there is, as they run.
-        sound: those that are sound in themselves, by full key.
-        declared: what is declared of these.
+        sound, declared: those that are sound in themselves, by full key, and what is declared of them.
         faults: a sentence each.
     """
 
@@ -40,7 +38,7 @@ class Examination:
         self.declared: dict[str, DeclaredField] = {}
         self.faults: list[str] = []
         others = [self.law] if self.law in law_names() and self.law not in LAWS else []
-        self.values = self._section(_keys_with(*others), configuration, "")
+        self.values = self._section({"law": laws(*others), **GROUPS}, configuration, "")
 
     def _section(self, found: Keys | Choice, given: Any, path: str) -> dict[str, Any]:
         try:
@@ -50,22 +48,21 @@ class Examination:
             return {}
         values: dict[str, Any] = {}
         before = f"{path}." if path else ""
-        for name in [name for name in keys if name in given]:
-            key, below = f"{before}{name}", keys[name]
-            if not isinstance(below, DeclaredField):
-                values[name] = self._section(below, given[name], key)
-                continue
+        for name, below in keys.items():
+            key = f"{before}{name}"
             try:
-                values[name] = self.sound[key] = _value_of(below, given[name])
-                self.declared[key] = below
+                if name not in given:
+                    if key not in NOT_OF_A_RUN:
+                        raise UnitError(
+                            "is missing; it must be given. Add it to the configuration."
+                        )
+                elif isinstance(below, DeclaredField):
+                    values[name] = self.sound[key] = _value_of(below, given[name])
+                    self.declared[key] = below
+                else:
+                    values[name] = self._section(below, given[name], key)
             except UnitError as fault:
                 self.faults.append(f"{key} {fault}")
-        missing = [f"{before}{name}" for name in keys if name not in given]
-        self.faults += [
-            f"{key} is missing; it must be given. Add it to the configuration."
-            for key in missing
-            if key not in NOT_OF_A_RUN
-        ]
         unknown = [f"{before}{name}" for name in given if name not in keys]
         self.faults += [unknown_key(key, option, known_keys(self.law)) for key in unknown]
         return values
@@ -78,14 +75,14 @@ def _chosen(found: Keys | Choice, given: Any, path: str) -> tuple[str, Keys]:
         UnitError: it is no section, or of no option that there is; a whole sentence.
     """
     group = path.replace(".", "/")
+    if not isinstance(given, Mapping) and not path:
+        said = f"The configuration is {describe(given)}"
+        raise UnitError(f"{said}; it must be a mapping of groups of keys.")
     if not isinstance(given, Mapping):
-        must = "it must be a mapping of groups of keys."
-        if path:
-            must = (
-                "it must be a group of keys. Set a single one by "
-                f"{path}.KEY=VALUE or choose a file by {group}=NAME."
-            )
-        raise UnitError(f"{path or 'The configuration'} is {describe(given)}; {must}")
+        raise UnitError(
+            f"{path} is {describe(given)}; it must be a group of keys. "
+            f"Set a single one by {path}.KEY=VALUE or choose a file by {group}=NAME."
+        )
     if not isinstance(found, Choice):
         return "", found
     if not found.told_by:
@@ -113,12 +110,6 @@ def declared_in(configuration: Mapping[str, Any]) -> dict[str, Parameter]:
     return {key: field.parameter for key, field in found if field.parameter and field.is_number}
 
 
-@cache
-def _keys_with(*others: str) -> Keys:
-    """Give the keys of a configuration; the names are those of laws of other packages that it may have."""
-    return {"law": laws(*others), **GROUPS}
-
-
 def _value_of(found: DeclaredField, value: Any) -> Any:
     """Give a value as it runs.
 
@@ -126,7 +117,7 @@ def _value_of(found: DeclaredField, value: Any) -> Any:
         UnitError: what is wrong with it.
     """
     if found.is_number:
-        return number_of(found, value)
+        return value if found.is_sound_float(value) else number_of(found, value)
     if any(is_kind(value, kind) for kind in found.kinds):
         return value
     words = [_WORDS.get(k) or " or ".join(map(repr, get_args(k))) for k in found.kinds]

@@ -14,10 +14,38 @@ from typing import Annotated
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from contactlab.arrays import Array
 from contactlab.checks import Checked
 from contactlab.motor.materials import Piezoceramic, Steel
-from contactlab.motor.modes import UNRESOLVED, NormalModes
+from contactlab.motor.motor import NormalModes
 from contactlab.parameter import not_negative, positive
+
+RESOLVED = 1e-9
+"""Smallest eigenvalue over the largest that is still known.
+
+The eigenvalues of a symmetric matrix are found to within a few units of round-off of the largest one
+(8 at most in what was measured), so that omega^2 is right to 2e-6 here, and omega to 1e-6."""
+
+UNRESOLVED = (
+    "Dimensions, materials, placement and tip together give modes that double precision does not "
+    "resolve: mass and stiffness must be finite and positive definite, and the highest natural "
+    f"frequency at most {RESOLVED**-0.5:.0f} times the lowest. Check the orders of magnitude, or take "
+    "fewer modes."
+)
+
+
+def refuse_unresolved(eigenvalues: Array) -> None:
+    """Refuse eigenvalues whose smallest is the round-off of their largest.
+
+    Args:
+        eigenvalues: of one symmetric matrix, ascending, shape (mode,).
+
+    Raises:
+        ValueError: where the smallest one is not RESOLVED.
+    """
+    # Not the other way round: nothing is larger than what is no number.
+    if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
+        raise ValueError(UNRESOLVED)
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked
-from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.motor import NormalModes
+from contactlab.motor.patched_beam import UNRESOLVED, PatchedBeam, refuse_unresolved
 from contactlab.parameter import Parameter, positive
 
 MOST_SHAPES = 40
