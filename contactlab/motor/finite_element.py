@@ -24,11 +24,10 @@ from math import ceil
 from typing import Annotated, NamedTuple, final
 
 import numpy as np
-from scipy.linalg import eigh
 
 from contactlab.arrays import Array
 from contactlab.motor.motor import NormalModes
-from contactlab.motor.patched_beam import UNRESOLVED, PatchedBeam, refuse_unresolved
+from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
 from contactlab.parameter import Parameter
 
 MOST_KEPT_MODES = 40
@@ -157,12 +156,9 @@ class Discretisation(NamedTuple):
         """
         shapes = self.elements.shapes
         inverse = shapes.T @ self.mass @ shapes
-        if not np.isfinite(inverse).all():
-            raise ValueError(UNRESOLVED)
-        last = len(inverse) - 1
-        squares, vectors = eigh(inverse, subset_by_index=[last - count + 1, last])
-        refuse_unresolved(squares)
-        return 1.0 / squares[::-1], np.asarray(vectors[:, ::-1], dtype=np.float64)
+        largest = [len(inverse) - count, len(inverse) - 1]
+        squares, vectors = resolved_eigenpairs(inverse, subset_by_index=largest)
+        return 1.0 / squares[::-1], vectors[:, ::-1]
 
     def static_remainder(self, kept: Array) -> tuple[Array, Array]:
         """The pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.

@@ -42,12 +42,8 @@ class NormalModes:
         for name in ("damping", "tip_displacement", "tip_slope"):
             check_shape(name, getattr(self, name), (count,), "one number a mode")
         check_shape("coupling", self.coupling, (count, 2), "a row a mode and a column an electrode")
-        check_shape(
-            "shape_coupling",
-            self.shape_coupling,
-            (-1, 2),
-            "a row a shape and a column an electrode",
-        )
+        meaning = "a row a shape and a column an electrode"
+        check_shape("shape_coupling", self.shape_coupling, (-1, 2), meaning)
 
     @property
     def natural_frequency(self) -> Array:
@@ -60,6 +56,11 @@ class NormalModes:
         return np.asarray(0.5 * self.damping / np.sqrt(self.stiffness), dtype=np.float64)
 
 
+_LOAD = Parameter(
+    "tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative"
+)
+
+
 @final
 @dataclass(frozen=True)
 class Rotor(Checked):
@@ -67,14 +68,7 @@ class Rotor(Checked):
 
     inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
     damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
-    load_torque: Annotated[
-        float,
-        Parameter(
-            "tau",
-            "N m",
-            "load torque towards negative rotation: it brakes positive, drives negative",
-        ),
-    ] = 0.0
+    load_torque: Annotated[float, _LOAD] = 0.0
     initial_velocity: Annotated[
         float, Parameter("Omega(0)", "rad s-1", "velocity at the start")
     ] = 0.0
@@ -127,9 +121,8 @@ class Motor(Checked):
                 "buckled mode runs away."
             )
         given = {"preload": self.preload}
-        if self.start is not None:
-            given["start.displacement"] = self.start.displacement
-            given["start.velocity"] = self.start.velocity
+        if start := self.start:
+            given |= {"start.displacement": start.displacement, "start.velocity": start.velocity}
         for name, values in given.items():
             if values is not None:
                 check_shape(name, values, (count,), "one number a mode")

@@ -9,9 +9,10 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
+from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
 from contactlab.arrays import Array
@@ -34,18 +35,19 @@ UNRESOLVED = (
 )
 
 
-def refuse_unresolved(eigenvalues: Array) -> None:
-    """Refuse eigenvalues whose smallest is the round-off of their largest.
-
-    Args:
-        eigenvalues: of one symmetric matrix, ascending, shape (mode,).
+def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tuple[Array, Array]:
+    """Solve a x = lambda b x for symmetric matrices by `scipy.linalg.eigh`, eigenvalues ascending.
 
     Raises:
-        ValueError: where the smallest one is not RESOLVED.
+        ValueError: the smallest eigenvalue is the round-off of the largest, or a number is not finite.
     """
+    if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
+        raise ValueError(UNRESOLVED)
+    eigenvalues, vectors = eigh(a, b, **options)
     # Not the other way round: nothing is larger than what is no number.
     if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
         raise ValueError(UNRESOLVED)
+    return eigenvalues, vectors
 
 
 @dataclass(frozen=True)
