@@ -28,6 +28,7 @@ from contactlab.motor import (
     NormalModes,
     PatchedBeam,
     Piezoceramic,
+    PiezoceramicDatasheet,
     Rotor,
     Steel,
 )
@@ -47,12 +48,10 @@ class Setup:
 
     Args:
         motor, law: what runs.
-        duration: simulated time [s].
-        record_interval: time between records [s].
+        duration, record_interval: simulated time, and time between records [s].
         contact_step: largest step in contact [s], the default of law and motor where none was given.
         tolerance: relative tolerance in contact [1]; None for a law that takes none.
-        configuration: the numbers that run, in SI, with nothing left to be resolved: building it
-            again gives the same setup.
+        configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
     """
 
     motor: Motor
@@ -140,10 +139,13 @@ _two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 @lru_cache(maxsize=256)
 def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     given, constants, placement = nested(dict(values)).values()
-    bending = constants.pop("constants") == "bending"
+    if constants.pop("constants") == "bending":
+        piezoceramic = Piezoceramic(**constants)
+    else:
+        piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
     resonator: PatchedBeam = BASES[given.pop("basis")](
         **given | {"steel": Steel(**given["steel"])},
-        piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
+        piezoceramic=piezoceramic,
         patch_start=placement["start"],
         patch_end=placement["end"],
     )

@@ -55,7 +55,7 @@ class Piezoceramic(Checked):
     """A piezoceramic layer poled through its thickness, by modulus and coupling in bending.
 
     The modulus is b c^E b' (eq. 30), the coupling nu_p e33 - e31 (eq. 31). The defaults are PZ26 with
-    both identified from the couplings and frequencies of Table 1; `from_datasheet` gives the
+    both identified from the couplings and frequencies of Table 1; `PiezoceramicDatasheet` has the
     catalogue's values.
     """
 
@@ -63,11 +63,6 @@ class Piezoceramic(Checked):
     bending_coupling: Annotated[float, Parameter("e_p", "C m-2", "bending coupling")] = 9.196
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
-
-    @classmethod
-    def from_datasheet(cls, **constants: float) -> "Piezoceramic":
-        """Give the layer of a material whose constants are those of `PiezoceramicDatasheet`."""
-        return PiezoceramicDatasheet(**constants).in_bending()
 
 
 @final
