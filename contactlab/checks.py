@@ -1,10 +1,10 @@
 """What a class is given from Python, checked against its annotations and told in sentences."""
 
-from functools import cache
+from functools import cache, partial
 from math import isfinite
 from numbers import Integral, Real
 from types import NoneType
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
@@ -17,57 +17,63 @@ _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False"}
 
 
 def check_fields(owner: Any, title: str = "") -> None:
-    """Refuse an object with a field that is not of the annotated kind, or out of the declared range.
+    """Refuse an object of a dataclass with a field that is of another kind or out of its range.
 
     Looks at fields of numbers and of classes; what else an annotation says is left to the owner.
 
     Args:
-        owner: of a dataclass.
+        owner: what is checked.
         title: how sentences begin; the name of its class by default.
 
     Raises:
         TypeError: with a sentence for each field that is of another kind.
         ValueError: with a sentence for each number that is not finite or out of its range.
     """
-    title = title or type(owner).__name__
     kind: type = type(owner)
-    given = [(name, getattr(owner, name), declared) for name, declared in _checked(kind).items()]
+    title = title or kind.__name__
+    suspects = [
+        (name, value, declared)
+        for name, declared in _checked(kind).items()
+        if not declared.is_sound_float(value := getattr(owner, name))
+    ]
     wrong = [
         f"{title}: {name} is {shown(value)}; it must be {_expected(declared.kinds)}.{_way_out(value)}"
-        for name, value, declared in given
-        if not any(_is(value, kind) for kind in declared.kinds)
+        for name, value, declared in suspects
+        if not any(is_kind(value, kind) for kind in declared.kinds)
     ]
     if wrong:
         raise TypeError(" ".join(wrong))
-    numbers = [each for each in given if type(each[1]) is float or isinstance(each[1], Real)]
-    outside = [fault for each in numbers if (fault := _outside(*each))]
+    outside = [
+        fault for each in suspects if isinstance(each[1], Real) and (fault := _outside(*each))
+    ]
     if outside:
         raise ValueError(" ".join(f"{title}: {fault}" for fault in outside))
 
 
-def check_number(words: str, value: object) -> None:
-    """Refuse what is no number.
+class Checked:
+    """Checks every object of a dataclass that derives from it by `check_fields`."""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+def check_kind(words: str, value: object, kind: type) -> None:
+    """Refuse what is of another kind.
 
     Args:
         words: what it is: "The duration".
         value: as given.
+        kind: a class; float and int stand for every number and whole number.
 
     Raises:
-        TypeError: it is none.
+        TypeError: it is of another kind.
     """
-    if not _is(value, float):
-        raise TypeError(f"{words} is {shown(value)}; it must be a number.")
-
-
-def check_kind(words: str, value: object, kind: type) -> None:
-    """Refuse what is no object of a class.
-
-    Raises:
-        TypeError: it is none.
-    """
-    if not isinstance(value, kind):
+    if not is_kind(value, kind):
         expected = _expected((kind,))
         raise TypeError(f"{words} is {shown(value)}; it must be {expected}.{_way_out(value)}")
+
+
+check_number = partial(check_kind, kind=float)
 
 
 def check_shape(
@@ -76,10 +82,8 @@ def check_shape(
     """Refuse what is no array of finite numbers, or one of another shape.
 
     Args:
-        words: what it is.
-        values: as given.
-        shape: -1 stands for any number.
-        meaning: of the shape.
+        words, values: what it is, and as given.
+        shape, meaning: -1 stands for any number.
         kinds: of numbers, as NumPy's `dtype.kind` has them.
 
     Raises:
@@ -120,7 +124,7 @@ def _checked(owner: type) -> dict[str, DeclaredField]:
 
 
 def _outside(name: str, value: float, declared: DeclaredField) -> str:
-    """What is wrong with a number; empty where nothing is."""
+    """Say what is wrong with a number; empty where nothing is."""
     if not isfinite(value):
         return f"{name} is {value}; it must be finite."
     said = declared.parameter
@@ -129,9 +133,14 @@ def _outside(name: str, value: float, declared: DeclaredField) -> str:
     return f"{name} is {value}{said.label}; it must be {said.range}. {declared.hint}".rstrip()
 
 
-def _is(value: object, kind: type) -> bool:
+def is_kind(value: object, kind: Any) -> bool:
+    """Tell whether a value is of an annotated kind: a class, a number, a `Literal`, a `list[...]`."""
     if type(value) is kind:
         return True
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
+    if get_origin(kind) is list:
+        return isinstance(value, list) and all(is_kind(one, *get_args(kind)) for one in value)
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)

@@ -4,12 +4,11 @@ Configuration, messages, help, completion and documentation follow from it, for 
 resonators, materials, drive, rotor, contact and solver alike.
 """
 
-from dataclasses import MISSING, dataclass
-from dataclasses import fields as dataclass_fields
+from dataclasses import MISSING, dataclass, fields
 from functools import cache, cached_property, partial
 from math import inf, isfinite
-from types import NoneType
-from typing import Annotated, Any, final, get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Annotated, Any, Union, final, get_args, get_origin, get_type_hints
 
 
 @final
@@ -39,12 +38,8 @@ class Parameter:
     hint: str = ""
 
     def admits(self, value: float) -> bool:
-        """Tell whether a value is in the range."""
-        return self.above < value < self.below and self.at_least <= value <= self.at_most
-
-    def holds(self, value: float) -> bool:
         """Tell whether a value is finite and in the range."""
-        return isfinite(value) and self.admits(value)
+        return self.above < value < self.below and self.at_least <= value <= self.at_most
 
     @property
     def unit(self) -> str:
@@ -92,8 +87,19 @@ class DeclaredField:
     @cached_property
     def kinds(self) -> tuple[Any, ...]:
         """The kinds that are admitted, one of them `NoneType` where it may be None."""
-        kinds = get_args(self.kind)
-        return kinds if NoneType in kinds else (self.kind,)
+        return get_args(self.kind) if get_origin(self.kind) in (Union, UnionType) else (self.kind,)
+
+    @cached_property
+    def is_number(self) -> bool:
+        """Whether it holds a declared number."""
+        return self.parameter is not None and not {int, float}.isdisjoint(self.kinds)
+
+    def is_sound_float(self, value: object) -> bool:
+        """Tell whether a value is a float that needs no closer look, as nearly every one is."""
+        said = self.parameter
+        return (
+            type(value) is float and said is not None and float in self.kinds and said.admits(value)
+        )
 
     @property
     def hint(self) -> str:
@@ -106,27 +112,19 @@ class DeclaredField:
 @cache
 def declared_fields(owner: type) -> dict[str, DeclaredField]:
     """Give the fields of a dataclass by name, in their order."""
-    found = {}
-    hints = get_type_hints(owner, include_extras=True)
-    for field in dataclass_fields(owner):
-        default = field.default
-        if field.default_factory is not MISSING:
-            default = field.default_factory()
-        hint, said = hints[field.name], None
-        if get_origin(hint) is Annotated:
-            said = next(
-                (extra for extra in hint.__metadata__ if isinstance(extra, Parameter)), None
-            )
-            hint = hint.__origin__
-        found[field.name] = DeclaredField(hint, default, said)
+    found, hints = {}, get_type_hints(owner, include_extras=True)
+    for field in fields(owner):
+        hint, made = hints[field.name], field.default_factory
+        kind, *extras = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+        said = next((extra for extra in extras if isinstance(extra, Parameter)), None)
+        found[field.name] = DeclaredField(kind, field.default if made is MISSING else made(), said)
     return found
 
 
 @cache
 def parameters_of(owner: type) -> dict[str, Parameter]:
     """Give the declared parameters of a dataclass by name; a field without declaration is not among them."""
-    declared = declared_fields(owner).items()
-    return {name: field.parameter for name, field in declared if field.parameter}
+    return {name: f.parameter for name, f in declared_fields(owner).items() if f.parameter}
 
 
 def from_cf(units: str) -> str:

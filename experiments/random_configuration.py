@@ -99,6 +99,6 @@ def _law_values(groups: Mapping[str, str], rng: np.random.Generator) -> dict[str
                 value = low + (high - low) * rng.uniform(0.02, 0.98)
             else:
                 value = member.default * 10.0 ** rng.uniform(-1.0, 1.0)
-                value = max(value, low if said.holds(low) else value)
+                value = max(value, low if said.admits(low) else value)
             values[f"{key}.{name}"] = float(value)
     return values

@@ -65,11 +65,8 @@ def options_of(group: str) -> list[str]:
 def started(config_dir: str | Path | None = None) -> Iterator[None]:
     """Start Hydra for compositions until the end of the context; one that runs already goes on after it.
 
-    Args:
-        config_dir: folder of more options.
-
     Raises:
-        ConfigurationError: the folder is not there.
+        ConfigurationError: the folder of more options is not there.
     """
     extra = None if config_dir is None else Path(config_dir).absolute()
     if extra and not extra.is_dir():
@@ -99,13 +96,8 @@ class DeclaredSource(ConfigSource):
 
     def load_config(self, config_path: str) -> ConfigResult:
         """See `ConfigSource.load_config`."""
-        group, option = _split(config_path)
-        return ConfigResult(
-            config=OmegaConf.create(content(group, option)),
-            path=f"{SCHEME}://",
-            provider=self.provider,
-            header={"package": None},
-        )
+        config = OmegaConf.create(content(*_split(config_path)))
+        return ConfigResult(self.provider, f"{SCHEME}://", config, header={"package": None})
 
     def available(self) -> bool:
         """See `ConfigSource.available`."""
@@ -123,11 +115,9 @@ class DeclaredSource(ConfigSource):
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
         """See `ConfigSource.list`."""
         group = config_path.strip("/")
-        found = {*groups().get(group, ())} if results_filter is not ObjectType.GROUP else set()
-        if results_filter is not ObjectType.CONFIG:
-            parents = {name: name.rpartition("/")[0] for name in groups()}
-            found |= {n.rpartition("/")[2] for n, parent in parents.items() if parent == group}
-        return sorted(found)
+        options = groups().get(group, []) if results_filter is not ObjectType.GROUP else []
+        below = groups() if results_filter is not ObjectType.CONFIG else ()
+        return sorted({*options, *(leaf for parent, leaf in map(_split, below) if parent == group)})
 
 
 @final
@@ -142,9 +132,9 @@ class DeclaredSearchPath(SearchPathPlugin):
         search_path.append("schema", f"{SCHEME}://")
 
 
-def _split(config_path: str) -> tuple[str, str]:
-    """Group and option of a path."""
-    group, _, option = config_path.strip("/").removesuffix(".yaml").rpartition("/")
+def _split(path: str) -> tuple[str, str]:
+    """Give group and option of a path."""
+    group, _, option = path.strip("/").removesuffix(".yaml").rpartition("/")
     return group, option
 
 

@@ -7,14 +7,12 @@ To add a group is to add a line to `GROUPS`; what binds several keys together is
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from types import NoneType
 from typing import Any, Final, Literal, final
 
-from pydantic import BaseModel
-
 from contactlab.config import quantity
-from contactlab.laws.declaration import SHARED, members_of
+from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
 from contactlab.motor import (
@@ -42,14 +40,18 @@ class Choice:
     Args:
         options: the keys of each, by name.
         told_by: the key that tells which it is; empty where there is one option only.
-        group: whose options they are, as a defaults list has it.
-        default: name of the usual option; empty where one must be chosen.
+        group, default: of a part of a law: its family, and the usual option if there is one.
     """
 
     options: Mapping[str, Keys]
     told_by: str = ""
     group: str = ""
     default: str = ""
+
+    @cached_property
+    def told(self) -> dict[str, tuple[str, Keys]]:
+        """Each option with its keys, by the word of the key that tells it."""
+        return {keys[self.told_by].default: (o, keys) for o, keys in self.options.items()}
 
 
 def keys_of(owner: type, *without: str) -> Keys:
@@ -71,8 +73,6 @@ def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
     assert field.parameter is not None
     return replace(field, parameter=replace(field.parameter, **changes))
 
-
-_RESERVED: Final = frozenset({*dir(BaseModel), "path"})
 
 BASES: Final = {"ritz": RitzResonator, "finite_element": FiniteElementResonator}
 
@@ -132,27 +132,14 @@ def keys_of_law(owner: Any) -> Keys:
     Raises:
         ValueError: it has fields that cannot be keys.
     """
-    names = list(members_of(owner))
-    if taken := [name for name in names if name.startswith("_") or name in _RESERVED]:
-        raise ValueError(
-            f"{owner.name} has parameters named {', '.join(taken)}, which configurations use themselves; "
-            "they must be named otherwise."
-        )
-    return _named(
-        "name",
-        owner.name,
-        {
-            name: field if field.parameter else _part(field)
-            for name, field in declared_fields(owner).items()
-            if name != SHARED
-        },
-    )
-
-
-def _part(field: DeclaredField) -> Choice:
-    """The choice between the parts of a family."""
-    family = field.kind.family
-    return replace(FAMILIES[family], default=getattr(field.default, "name", ""))
+    keys = {
+        name: replace(FAMILIES[family], default=getattr(field.default, "name", ""))
+        if (family := family_of(field))
+        else field
+        for name, field in members_of(owner).items()
+        if name != SHARED
+    }
+    return _named("name", owner.name, keys)
 
 
 FAMILIES: Final = {
@@ -188,15 +175,13 @@ def content(group: str, option: str) -> dict[str, Any]:
     """
     below = group.removeprefix("law/")
     choice = GROUPS.get(group) or FAMILIES.get(below) or laws(option)
-    keys = choice.options.get(option, {"name": DeclaredField(str, option, None)})
-    parts = {name: found for name, found in keys.items() if isinstance(found, Choice)}
+    keys = choice.options.get(option, _named("name", option, {}))
     entries = [
         {part.group if name == part.group else f"{part.group}@{name}": part.default}
-        for name, part in parts.items()
-        if part.default
+        for name, part in keys.items()
+        if isinstance(part, Choice) and part.default
     ]
-    values = _defaults({name: found for name, found in keys.items() if name not in parts})
-    return {"defaults": [*entries, "_self_"], **values} if entries else values
+    return {"defaults": [*entries, "_self_"], **_defaults(keys)} if entries else _defaults(keys)
 
 
 def _defaults(keys: Keys) -> dict[str, Any]:
@@ -205,6 +190,7 @@ def _defaults(keys: Keys) -> dict[str, Any]:
         if isinstance(found, dict)
         else (quantity.MISSING if found.default is MISSING else found.default)
         for name, found in keys.items()
+        if not isinstance(found, Choice)
     }
 
 
@@ -212,11 +198,9 @@ def full_keys(found: Any, path: str) -> Iterator[tuple[str, DeclaredField]]:
     """Give what is declared of every full key below a path, of every choice."""
     if isinstance(found, DeclaredField):
         yield path, found
-    elif isinstance(found, Choice):
-        for keys in found.options.values():
-            yield from full_keys(keys, path)
-    else:
-        for name, below in found.items():
+        return
+    for keys in found.options.values() if isinstance(found, Choice) else [found]:
+        for name, below in keys.items():
             yield from full_keys(below, f"{path}.{name}" if path else name)
 
 
@@ -238,14 +222,10 @@ def help_on_keys() -> str:
     )
 
 
-def told_by(section: str) -> str:
-    """Give the key that tells which option a section is; empty for a section that is no choice."""
-    if section in GROUPS:
-        return GROUPS[section].told_by
-    return "name" if section.partition(".")[0] == "law" else ""
-
-
 def group_told_by(key: str) -> str:
     """Give the group whose choice a key tells, 'law/normal' for 'law.normal.name'; empty for other keys."""
     section, _, last = key.rpartition(".")
-    return section.replace(".", "/") if last and told_by(section) == last else ""
+    group = section.replace(".", "/")
+    if section in GROUPS:
+        return group if last == GROUPS[section].told_by else ""
+    return group if last == "name" and section.partition(".")[0] == "law" else ""

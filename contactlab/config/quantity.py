@@ -5,24 +5,18 @@ frequency in Hz, and '2 Hz' is no angular velocity. Either would be wrong by 2 p
 """
 
 import re
-from dataclasses import dataclass
+from contextlib import suppress
 from decimal import Decimal
 from functools import cache
 from math import isfinite
 from numbers import Real
 from types import NoneType
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING
 
-from pydantic import GetCoreSchemaHandler
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
-
-from contactlab.parameter import DeclaredField, Parameter
+from contactlab.parameter import DeclaredField
 
 if TYPE_CHECKING:
     import pint
-
-FAULT = "quantity"
-"""Type of the pydantic error that carries a finished sentence, all but the key."""
 
 MISSING = "???"
 """What a configuration file writes for a value that has to be given."""
@@ -54,128 +48,87 @@ _EXAMPLES = {
 
 
 class UnitError(ValueError):
-    """A text without a fitting number; the message goes on from '<key> is <text>, '."""
+    """What is wrong with a value, in a sentence that lacks its subject."""
 
 
-@final
-@dataclass(frozen=True)
-class Quantity:
-    """Annotates a field of pydantic with what is declared of a number; replaces pydantic's own check.
+def number_of(field: DeclaredField, value: object) -> float | None:
+    """Give the number in SI that a value of a configuration stands for.
 
-    Args:
-        declared: by the class that has the number.
-        parameter: that of `declared`.
+    Raises:
+        UnitError: what is wrong with it: "is ...".
     """
-
-    declared: DeclaredField
-    parameter: Parameter
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Give pydantic the check of the annotated type."""
-        return core_schema.no_info_plain_validator_function(self.validate)
-
-    def validate(self, value: object) -> float | None:
-        """Give the number in the SI unit.
-
-        Raises:
-            PydanticCustomError: with a sentence that lacks its subject, the key.
-        """
-        kinds, said = self.declared.kinds, self.parameter
-        # Nearly every value is a sound float; sentences are for the others.
-        if type(value) is float and float in kinds and said.holds(value):
-            return value
-        if value is None and NoneType in kinds:
-            return None
-        if value == MISSING:
-            raise self._fault("missing", self._expected)
-        try:
-            number, shown = self._number(value)
-        except UnitError as error:
-            raise self._fault(f"{describe(value)}, {error}", self._expected) from None
-        if not isfinite(number):
-            raise self._fault(f"{number}, which is not finite", self._expected)
-        if int in kinds and number != int(number):
-            raise self._fault(f"{shown}, which is not a whole number", self._expected)
-        if not said.admits(number):
-            raise self._fault(shown, said.range)
-        return int(number) if int in kinds else number
-
-    @property
-    def _expected(self) -> str:
-        """What a value must be, for one that is no number at all."""
-        said = self.parameter
-        kind = "a whole number" if int in self.declared.kinds else "a number"
-        unit = f" in {said.unit}" if said.label and not said.range else ""
-        example = f", for example '{_EXAMPLES[said.unit]}'" if said.unit in _EXAMPLES else ""
-        return f"{kind}{unit}{' that is ' if said.range else ''}{said.range}{example}"
-
-    def _number(self, value: object) -> tuple[float, str]:
-        """The number in SI, and the value as a sentence shows it."""
-        label = self.parameter.label
+    if value is None and NoneType in field.kinds:
+        return None
+    said, whole = field.parameter, int in field.kinds
+    assert said is not None
+    try:
+        number = to_si(value, said.unit) if isinstance(value, str) else _plain(value)
+    except UnitError as error:
+        wrong = "missing" if value == MISSING else f"{describe(value)}, {error}"
+    else:
+        shown = f"{number:.12g}{said.label}"
         if isinstance(value, str):
-            number = to_si(value, self.parameter.unit)
-            return number, f"'{value}' ({number:.12g}{label})"
-        if isinstance(value, bool) or not isinstance(value, Real):
-            raise UnitError("which is not a number")
-        try:
-            return float(value), f"{float(value):.12g}{label}"
-        except OverflowError:
-            raise UnitError("which is too large") from None
+            shown = f"'{value}' ({shown})"
+        if not isfinite(number):
+            wrong = f"{number}, which is not finite"
+        elif whole and number != int(number):
+            wrong = f"{shown}, which is not a whole number"
+        elif said.admits(number):
+            return int(number) if whole else number
+        else:
+            raise UnitError(f"is {shown}; it must be {said.range}. {field.hint}".rstrip())
+    unit = f" in {said.unit}" if said.label and not said.range else ""
+    bounds = f"{' that is ' if said.range else ''}{said.range}"
+    example = f", for example '{_EXAMPLES[said.unit]}'" if said.unit in _EXAMPLES else ""
+    expected = f"a{' whole' if whole else ''} number{unit}{bounds}{example}"
+    raise UnitError(f"is {wrong}; it must be {expected}. {field.hint}".rstrip())
 
-    def _fault(self, what: str, expected: str) -> PydanticCustomError:
-        sentence = f"is {what}; it must be {expected}. {self.declared.hint}".rstrip()
-        # The sentence goes in as context: braces in a user's text are no placeholders.
-        return PydanticCustomError(FAULT, "{sentence}", {"sentence": sentence})
+
+def _plain(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise UnitError("which is not a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise UnitError("which is too large") from None
 
 
 def describe(value: object) -> str:
     """Write a value of a configuration as a sentence shows it."""
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return str(value).lower()
     if isinstance(value, str):
         return f"'{value}'"
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list | tuple):
         return f"the list {list(value)}"
-    return str(value)
+    return (
+        str(value).lower() if isinstance(value, bool) else "null" if value is None else str(value)
+    )
 
 
 def to_si(text: str, unit: str) -> float:
-    """Give the number that a text gives, in an SI unit.
-
-    Args:
-        text: a number ('1e-6') or a number with a unit ('1 um').
-        unit: the SI unit of the result as configurations write it, '1' for a pure number.
+    """Give the number of a text, '1e-6' or '1 um', in an SI unit as configurations write it, '1' for none.
 
     Raises:
-        UnitError: if the text is neither, or if its unit has another dimension.
+        UnitError: the text is no such number, or its unit has another dimension.
     """
-    try:
+    with suppress(ValueError):
         return float(text)
-    except ValueError:
-        pass
     parts = _NUMBER_AND_UNIT.fullmatch(text)
     if parts is None:
         raise UnitError("which is not a number")
-    given = _root(parts["unit"])
+    given, wanted = _root(parts["unit"]), _root(unit)
     if given is None:
         raise UnitError(f"whose unit '{parts['unit'].strip()}' is unknown")
-    factor, units = given
-    wanted = _root(unit)
     if wanted is None:
         raise UnitError(f"which cannot be converted to the declared unit {unit}: that is unknown")
     # A damper's N m s per rad is usually written without the rad.
-    spelled = (wanted, _root(unit.removesuffix("/rad")))
-    if units not in [found[1] for found in spelled if found]:
+    without_angle = _root(unit.removesuffix("/rad")) or wanted
+    if given[1] not in (wanted[1], without_angle[1]):
         expected = "a pure number" if unit == "1" else unit
         raise UnitError(f"whose unit '{parts['unit'].strip()}' cannot be converted to {expected}")
     try:
-        return float(Decimal(parts["number"]) * factor / wanted[0])
+        return float(Decimal(parts["number"]) * given[0] / wanted[0])
     except ArithmeticError:
         raise UnitError("which is too large") from None
 

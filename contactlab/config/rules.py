@@ -1,11 +1,11 @@
 """What binds several keys of a configuration together.
 
-A rule gets every value that is sound in itself under its full key; values that are faulty are
-absent, and a rule that misses one stays silent. So the faults of single keys and those between
-keys come out together.
+A rule gets values that are sound in themselves and stays silent where one is absent, so that the faults of
+single keys and those between keys come out together.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from contactlab.checks import SMALLEST_STEP
@@ -26,14 +26,14 @@ MOST_RECORDS = 10_000_000
 FRICTION = f"contact.{SHARED}"
 """The key that laws share, and some law of another package may not have."""
 
-_RULES: dict[Rule, tuple[str, ...]] = {}
+_RULES: dict[tuple[str, ...], Rule] = {}
 
 
 def broken_rules(values: Values) -> list[str]:
-    """Give a sentence for each rule that the values break."""
+    """Give a sentence for each rule that the values, by full key, break."""
     return [
         sentence
-        for rule, keys in _RULES.items()
+        for keys, rule in _RULES.items()
         if all(key in values for key in keys)
         for sentence in rule(*(values[key] for key in keys))
     ]
@@ -41,12 +41,7 @@ def broken_rules(values: Values) -> list[str]:
 
 def _binds(*keys: str) -> Callable[[Rule], Rule]:
     """Register a rule that is given the values of the keys."""
-
-    def register(rule: Rule) -> Rule:
-        _RULES[rule] = keys
-        return rule
-
-    return register
+    return partial(_RULES.setdefault, keys)
 
 
 @_binds("placement.start", "placement.end", "resonator.length")
@@ -134,13 +129,9 @@ def _processes_are_for_metrics(keep: str, chunk: int | None, workers: int | None
 
 
 def idle_friction(laws: Iterable[Values]) -> str:
-    """Tell where the shared friction coefficient, which is set or swept, changes nothing.
+    """Tell which laws, of the sections `law` of what is to run, the shared friction coefficient is none of.
 
-    Args:
-        laws: the sections `law` of all configurations that are to run.
-
-    Returns:
-        A sentence that names the laws without it; empty where every law has it.
+    Empty where every law has it.
 
     Raises:
         ConfigurationError: none has it, so that nothing depends on what was set.
@@ -150,11 +141,9 @@ def idle_friction(laws: Iterable[Values]) -> str:
         name = str(law["name"])
         takes[name] = takes.get(name, True) and takes_shared(law_class(name), law)
     idle = ", ".join(name for name, taken in takes.items() if not taken)
-    if not idle:
-        return ""
     words = f"{FRICTION} is set, but law={idle} has no friction coefficient of that name"
-    if not any(takes.values()):
+    if idle and not any(takes.values()):
         raise ConfigurationError(
             [f"{words}; it must be left out. Set the keys of the law, or choose another one."]
         )
-    return f"{words}: what it gives does not depend on it."
+    return f"{words}: what it gives does not depend on it." if idle else ""

@@ -1,10 +1,7 @@
 """From a configuration to the objects that run.
 
-    build(["law=newton", "drive.phase=0"]) -> Setup
-
 Everything a configuration may get wrong is found here, all at once, and told in a sentence each; see
-`contactlab.config.groups` for keys, units and ranges and `contactlab.config.rules` for what binds keys
-together.
+`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.rules` for what binds keys.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,19 +10,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, final
 
-from pydantic import ValidationError
-
 from contactlab.config.composition import compose
-from contactlab.config.faults import ConfigurationError, one_line, sentence
+from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
-from contactlab.config.nesting import nested
-from contactlab.config.rules import broken_rules
-from contactlab.config.schema import Section, configuration_with
+from contactlab.config.nesting import flat, nested
+from contactlab.config.rules import FRICTION, broken_rules
+from contactlab.config.schema import Examination
 from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
-from contactlab.laws.registry import LAWS, build_law, law_class, law_names
+from contactlab.laws.registry import build_law, law_class
 from contactlab.motor import (
     ContactGeometry,
     Drive,
@@ -33,12 +28,15 @@ from contactlab.motor import (
     NormalModes,
     PatchedBeam,
     Piezoceramic,
+    PiezoceramicDatasheet,
     Rotor,
     Steel,
 )
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
+
+_OF_RESONATOR = ("resonator", "piezoceramic", "placement")
 
 Values = Mapping[str, Any]
 
@@ -50,12 +48,10 @@ class Setup:
 
     Args:
         motor, law: what runs.
-        duration: simulated time [s].
-        record_interval: time between records [s].
+        duration, record_interval: simulated time, and time between records [s].
         contact_step: largest step in contact [s], the default of law and motor where none was given.
         tolerance: relative tolerance in contact [1]; None for a law that takes none.
-        configuration: the numbers that run, in SI, with nothing left to be resolved: building it
-            again gives the same setup.
+        configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
     """
 
     motor: Motor
@@ -74,8 +70,7 @@ def build(
 
     Args:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
-            configuration: a mapping of groups of keys, as `compose` gives it, with numbers in SI or
-            texts with units.
+            configuration: a mapping of groups of keys, with numbers in SI or texts with units.
         config_dir: folder of more options, for overrides.
 
     Raises:
@@ -88,20 +83,20 @@ def build(
         )
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration, config_dir)
-    resolved = validate(configuration).model_dump(exclude={*NOT_OF_A_RUN})
-    drive, solver, rotor = resolved["drive"], resolved["solver"], dict(resolved["rotor"])
-    lengths = {key: resolved["contact"][key] for key in ("tip_length", "clearance")}
-    geometry = ContactGeometry(**lengths, rotor_radius=rotor.pop("radius"))
+    resolved, law = _checked(configuration)
+    resolved = {group: keys for group, keys in resolved.items() if group not in NOT_OF_A_RUN}
+    drive, solver, record = resolved["drive"], resolved["solver"], resolved["record"]
+    contact, rotor = resolved["contact"], dict(resolved["rotor"])
+    geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
     try:
-        modes = _modes(_resonator(resolved))
+        modes = _modes(tuple(flat({group: resolved[group] for group in _OF_RESONATOR}).items()))
     except ValueError as error:
         words = "resonator, piezoceramic and placement make no resonator"
         raise ConfigurationError([f"{words}: {error}"]) from error
     if drive["frequency"] is None:
         drive["frequency"] = float(modes.natural_frequency[0])
-    tones = Drive.two_mode(**drive)
+    tones = _two_mode(**drive)
     _refuse_undamped_resonance(tones, modes)
-    law = _law(resolved)
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -109,88 +104,70 @@ def build(
         solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
-    return Setup(
-        motor=Motor(modes, tones, geometry, Rotor(**rotor)),
-        law=law,
-        duration=solver["duration"],
-        record_interval=resolved["record"]["interval"],
-        contact_step=solver["contact_step"],
-        tolerance=solver["tolerance"],
-        configuration=resolved,
-    )
+    motor = Motor(modes, tones, geometry, Rotor(**rotor))
+    return Setup(motor, law, record_interval=record["interval"], **solver, configuration=resolved)
 
 
-def validate(configuration: Values) -> Section:
-    """Check a configuration without building anything but its law.
-
-    Args:
-        configuration: a mapping as for `build`.
+def validate(configuration: Values) -> dict[str, Any]:
+    """Check a configuration without building anything but its law, and give it with every number in SI.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
-    sound: dict[str, Any] = {}
-    faults: list[str] = []
-    given = configuration.get("law") if isinstance(configuration, Mapping) else None
-    law = str(given.get("name") if isinstance(given, Mapping) else getattr(given, "name", None))
-    others = [law] if law in law_names() and law not in LAWS else []
-    try:
-        checked = configuration_with(*others).model_validate(configuration, context=sound)
-    except ValidationError as error:
-        faults = [sentence(fault, law) for fault in error.errors(include_url=False)]
-    faults += broken_rules(sound)
-    needed = {"contact.friction_coefficient", "rotor.radius"}
-    if needed <= sound.keys() and not any(fault.startswith("law") for fault in faults):
+    return _checked(configuration)[0]
+
+
+def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
+    found = Examination(configuration)
+    law, sound = None, found.sound
+    faults = found.faults + broken_rules(sound)
+    if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
         try:
-            _law(nested(sound))
+            law = _law(found.values["law"], sound[FRICTION], sound["rotor.radius"])
         except ConfigurationError as error:
             faults += error.faults
-    if faults:
+    if faults or law is None:
         raise ConfigurationError(faults)
-    return checked
+    return found.values, law
 
 
-def _resonator(resolved: Values) -> PatchedBeam:
-    given, constants = dict(resolved["resonator"]), dict(resolved["piezoceramic"])
-    bending = constants.pop("constants") == "bending"
+# A sweep over anything else asks for the same law, drive and resonator again and again.
+_take_in_once = lru_cache(maxsize=4096)(take_in)
+_two_mode = lru_cache(maxsize=256)(Drive.two_mode)
+
+
+@lru_cache(maxsize=256)
+def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
+    given, constants, placement = nested(dict(values)).values()
+    if constants.pop("constants") == "bending":
+        piezoceramic = Piezoceramic(**constants)
+    else:
+        piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
     resonator: PatchedBeam = BASES[given.pop("basis")](
         **given | {"steel": Steel(**given["steel"])},
-        piezoceramic=(Piezoceramic if bending else Piezoceramic.from_datasheet)(**constants),
-        patch_start=resolved["placement"]["start"],
-        patch_end=resolved["placement"]["end"],
+        piezoceramic=piezoceramic,
+        patch_start=placement["start"],
+        patch_end=placement["end"],
     )
-    return resonator
-
-
-# A sweep over anything else asks for the same resonator again and again.
-@lru_cache(maxsize=256)
-def _modes(resonator: PatchedBeam) -> NormalModes:
     return resonator.modes
 
 
-def _law(resolved: Values) -> ContactLaw:
-    given, name = resolved["law"], resolved["law"]["name"]
+def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+    name = given["name"]
     try:
-        mu = resolved["contact"]["friction_coefficient"]
-        law: ContactLaw = build_law(law_class(name), given, mu)
+        law: ContactLaw = build_law(law_class(name), given, friction_coefficient)
         # Those of this package are sound, and their kernels are not needed yet.
         if not is_own(type(law)):
             _take_in_once(law)
-        return law.on_rotor(resolved["rotor"]["radius"])
+        return law.on_rotor(rotor_radius)
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         # What the law itself raised is in the sentence already.
         told = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
+        sentence = f"law={name} cannot be made from its parameters: {told}"
         if told.startswith(f"{name}: "):
-            raise ConfigurationError([f"law.{told.removeprefix(f'{name}: ')}"]) from error
-        raise ConfigurationError(
-            [f"law={name} cannot be made from its parameters: {told}"]
-        ) from error
-
-
-@lru_cache(maxsize=4096)
-def _take_in_once(law: ContactLaw) -> None:
-    take_in(law)
+            sentence = f"law.{told.removeprefix(f'{name}: ')}"
+        raise ConfigurationError([sentence]) from error
 
 
 def _refuse_undamped_resonance(drive: Drive, modes: NormalModes) -> None:

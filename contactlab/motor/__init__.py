@@ -4,8 +4,7 @@ from contactlab.motor.drive import Drive, TwoMode
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.materials import Piezoceramic, PiezoceramicDatasheet, Steel
-from contactlab.motor.modes import NormalModes
-from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import check_fields, check_shape
+from contactlab.checks import Checked, check_shape
 from contactlab.parameter import Parameter
 
 MOST_VOLTAGE = 1e5
@@ -28,7 +28,7 @@ _scale = partial(Parameter, at_least=1.0 / MOST_TIME_SCALES, at_most=MOST_TIME_S
 
 @final
 @dataclass(frozen=True)
-class TwoMode:
+class TwoMode(Checked):
     """The paper's drive: both electrodes in phase at the first tone, in opposition at the second."""
 
     voltage_1: Annotated[float, _voltage("U1", meaning="amplitude of the first tone")] = 100.0
@@ -44,9 +44,6 @@ class TwoMode:
             "phi", "rad", "phase of the first tone", at_least=-MOST_PHASE, at_most=MOST_PHASE
         ),
     ] = -pi / 5.0
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @final

@@ -24,12 +24,10 @@ from math import ceil
 from typing import Annotated, NamedTuple, final
 
 import numpy as np
-from scipy.linalg import eigh
 
 from contactlab.arrays import Array
-from contactlab.motor.hermite import HermiteBeam
-from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.motor import NormalModes
+from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
 from contactlab.parameter import Parameter
 
 MOST_KEPT_MODES = 40
@@ -46,6 +44,94 @@ MOST_ELEMENTS = 2000
 
 DEPENDENT = 1e-8
 """A unit vector's distance from the others' span at which it is dropped: it adds nothing but round-off."""
+
+
+@final
+@dataclass(frozen=True)
+class HermiteBeam:
+    """Hermite cubic elements of a clamped-clamped Bernoulli-Euler beam, in coordinates of their curvature.
+
+    A cubic element bends with a linear curvature, w'' = a + b s for s from -1 to 1, and stores the
+    energy (E I h / 2) (a^2 + b^2 / 3): two numbers an element, no coupling between elements. From the
+    left clamp on, deflection and slope of the nodes are sums of them,
+
+        theta_(e+1) = theta_e + a h,    w_(e+1) = w_e + theta_e h + a h^2 / 2 - b h^2 / 6,
+
+    and the right clamp is two linear conditions. In coordinates y = (a sqrt(E I h), b sqrt(E I h / 3))
+    that satisfy these conditions the stiffness matrix is the identity: with the nodes at x = T y,
+
+        K^-1 = T T',    K phi = omega^2 M phi  <=>  (T' M T) y = y / omega^2,  phi = omega T y.
+
+    It is the same space as assembled elements span, without their stiffness matrix, whose condition
+    number grows like the fourth power of length over element: a short element beside a long one costs
+    no digit here, and low frequencies keep all of theirs on fine meshes.
+
+    Args:
+        size: h of every element from the left clamp on [m], shape (element,).
+        rigidity: E I [N m^2], shape (element,).
+
+    Degrees of freedom are (deflection [m], slope [1]) of every node but the left clamp, in this
+    order; the last two are the right clamp's and remain zero.
+    """
+
+    size: Array
+    rigidity: Array
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Position of every node [m], both clamps included, shape (element + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.size)])
+
+    @cached_property
+    def shapes(self) -> Array:
+        """T [m J^-1/2 and J^-1/2], shape (dof, 2 element), with K^-1 = T T'."""
+        h = self.size
+        constant = 1.0 / np.sqrt(self.rigidity * h)
+        linear = np.sqrt(3.0) * constant
+        count = h.size
+        # Row: node at the end of an element; column: element that bends, at or before it.
+        before = np.tril(np.ones((count, count)))
+        arm = self.nodes[1:, None] - self.nodes[None, 1:]
+        free = np.zeros((2 * count, 2 * count))
+        free[0::2, 0::2] = before * (0.5 * h**2 + h * arm) * constant
+        free[0::2, 1::2] = before * (-(h**2) / 6.0) * linear
+        free[1::2, 0::2] = before * h * constant
+        clamp = np.linalg.qr(free[-2:].T)[0]
+        return np.asarray(free - (free @ clamp) @ clamp.T, dtype=np.float64)
+
+    def mass_matrix(self, mass: Array) -> Array:
+        """M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof)."""
+        count = self.size.size
+        matrix = np.zeros((2 * count + 2, 2 * count + 2))
+        for e, (h, m) in enumerate(zip(self.size, mass, strict=True)):
+            matrix[2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += m * h / 420.0 * _element_mass(h)
+        return matrix[2:, 2:]
+
+    def node_at(self, position: float) -> int:
+        """The degree of freedom of the deflection nearest to a position [m]; its slope is the next one.
+
+        Raises:
+            ValueError: at the left clamp, which has no degree of freedom.
+        """
+        node = int(np.abs(self.nodes - position).argmin())
+        if node == 0:
+            raise ValueError(
+                f"The node at {position} m is the left clamp; it must be another, since the clamp "
+                "does not move. Leave its loads out, they do no work."
+            )
+        return 2 * (node - 1)
+
+
+def _element_mass(h: float) -> Array:
+    """The consistent mass matrix of one element over m h / 420."""
+    return np.array(
+        [
+            [156.0, 22.0 * h, 54.0, -13.0 * h],
+            [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
+            [54.0, 13.0 * h, 156.0, -22.0 * h],
+            [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
+        ]
+    )
 
 
 class Discretisation(NamedTuple):
@@ -70,12 +156,9 @@ class Discretisation(NamedTuple):
         """
         shapes = self.elements.shapes
         inverse = shapes.T @ self.mass @ shapes
-        if not np.isfinite(inverse).all():
-            raise ValueError(UNRESOLVED)
-        last = len(inverse) - 1
-        squares, vectors = eigh(inverse, subset_by_index=[last - count + 1, last])
-        refuse_unresolved(squares)
-        return 1.0 / squares[::-1], np.asarray(vectors[:, ::-1], dtype=np.float64)
+        largest = [len(inverse) - count, len(inverse) - 1]
+        squares, vectors = resolved_eigenpairs(inverse, subset_by_index=largest)
+        return 1.0 / squares[::-1], vectors[:, ::-1]
 
     def static_remainder(self, kept: Array) -> tuple[Array, Array]:
         """The pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.
@@ -142,17 +225,13 @@ class FiniteElementResonator(PatchedBeam):
 
         A frequency on a coarse mesh lies above the true one, so elements that suit it are small enough.
         """
-        length = self.length
-        coarse = tuple(
-            ceil(4 * self.kept_modes * (end - start) / length) + 1
-            for start, end, _ in self._half_sections
-        )
+        share = 4 * self.kept_modes
+        coarse = tuple(ceil(share * size / self.length) + 1 for size, _, _ in self._sections)
         highest = self.discretise(coarse).lowest(self.kept_modes)[0][-1]
         counts = []
-        for start, end, patched in self._half_sections:
-            rigidity, mass = self._section(patched)
+        for size, rigidity, mass in self._sections:
             wave_number = (highest * mass / rigidity) ** 0.25
-            counts.append(max(1, ceil(wave_number * (end - start) / PHASE)))
+            counts.append(max(1, ceil(wave_number * size / PHASE)))
         if 2 * sum(counts) > MOST_ELEMENTS:
             raise ValueError(
                 f"{self.kept_modes} kept modes need {2 * sum(counts)} elements; there may be "
@@ -162,26 +241,22 @@ class FiniteElementResonator(PatchedBeam):
         return tuple(counts)
 
     @property
-    def _half_sections(self) -> list[tuple[float, float, bool]]:
-        """Start, end [m] and whether there are patches, from the clamp to the centre."""
+    def _sections(self) -> list[tuple[float, float, float]]:
+        """Length [m], bending rigidity [N m^2] and mass per length [kg/m] from the clamp to the centre."""
+        bare = (self.steel_rigidity, self.steel_mass)
+        patched = (self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass)
         edges = (0.0, self.patch_start, self.patch_end, 0.5 * self.length)
-        sections = zip(pairwise(edges), (False, True, False), strict=True)
-        return [(start, end, patched) for (start, end), patched in sections if end > start]
-
-    def _section(self, patched: bool) -> tuple[float, float]:
-        """Bending rigidity [N m^2] and mass per length [kg/m] of a section."""
-        if patched:
-            return self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass
-        return self.steel_rigidity, self.steel_mass
+        sections = zip(pairwise(edges), (bare, patched, bare), strict=True)
+        return [(end - start, *section) for (start, end), section in sections if end > start]
 
     def discretise(self, mesh: tuple[int, ...]) -> Discretisation:
         """The beam in `mesh[i]` equal elements in section i of its left half, and their mirror images."""
         half: list[tuple[float, float, float]] = []
-        for (start, end, patched), count in zip(self._half_sections, mesh, strict=True):
-            half += [((end - start) / count, *self._section(patched))] * count
-        size, rigidity, mass = (np.array(column) for column in zip(*half, *half[::-1], strict=True))
-        elements = HermiteBeam(size, rigidity)
-        matrix = elements.mass_matrix(mass)
+        for (size, rigidity, mass), count in zip(self._sections, mesh, strict=True):
+            half += [(size / count, rigidity, mass)] * count
+        sizes, rigidities, masses = map(np.array, zip(*half, *half[::-1], strict=True))
+        elements = HermiteBeam(sizes, rigidities)
+        matrix = elements.mass_matrix(masses)
         tip = elements.node_at(0.5 * self.length)
         matrix[tip, tip] += self.tip_mass
         matrix[tip + 1, tip + 1] += self.tip_inertia
@@ -192,4 +267,4 @@ class FiniteElementResonator(PatchedBeam):
                 # A moment on a clamp does no work.
                 if 0.0 < edge < self.length:
                     loads[elements.node_at(edge) + 1, column] += sign * self.moment_per_voltage
-        return Discretisation(elements, matrix, elements.mass_matrix(np.ones_like(mass)), loads)
+        return Discretisation(elements, matrix, elements.mass_matrix(np.ones_like(masses)), loads)

@@ -15,22 +15,19 @@ from dataclasses import dataclass
 from math import cos, sin, sqrt
 from typing import Annotated, final
 
-from contactlab.checks import check_fields
+from contactlab.checks import Checked
 from contactlab.compiled import kernel
 from contactlab.parameter import Parameter, positive
 
 
 @final
 @dataclass(frozen=True)
-class ContactGeometry:
+class ContactGeometry(Checked):
     """Lengths of the contact; a negative clearance, for compliant laws only, presses the tip on the rotor."""
 
     tip_length: Annotated[float, positive("L_tip", "m", "from the beam to the tip end")] = 19e-3
     rotor_radius: Annotated[float, positive("R", "m", "radius of the rotor")] = 25e-3
     clearance: Annotated[float, Parameter("g_0", "m", "gap at rest")] = 1e-6
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import Annotated, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import check_fields
+from contactlab.checks import Checked
 from contactlab.parameter import Parameter, positive
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
@@ -28,7 +28,7 @@ def bending_vector(poisson_ratio: float) -> Array:
 
 @final
 @dataclass(frozen=True)
-class Steel:
+class Steel(Checked):
     """An isotropic beam material."""
 
     youngs_modulus: Annotated[float, positive("E", "Pa", "Young's modulus")] = 210e9
@@ -36,9 +36,6 @@ class Steel:
         float, Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
     ] = 0.3
     density: Annotated[float, positive("rho_s", "kg m-3", "density")] = 7850.0
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def bending_modulus(self) -> float:
@@ -54,11 +51,11 @@ class Steel:
 
 @final
 @dataclass(frozen=True)
-class Piezoceramic:
+class Piezoceramic(Checked):
     """A piezoceramic layer poled through its thickness, by modulus and coupling in bending.
 
     The modulus is b c^E b' (eq. 30), the coupling nu_p e33 - e31 (eq. 31). The defaults are PZ26 with
-    both identified from the couplings and frequencies of Table 1; `from_datasheet` gives the
+    both identified from the couplings and frequencies of Table 1; `PiezoceramicDatasheet` has the
     catalogue's values.
     """
 
@@ -67,18 +64,10 @@ class Piezoceramic:
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @classmethod
-    def from_datasheet(cls, **constants: float) -> "Piezoceramic":
-        """Give the layer of a material whose constants are those of `PiezoceramicDatasheet`."""
-        return PiezoceramicDatasheet(**constants).in_bending()
-
 
 @final
 @dataclass(frozen=True)
-class PiezoceramicDatasheet:
+class PiezoceramicDatasheet(Checked):
     """The constants of a piezoceramic, transversely isotropic about x3, in which it is poled; those of PZ26.
 
     c12 enters no bending quantity of a beam that is free to strain across its width; it is part of
@@ -97,9 +86,6 @@ class PiezoceramicDatasheet:
     ] = 0.334
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def in_bending(self) -> Piezoceramic:
         """Give what bending needs of it (eqs. 30 and 31)."""

@@ -6,34 +6,72 @@ from typing import Annotated, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import check_fields, check_shape
+from contactlab.checks import Checked, check_shape
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.modes import NormalModes
 from contactlab.parameter import Parameter, not_negative, positive
 
 
 @final
 @dataclass(frozen=True)
-class Rotor:
+class NormalModes:
+    """A resonator as everything after it sees it: mass-orthonormal, decoupled oscillators.
+
+        qdd_j + c_j qd_j + k_j q_j = sum_e coupling[j, e] U_e(t) + tip force terms
+
+    Args:
+        stiffness: k_j = omega_j^2 [1/s^2], shape (mode,).
+        damping: c_j = 2 zeta_j omega_j [1/s], shape (mode,).
+        coupling: modal force per voltage [N/V kg^-1/2], shape (mode, electrode).
+        tip_displacement: u = tip_displacement . q [kg^-1/2], shape (mode,).
+        tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
+        shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
+            int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled.
+    """
+
+    stiffness: Array
+    damping: Array
+    coupling: Array
+    tip_displacement: Array
+    tip_slope: Array
+    shape_coupling: Array
+
+    def __post_init__(self) -> None:
+        check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
+        count = self.stiffness.size
+        for name in ("damping", "tip_displacement", "tip_slope"):
+            check_shape(name, getattr(self, name), (count,), "one number a mode")
+        check_shape("coupling", self.coupling, (count, 2), "a row a mode and a column an electrode")
+        meaning = "a row a shape and a column an electrode"
+        check_shape("shape_coupling", self.shape_coupling, (-1, 2), meaning)
+
+    @property
+    def natural_frequency(self) -> Array:
+        """Undamped natural frequencies f_j [Hz], shape (mode,)."""
+        return np.asarray(np.sqrt(self.stiffness) / (2.0 * np.pi), dtype=np.float64)
+
+    @property
+    def damping_ratio(self) -> Array:
+        """zeta_j [1], shape (mode,); 1 is critical, more is overdamped."""
+        return np.asarray(0.5 * self.damping / np.sqrt(self.stiffness), dtype=np.float64)
+
+
+_LOAD = Parameter(
+    "tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative"
+)
+
+
+@final
+@dataclass(frozen=True)
+class Rotor(Checked):
     """A rigid rotor, J Omegadot = -R F - C_r Omega - tau."""
 
     inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
     damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
-    load_torque: Annotated[
-        float,
-        Parameter(
-            "tau",
-            "N m",
-            "load torque towards negative rotation: it brakes positive, drives negative",
-        ),
-    ] = 0.0
+    load_torque: Annotated[float, _LOAD] = 0.0
     initial_velocity: Annotated[
         float, Parameter("Omega(0)", "rad s-1", "velocity at the start")
     ] = 0.0
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @final
@@ -52,7 +90,7 @@ class ModalState:
 
 @final
 @dataclass(frozen=True)
-class Motor:
+class Motor(Checked):
     """Everything that moves; which contact law acts between tip and rotor is not part of it.
 
     A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
@@ -75,7 +113,7 @@ class Motor:
     start: ModalState | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         count = self.modes.stiffness.size
         if not np.all(self.modes.stiffness >= 0.0):
             raise ValueError(
@@ -83,9 +121,8 @@ class Motor:
                 "buckled mode runs away."
             )
         given = {"preload": self.preload}
-        if self.start is not None:
-            given["start.displacement"] = self.start.displacement
-            given["start.velocity"] = self.start.velocity
+        if start := self.start:
+            given |= {"start.displacement": start.displacement, "start.velocity": start.velocity}
         for name, values in given.items():
             if values is not None:
                 check_shape(name, values, (count,), "one number a mode")

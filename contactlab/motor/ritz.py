@@ -9,13 +9,12 @@ from functools import cache, cached_property
 from typing import Annotated, final
 
 import numpy as np
-from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
-from contactlab.checks import check_fields
-from contactlab.motor.modes import UNRESOLVED, NormalModes, refuse_unresolved
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.checks import Checked
+from contactlab.motor.motor import NormalModes
+from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
 from contactlab.parameter import Parameter, positive
 
 MOST_SHAPES = 40
@@ -24,9 +23,17 @@ MOST_SHAPES = 40
 SHAPES = Parameter("n", "1", "number of beam shapes", at_least=1, at_most=MOST_SHAPES)
 
 
+# Finding the nodes on [-1, 1] takes a hundred times as long as using them.
+_gauss_rule = cache(np.polynomial.legendre.leggauss)
+
+
+def _characteristic(z: float) -> float:
+    return float(np.cos(z) - 1.0 / np.cosh(z))
+
+
 @final
 @dataclass(frozen=True)
-class ClampedBeam:
+class ClampedBeam(Checked):
     """The first eigenshapes of a clamped-clamped Bernoulli-Euler beam, in a form that does not cancel.
 
     The textbook form psi = cosh z - cos z - s (sinh z - sin z), z = b x, subtracts numbers of size
@@ -43,9 +50,6 @@ class ClampedBeam:
     length: Annotated[float, positive("L", "m", "length between the clamps")]
     shapes: Annotated[int, SHAPES]
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
     @cached_property
     def wave_numbers(self) -> Array:
         """b_i [1/m], shape (shapes,): roots of cos(b L) cosh(b L) = 1."""
@@ -54,14 +58,9 @@ class ClampedBeam:
         return np.array(roots) / self.length
 
     def evaluate(self, position: Array | float, derivative: int = 0) -> Array:
-        """Shapes or their first or second derivative.
+        """Give the shapes [1] or their first or second derivative [1/m, 1/m^2] at positions x [m].
 
-        Args:
-            position: x along the beam [m], scalar or shape (points,).
-            derivative: 0, 1 or 2.
-
-        Returns:
-            [1], [1/m] or [1/m^2], shape (shapes, *position.shape).
+        The shape is (shapes, *position.shape).
         """
         if derivative not in (0, 1, 2):
             raise ValueError(f"The derivative is {derivative}; it must be 0, 1 or 2.")
@@ -84,7 +83,7 @@ class ClampedBeam:
         return np.asarray(value, dtype=np.float64)
 
     def integrate(self, start: float, end: float, derivative: int = 0) -> Array:
-        """Gram matrix of the shapes' derivative over [start, end], int psi psi' dx, shape (shapes, shapes).
+        """Give the Gram matrix of a derivative over [start, end], int psi psi' dx, shape (shapes, shapes).
 
         Gauss-Legendre with enough points that the fastest product is integrated to round-off.
         """
@@ -92,17 +91,6 @@ class ClampedBeam:
         half = 0.5 * (end - start)
         values = self.evaluate(start + half * (points + 1.0), derivative)
         return np.asarray((values * (half * weights)) @ values.T, dtype=np.float64)
-
-
-def _characteristic(z: float) -> float:
-    return float(np.cos(z) - 1.0 / np.cosh(z))
-
-
-@cache
-def _gauss_rule(count: int) -> tuple[Array, Array]:
-    """Nodes and weights on [-1, 1]; finding them takes a hundred times as long as using them."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return nodes, weights
 
 
 @final
@@ -127,10 +115,7 @@ class RitzMatrices:
 
     def modes(self) -> NormalModes:
         """Normal modes; C = alpha M + beta K, so they decouple the damping as well."""
-        if not (np.isfinite(self.mass).all() and np.isfinite(self.stiffness).all()):
-            raise ValueError(UNRESOLVED)
-        stiffness, vectors = eigh(self.stiffness, self.mass)
-        refuse_unresolved(stiffness)
+        stiffness, vectors = resolved_eigenpairs(self.stiffness, self.mass)
         # A mode's sign is free; fix it so that equal inputs give equal modes on every machine.
         largest = np.abs(vectors).argmax(axis=0)
         vectors = vectors * np.sign(vectors[largest, np.arange(vectors.shape[1])])
@@ -165,9 +150,7 @@ class RitzResonator(PatchedBeam):
     def matrices(self) -> RitzMatrices:
         """M, C, K, Gamma and C_p of eqs. 19-34."""
         beam = self.beam
-        displacement = beam.evaluate(0.5 * self.length)
-        slope = beam.evaluate(0.5 * self.length, 1)
-
+        displacement, slope = (beam.evaluate(0.5 * self.length, order) for order in (0, 1))
         mass = self.steel_mass * beam.integrate(0.0, self.length)
         stiffness = self.steel_rigidity * beam.integrate(0.0, self.length, 2)
         coupling = np.empty((self.shapes, len(self.patches)))
@@ -178,7 +161,6 @@ class RitzResonator(PatchedBeam):
             coupling[:, electrode] = self.moment_per_voltage * turn
         mass += self.tip_mass * np.outer(displacement, displacement)
         mass += self.tip_inertia * np.outer(slope, slope)
-
         permittivity, extent = self.piezoceramic.permittivity, self.patch_end - self.patch_start
         capacitance = 2.0 * self.width * permittivity * extent / self.patch_thickness
         return RitzMatrices(

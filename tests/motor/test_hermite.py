@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from contactlab.motor.hermite import HermiteBeam
+from contactlab.motor.finite_element import HermiteBeam
 
 LENGTH, RIGIDITY, MASS = 0.7, 3.0, 0.2
 

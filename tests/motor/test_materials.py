@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contactlab.motor.materials import Piezoceramic, Steel, bending_vector
+from contactlab.motor.materials import Piezoceramic, PiezoceramicDatasheet, Steel, bending_vector
 
 
 def test_steel_bends_with_235_442_gpa() -> None:
@@ -42,13 +42,13 @@ def test_a_beam_free_in_both_directions_would_bend_with_youngs_modulus() -> None
 
 
 def test_pz26_of_the_datasheet_bends_with_115_gpa_and_couples_with_7_7() -> None:
-    pz26 = Piezoceramic.from_datasheet()
+    pz26 = PiezoceramicDatasheet().in_bending()
     assert pz26.bending_modulus == pytest.approx(115e9, abs=0.5e9)
     assert abs(pz26.bending_coupling) == pytest.approx(7.7, abs=0.05)
 
 
 def test_datasheet_numbers_are_the_quadratic_and_linear_form_written_out() -> None:
-    pz26 = Piezoceramic.from_datasheet()
+    pz26 = PiezoceramicDatasheet().in_bending()
     c11, c13, c33, e31, e33, ratio = 168e9, 99.9e9, 123e9, -2.8, 14.7, 0.334
     expected = c11 - 2.0 * ratio * c13 + ratio**2 * c33
     assert pz26.bending_modulus == pytest.approx(expected, rel=1e-14)
@@ -56,13 +56,13 @@ def test_datasheet_numbers_are_the_quadratic_and_linear_form_written_out() -> No
 
 
 def test_c12_takes_no_part_in_bending() -> None:
-    weak, strong = (Piezoceramic.from_datasheet(c12=c12) for c12 in (0.0, 200e9))
+    weak, strong = (PiezoceramicDatasheet(c12=c12).in_bending() for c12 in (0.0, 200e9))
     assert weak.bending_modulus == strong.bending_modulus
     assert weak.bending_coupling == strong.bending_coupling
 
 
 def test_identified_material_differs_from_the_datasheet_only_in_modulus_and_coupling() -> None:
-    identified, datasheet = Piezoceramic(), Piezoceramic.from_datasheet()
+    identified, datasheet = Piezoceramic(), PiezoceramicDatasheet().in_bending()
     assert identified.bending_modulus == 94.295e9
     assert identified.bending_coupling == 9.196
     assert identified.density == datasheet.density == 7700.0
