@@ -40,8 +40,7 @@ from contactlab.engine.state import (
     state_from_value,
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.declaration import LawError
-from contactlab.laws.intake import check_words, fault_of_answers, guarded, kernel_parameters
+from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
@@ -191,9 +190,7 @@ def take_in(
     parameters = kernel_parameters(law)
     kernels, law_errors = kernels_of(law)
     with law_errors():
-        fault = fault_of_answers(law, parameters, *kernels)
-    if fault:
-        raise LawError(fault)
+        check_answers(law, parameters, *kernels)
     return guarded(parameters), kernels, law_errors
 
 

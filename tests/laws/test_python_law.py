@@ -99,7 +99,7 @@ def test_what_cannot_be_compiled_runs_the_same_and_says_once_how_slowly(
     found = run_of(interpreted)
     warning = capsys.readouterr().err
     assert warning.startswith("contactlab: interpreted cannot be compiled (")
-    assert "the Python interpreter runs it: a call takes about " in warning
+    assert "the Python interpreter runs it: a call takes microseconds" in warning
     assert same(found, compiled)
     assert same(run_of(interpreted), found)
     assert capsys.readouterr().err == ""
@@ -152,8 +152,6 @@ def test_ctrl_c_inside_the_law_interrupts_the_run(run_of: Runs) -> None:
             raise KeyboardInterrupt
         return interpreted(*arguments)
 
-    law_kernels.compiled(interrupting, PENALTY_SIGNATURE)
-    came.clear()
     found = run_of(interrupting)
     assert came
     assert found.ending is Ending.INTERRUPTED
@@ -221,11 +219,9 @@ def test_a_kernel_that_is_made_anew_every_time_is_compiled_once(
 
     law = Anew()
     first = run(motor, law)
-    once = list(compilations)
-    assert once.count("around") == 1 + (made is interpreted_around)
     assert same(run(motor, law), first)
     assert same(run(motor, Anew()), first)
-    assert compilations == once
+    assert compilations.count("around") == 1
 
 
 def test_a_kernel_that_is_made_around_ever_other_values_is_told_once(capsys: Told) -> None:
@@ -283,7 +279,8 @@ def writing(gap, gap_rate, slip, impact_speed, parameters):
     return plain(gap, gap_rate, slip, impact_speed, parameters)
 
 
-def test_parameters_cannot_be_written_to(run_of: Runs) -> None:
+@pytest.mark.parametrize("how", ["compiled", "interpreted"])
+def test_parameters_cannot_be_written_to(run_of: Runs, capsys: Told, how: str) -> None:
     helped = njit(plain)
 
     def also(gap, gap_rate, slip, impact_speed, parameters):
@@ -291,10 +288,8 @@ def test_parameters_cannot_be_written_to(run_of: Runs) -> None:
         part[0] = 1.0
         return helped(gap, gap_rate, slip, impact_speed, parameters)  # type: ignore[no-any-return]
 
-    with pytest.raises(
-        LawError, match=r"also writes to the law's parameters \(.*`part\[0\] = 1.0`"
-    ):
-        run_of(also)
-    # What is interpreted is seen when it comes to it.
+    # What could be compiled if its parameters were its own is told where it writes, and what cannot too.
     with pytest.raises(LawError, match="assignment destination is read-only"):
-        run_of(writing)
+        run_of(also if how == "compiled" else writing)
+    if how == "compiled":
+        assert "`part[0] = 1.0`: it writes to an array" in capsys.readouterr().err
