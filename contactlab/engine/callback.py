@@ -69,8 +69,8 @@ _standing: ContextVar[dict[Any, Callback]] = ContextVar("_standing")
 
 
 @contextmanager
-def law_errors(name: str, callbacks: list[Callback]) -> Iterator[None]:
-    """Let functions answer for a law, and let what the law raises come out as a `LawError`.
+def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
+    """Let functions answer for a law, and let what its code raises come out as a `LawError`.
 
     Raises:
         LawError: with a sentence; its cause is the law's own exception.
@@ -81,7 +81,7 @@ def law_errors(name: str, callbacks: list[Callback]) -> Iterator[None]:
     try:
         yield
     # A compiled function's exception passes through the loop, which raises none itself.
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         passed = error
     finally:
         _standing.reset(token)

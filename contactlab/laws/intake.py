@@ -3,7 +3,7 @@
 The contract of `contactlab.testing` asks more, and lets the law run; this costs a run next to nothing.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
 from math import isfinite, nan
@@ -63,24 +63,9 @@ def guarded(parameters: Array, guard: float = nan) -> Array:
     return padded[GUARDS:-GUARDS]
 
 
-def said(law: ContactLaw, name: str) -> Any:
-    """Give what a law says of itself in a property, or in its method `parameters`.
-
-    Raises:
-        LawError: it raised an exception, which is the cause.
-    """
-    try:
-        value = getattr(law, name)
-        return value() if name == "parameters" else value
-    # A property is any code of somebody else's.
-    except (Exception, SystemExit) as error:
-        words = f"{law.name}: its {name} raised {type(error).__name__}: {error}. Mend the law."
-        raise LawError(words) from error
-
-
 def function_of(law: ContactLaw, name: str) -> Kernel:
     """Give the function behind one of a law's kernels, or raise a LawError where there is none."""
-    function: Kernel = said(law, name)
+    function: Kernel = getattr(law, name)
     if not callable(function):
         raise LawError(f"{law.name}: its {name} is {shown(function)}; it must be a function.")
     return function
@@ -88,14 +73,11 @@ def function_of(law: ContactLaw, name: str) -> Kernel:
 
 def kernel_parameters(law: ContactLaw) -> Array:
     """Give what the kernels of a law receive, or raise a LawError where it is no row of numbers."""
-    given = said(law, "parameters")
-    try:
-        values = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        values = None
-    if values is None or values.ndim != 1:
+    given: Any = law.parameters()
+    values = np.asarray(given)
+    if values.ndim != 1 or values.dtype.kind not in "biuf":
         raise LawError(f"{law.name}: parameters() gives {shown(given)}; it must give numbers.")
-    return values
+    return values.astype(np.float64)
 
 
 def check_words(law: ContactLaw) -> None:
@@ -104,47 +86,44 @@ def check_words(law: ContactLaw) -> None:
     Raises:
         LawError: with a sentence on each contradiction.
     """
-    limit = said(law, "friction_limit")
-    faults = []
+    limit: object = law.friction_limit
     if not isinstance(limit, Real) or not float(limit) >= 0.0:
         faults = [f"friction_limit is {shown(limit)}; it must be a number and not negative."]
     elif not isinstance(law.violations, Mapping):
         faults = [f"violations is {shown(law.violations)}; it must give reasons by name."]
-    elif isinstance(law, PenaltyLaw):
-        faults = list(misfits(law))
+    else:
+        faults = misfits(law) if isinstance(law, PenaltyLaw) else []
     if faults:
         raise LawError(" ".join(f"{law.name}: {words}" for words in faults))
 
 
-def misfits(law: PenaltyLaw) -> Iterator[str]:
+def misfits(law: PenaltyLaw) -> list[str]:
     """Give what a law says of its friction and contradicts, in sentences."""
-    kind, kernel = said(law, "friction_kind"), said(law, "friction_force")
-    remembered = said(law, "internal_variables")
+    kind, kernel, kept = law.friction_kind, law.friction_force, law.internal_variables
     if kind not in KINDS:
         known = ", ".join(KINDS.values())
-        yield f"friction_kind is {shown(kind)}; it must be {known} of contactlab.laws.base."
-        return
-    if kind == SET_VALUED and kernel is not None:
-        yield (
-            "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
-            "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out."
-        )
-    if kind != SET_VALUED and kernel is None:
-        yield (
-            f"its friction_kind is {KINDS[kind]}, but it has no kernel of friction. Give it one, or say "
-            "SET_VALUED."
-        )
-    if not isinstance(remembered, tuple) or not all(isinstance(one, str) for one in remembered):
-        yield f"internal_variables is {shown(remembered)}; it must be a tuple of texts."
-    elif len(remembered) > 1:
-        yield f"it remembers {', '.join(remembered)}; it can remember one quantity at most."
-    elif (kind == SET_VALUED and remembered) or (kind == ELASTOPLASTIC and not remembered):
-        yield (
-            f"its friction_kind is {KINDS[kind]} and its internal_variables {shown(remembered)}; "
-            "set-valued friction remembers nothing, and a spring its stretch."
-        )
-    if law.internal_parity not in (ODD, EVEN):
-        yield f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN."
+        return [f"friction_kind is {shown(kind)}; it must be {known} of contactlab.laws.base."]
+    texts = isinstance(kept, tuple) and all(isinstance(one, str) for one in kept)
+    faults = {
+        "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
+        "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out.": (
+            kind == SET_VALUED and kernel is not None
+        ),
+        f"its friction_kind is {KINDS[kind]}, but it has no kernel of friction. Give it one, or say "
+        "SET_VALUED.": kind != SET_VALUED and kernel is None,
+        f"internal_variables is {shown(kept)}; it must be a tuple of texts.": not texts,
+        f"it remembers {shown(kept)}; it can remember one quantity at most.": (
+            texts and len(kept) > 1
+        ),
+        f"its friction_kind is {KINDS[kind]} and its internal_variables {shown(kept)}; set-valued "
+        "friction remembers nothing, and a spring its stretch.": (
+            texts and kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(kept)
+        ),
+        f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN.": (
+            law.internal_parity not in (ODD, EVEN)
+        ),
+    }
+    return [words for words, stands in faults.items() if stands]
 
 
 def check_answers(
