@@ -17,13 +17,10 @@ from dataclasses import dataclass, field
 from dis import get_instructions
 from hashlib import sha256
 from importlib import import_module
-from numbers import Number
 from opcode import opmap
 from pathlib import Path
 from types import CodeType, FunctionType, MappingProxyType, ModuleType
 from typing import Any, Final, NamedTuple, final
-
-import numpy as np
 
 _PACKAGE: Final = __name__.partition(".")[0]
 _KNOWN: Final = {_PACKAGE, "numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}
@@ -128,7 +125,7 @@ class _Walk:
         """Say what an object is; give what it refers to."""
         kind = type(found)
         self._say(kind.__name__)
-        if kind in _PLAIN or isinstance(found, Number | np.dtype | np.generic):
+        if kind in _PLAIN:
             self._say(repr(found))
         elif isinstance(found, ModuleType | _Mention):
             yield from self._of_module(*found if kind is _Mention else (found, ()))

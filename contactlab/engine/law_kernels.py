@@ -49,14 +49,6 @@ def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
     return stand_in(signature), Callback(plain, signature)
 
 
-def forget() -> None:
-    """Forget what was compiled and said, as a new process would."""
-    _made.cache_clear()
-    _say_once.cache_clear()
-    _made_from.clear()
-    _compilations.clear()
-
-
 @lru_cache(maxsize=256)
 def _made(found: Fingerprint, signature: Any) -> Any:
     """Give the compiled function; where there is an obstacle, give that in words."""

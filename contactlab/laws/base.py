@@ -33,11 +33,9 @@ ODD, EVEN = -1, 1
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=True)
 
-PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _parameters)
-FRICTION_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _real, _parameters)
-MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(
-    _real, _real, _real, _real, _real, _real, _real, _parameters
-)
+PENALTY_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 4, _parameters)
+FRICTION_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 5, _parameters)
+MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(*[_real] * 7, _parameters)
 
 Forces = tuple[float, float, float, float]
 Impulses = tuple[float, float, int]

@@ -96,7 +96,7 @@ def test_loss_number_is_smooth_where_its_rule_changes(edge: float) -> None:
         (lambda: Flores(0.0), "restitution is 0.0; it must be greater than 0"),
         (lambda: Mindlin(0.3, -1.0), "stiffness_ratio is -1.0; it must be greater than 0"),
         (lambda: LuGre(0.3, 0.5), "static_ratio is 0.5; it must be at least 1"),
-        (lambda: ElastoPlastic(breakaway_ratio=1.0), "breakaway_ratio is 1.0 1; it must be"),
+        (lambda: ElastoPlastic(breakaway_ratio=1.0), "breakaway_ratio is 1.0; it must be"),
     ],
 )
 def test_a_part_refuses_what_it_cannot_do(make: object, words: str) -> None:

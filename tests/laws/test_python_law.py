@@ -73,6 +73,14 @@ def run_of(motor: Motor, monkeypatch: pytest.MonkeyPatch) -> Runs:
     return with_function
 
 
+def forget() -> None:
+    """Forget what was compiled and said, as a new process would."""
+    law_kernels._made.cache_clear()
+    law_kernels._say_once.cache_clear()
+    law_kernels._made_from.clear()
+    law_kernels._compilations.clear()
+
+
 def same(first: Trajectory, second: Trajectory) -> bool:
     return all(
         np.array_equal(first.series[k], second.series[k], equal_nan=True) for k in first.series
@@ -93,7 +101,7 @@ def test_a_plain_function_is_compiled_without_a_word(
 def test_what_cannot_be_compiled_runs_the_same_and_says_once_how_slowly(
     run_of: Runs, capsys: Told
 ) -> None:
-    law_kernels.forget()
+    forget()
     compiled = run_of(plain)
     capsys.readouterr()
     found = run_of(interpreted)
@@ -195,7 +203,7 @@ def compiled_around(stiffness: float) -> Callable[..., Any]:
 @pytest.fixture
 def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of what is compiled for laws, from now on."""
-    law_kernels.forget()
+    forget()
     names: list[str] = []
 
     def compiling(kernel: Any, signature: Any) -> None:
@@ -225,7 +233,7 @@ def test_a_kernel_that_is_made_anew_every_time_is_compiled_once(
 
 
 def test_a_kernel_that_is_made_around_ever_other_values_is_told_once(capsys: Told) -> None:
-    law_kernels.forget()
+    forget()
     for number in range(law_kernels.OFTEN + 1):
         law_kernels.compiled(compiled_around(1e7 + number), PENALTY_SIGNATURE)
     (line,) = capsys.readouterr().err.splitlines()
