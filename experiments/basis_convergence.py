@@ -7,21 +7,17 @@ frequency moves at the tip, 1 / sum u_j^2; the compliance is what a constant for
 import sys
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import changed, laws_of, main
+from harness import laws_of, main
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
-from contactlab.motor import NormalModes
+import contactlab as cl
 
 SAYS = (
     "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
-    "four are "
-    "enough is not asked."
+    "four are enough is not asked."
 )
 SHAPES = (2, 3, 4, 6, 8, 12, 16, 24, 40)
 CONVERGED = 24
@@ -37,7 +33,7 @@ QUANTITIES = {
 }
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Every basis at the converged first natural frequency and its double, and at the configured drive."""
     shapes = SHAPES[1:4] if short else SHAPES
     kept = 6 if short else CONVERGED
@@ -45,45 +41,38 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
         k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")
     }
     elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
-    reference = changed(setup, {"resonator": given | elements}).motor.modes
-    ritz = ({"resonator": given | {"basis": "ritz", "shapes": n}} for n in shapes)
-    bases = [*(changed(setup, choice).motor.modes for choice in ritz), reference]
-    law = laws_of(setup)["hertz_penalty"]
-    rows = [
-        measure(modes, setup, reference.natural_frequency[0], law)
-        for modes in tqdm(bases, unit=" bases", disable=None)
+    bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
+    bases[f"finite_element {kept}"] = elements
+    modes = {
+        name: cl.build({**setup.configuration, "resonator": given | basis}).motor.modes
+        for name, basis in bases.items()
+    }
+    *_, reference = modes.values()
+    tones = reference.natural_frequency[0] * np.array([1.0, 2.0])
+    motor = replace(setup.motor, drive=replace(setup.motor.drive, frequency=tones))
+    found = cl.sweep(
+        {"basis": [*bases]},
+        motor=lambda basis: replace(motor, modes=modes[basis]),
+        law=laws_of(setup)["hertz_penalty"],
+        duration=setup.duration,
+        metrics=("peak_force", "final_rotor_velocity"),
+    )
+    numbers = [
+        [
+            *one.natural_frequency[:2],
+            np.sum(one.tip_displacement**2 / one.stiffness),
+            1.0 / np.sum(one.tip_displacement**2),
+        ]
+        for one in modes.values()
     ]
-    values = np.array(rows)
+    columns = (*np.transpose(numbers), found.peak_force, found.final_rotor_velocity)
     return xarray.Dataset(
         {
-            name: ("basis", values[:, k], {"units": units})
-            for k, (name, units) in enumerate(QUANTITIES.items())
+            name: ("basis", np.array(column), {"units": units})
+            for (name, units), column in zip(QUANTITIES.items(), columns, strict=True)
         },
-        coords={
-            "basis": [*(f"ritz {n}" for n in shapes), f"finite_element {kept}"],
-            "shapes": ("basis", [*shapes, kept]),
-        },
+        coords={"basis": [*bases], "shapes": ("basis", [*shapes, kept])},
     )
-
-
-def measure(modes: NormalModes, setup: Setup, frequency: float, law: ContactLaw) -> list[float]:
-    """The quantities of one resonator in the motor."""
-    drive = replace(setup.motor.drive, frequency=frequency * np.array([1.0, 2.0]))
-    run = simulate(
-        replace(setup.motor, modes=modes, drive=drive),
-        law,
-        duration=setup.duration,
-        record_interval=setup.duration,
-    )
-    square = modes.tip_displacement**2
-    return [
-        float(modes.natural_frequency[0]),
-        float(modes.natural_frequency[1]),
-        float(np.sum(square / modes.stiffness)),
-        float(1.0 / np.sum(square)),
-        float(run.contacts["peak_normal_force"].max(initial=0.0)),
-        float(run.series["rotor_velocity"][-1]),
-    ]
 
 
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
@@ -97,8 +86,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Every quantity over the number of shapes, relative to the converged one."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained", sharex=True)
     ritz = data.isel(basis=slice(None, -1))
     names = list(QUANTITIES)
@@ -122,17 +109,13 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     falls = bool(np.all(np.diff(data.first_frequency.values) < 1e-6))
     return (
         f"Converged, the patched beam has f1 = {float(end.first_frequency):.1f} Hz and f2 = "
-        f"{float(end.second_frequency):.1f} Hz; four shapes give "
-        f"{float(four.first_frequency):.0f} and "
-        f"{float(four.second_frequency):.0f}, {int(most.shapes)} still "
-        f"{float(most.first_frequency):.0f} and "
-        f"{float(most.second_frequency):.0f}. At the converged frequency the motor with four "
-        "shapes peaks at "
-        f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N "
-        "and turns at "
-        f"{float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} rad/s: "
-        "the printed "
-        "frequencies are those of the truncated basis.",
+        f"{float(end.second_frequency):.1f} Hz; four shapes give {float(four.first_frequency):.0f} "
+        f"and {float(four.second_frequency):.0f}, {int(most.shapes)} still "
+        f"{float(most.first_frequency):.0f} and {float(most.second_frequency):.0f}. At the "
+        "converged frequency the motor with four shapes peaks at "
+        f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N and "
+        f"turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
+        "rad/s: the printed frequencies are those of the truncated basis.",
         falls,
     )
 

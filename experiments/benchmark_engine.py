@@ -17,9 +17,9 @@ from time import perf_counter
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
 from contactlab.motor import RitzResonator
@@ -27,7 +27,6 @@ from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
 
-Array = NDArray[np.float64]
 RightHandSide = Callable[[float, Array], Array]
 
 STIFFNESS = 1e10

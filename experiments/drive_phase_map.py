@@ -7,15 +7,13 @@ laws share motor and friction; where they differ, what the impact does decides w
 import sys
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main
+from harness import laws_of, main, quantity, swept
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.motor.drive import Drive
+import contactlab as cl
 
 SAYS = (
     "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, "
@@ -27,47 +25,22 @@ STICK_STEP = 2e-7
 """Contact step of the rigid law [s]: its first-order error is 0.5 % in the reference case."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """The map for both laws; the short form is three by two cells."""
-    phases = np.linspace(-np.pi, np.pi, 3 if short else 21)
-    ratios = np.linspace(0.95, 1.02, 2 if short else 15)
-    settings = setup.configuration["drive"]
-    laws = laws_of(setup)
-    velocity = np.full((len(LAWS), ratios.size, phases.size), np.nan)
-    contacts = np.zeros_like(velocity)
-    cells = [(i, j) for i in range(ratios.size) for j in range(phases.size)]
-    for i, j in tqdm(cells, unit=" cells", disable=None):
-        drive = Drive.two_mode(
-            settings["voltage_1"],
-            settings["voltage_2"],
-            ratios[i] * settings["frequency"],
-            settings["frequency_ratio"],
-            phases[j],
-        )
-        motor = replace(setup.motor, drive=drive)
-        for k, name in enumerate(LAWS):
-            run = simulate(
-                motor,
-                laws[name],
-                duration=setup.duration,
-                record_interval=setup.duration / 20.0,
-                contact_step=STICK_STEP if k else None,
-            )
-            if run.complete:
-                velocity[k, i, j] = run.series["rotor_velocity"][-1]
-                contacts[k, i, j] = run.contacts["duration"].size
-    frequency = ratios * settings["frequency"]
-    return xarray.Dataset(
+    drive = setup.configuration["drive"]
+    frequency = drive["frequency"] * np.linspace(0.95, 1.02, 2 if short else 15)
+    found = swept(
+        setup,
         {
-            "rotor_velocity": (("law", "frequency", "phase"), velocity, {"units": "rad s-1"}),
-            "contacts": (("law", "frequency", "phase"), contacts, {"units": "1"}),
+            "frequency": quantity(frequency, "Hz"),
+            "phase": quantity(np.linspace(-np.pi, np.pi, 3 if short else 21), "rad"),
         },
-        coords={
-            "law": list(LAWS),
-            "frequency": ("frequency", frequency, {"units": "Hz"}),
-            "phase": ("phase", phases, {"units": "rad"}),
-        },
+        motor=lambda **tone: replace(setup.motor, drive=cl.Drive.two_mode(**{**drive, **tone})),
+        laws={name: laws_of(setup)[name] for name in LAWS},
+        rigid_step=STICK_STEP,
+        metrics=("final_rotor_velocity", "contact_count"),
     )
+    return found.rename(final_rotor_velocity="rotor_velocity", contact_count="contacts")
 
 
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
@@ -93,8 +66,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Both maps on one scale, and their difference."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.6), layout="constrained", sharey=True)
     most = float(np.nanmax(np.abs(data.rotor_velocity)))
     maps = [*(data.rotor_velocity.sel(law=law) for law in LAWS), _difference(data)]
@@ -136,16 +107,13 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     )
     shift = (best_hertz - best_stick + 0.5 * np.pi) % np.pi - 0.5 * np.pi
     sentence = (
-        f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within "
-        "10 % in "
-        f"{100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
-        f"{100.0 * twofold.mean():.0f} %, and turn "
-        f"in opposite directions in {100.0 * opposite:.0f} %. The maps are alike, of "
-        f"{size_hertz:.2f} (Hertz) and "
+        f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 "
+        f"% in {100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
+        f"{100.0 * twofold.mean():.0f} %, and turn in opposite directions in "
+        f"{100.0 * opposite:.0f} %. The maps are alike, of {size_hertz:.2f} (Hertz) and "
         f"{size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} pi: a rigid impact "
-        "gives its impulse at the "
-        "touch-down, a compliant contact later, when the tip moves sideways otherwise. They "
-        "agree where the map is flat."
+        "gives its impulse at the touch-down, a compliant contact later, when the tip moves "
+        "sideways otherwise. They agree where the map is flat."
     )
     return sentence, bool((apart < 0.1).any() and twofold.any())
 

@@ -2,14 +2,13 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import main
+from harness import laws_of, main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
+import contactlab as cl
 
 SAYS = (
     "Figure 10 shows the velocities of rotor and tip during a contact. For a while both "
@@ -20,38 +19,35 @@ COARSE, FINE = 2e-7, 1e-7
 """Contact steps [s]."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """The same run under the slip law at two steps and under the law with stick."""
-    mu = setup.configuration["contact"]["friction_coefficient"]
-    cases: list[tuple[str, ContactLaw, float]] = [
-        ("lagrange_slip, coarse", LagrangeSlip(mu), COARSE),
-        ("lagrange_slip, fine", LagrangeSlip(mu), FINE),
-        ("lagrange_stick", LagrangeStick(mu), FINE),
-    ]
-    radius = setup.motor.geometry.rotor_radius
+    laws = laws_of(setup)
+    cases = {
+        "lagrange_slip, coarse": (laws["lagrange_slip"], COARSE),
+        "lagrange_slip, fine": (laws["lagrange_slip"], FINE),
+        "lagrange_stick": (laws["lagrange_stick"], FINE),
+    }
     runs = [
-        simulate(
+        cl.simulate(
             setup.motor,
             law,
             duration=setup.duration,
             record_interval=setup.record_interval,
             contact_step=step,
         )
-        for _, law, step in cases
+        for law, step in cases.values()
     ]
-    rim = np.array([radius * run.series["rotor_velocity"] for run in runs])
-    tip = rim + np.array([run.series["slip_velocity"] for run in runs])
-    mode = np.array([run.contact_mode for run in runs])
+    names = ["rotor_velocity", "slip_velocity", "contact_mode"]
+    found = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
+    rim = setup.motor.geometry.rotor_radius * found.rotor_velocity
+    speed = {"units": "m s-1"}
     return xarray.Dataset(
         {
-            "rim_velocity": (("case", "time"), rim, {"units": "m s-1"}),
-            "tip_velocity": (("case", "time"), tip, {"units": "m s-1"}),
-            "contact_mode": (("case", "time"), mode, {"units": "1"}),
+            "rim_velocity": rim.drop_attrs(deep=False).assign_attrs(speed),
+            "tip_velocity": (rim + found.slip_velocity).drop_attrs(deep=False).assign_attrs(speed),
+            "contact_mode": found.contact_mode,
         },
-        coords={
-            "case": [name for name, _, _ in cases],
-            "time": ("time", runs[0].time, {"units": "s"}),
-        },
+        coords={"case": [*cases]},
     )
 
 
@@ -107,8 +103,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """The slip law's contact and a zoom into its chatter, and the same of the law with stick."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 4.4), layout="constrained")
     for row, i in zip(axes, (1, 2), strict=True):
         part = stretch(data, i)
@@ -136,12 +130,10 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     length, fine, changes = chatter(data, 1)
     sticks, stuck, _ = chatter(data, 2)
     return (
-        f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} "
-        "us, by "
-        f"{1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
-        f"{1e6 * FINE:g} us: a chatter "
-        f"at the step, which is how it says stick. The law with stick holds {stuck:.0e} m/s for "
-        f"{1e6 * sticks:.0f} us.",
+        f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} us, "
+        f"by {1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
+        f"{1e6 * FINE:g} us: a chatter at the step, which is how it says stick. The law with stick "
+        f"holds {stuck:.0e} m/s for {1e6 * sticks:.0f} us.",
         changes > 20 and stuck < 1e-6 and fine < 0.8 * coarse,
     )
 

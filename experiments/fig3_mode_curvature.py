@@ -2,26 +2,25 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import changed, main, placed
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
+import contactlab as cl
 from contactlab.motor.ritz import ClampedBeam
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (
     "Figure 3 shows the second derivatives of the first five shapes and two places for the "
-    "patches. The "
-    "coupling to a shape is its curvature integrated over a patch: the first two couplings are "
-    "to be "
-    "large against the others, and the third is small though not zero."
+    "patches. The coupling to a shape is its curvature integrated over a patch: the first two "
+    "couplings are to be large against the others, and the third is small though not zero."
 )
 SHAPES = 5
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Curvatures along the beam and the couplings of both placements."""
     length = setup.configuration["resonator"]["length"]
     place = np.linspace(0.0, length, 401)
@@ -53,8 +52,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Curvatures over the beam, patches and their mirrors as bars below."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(figsize=(5.0, 2.8), layout="constrained")
     most = float(np.abs(data.curvature).max())
     styles = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
@@ -80,10 +77,9 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     shares = coupling[:, 2] / coupling[:, :2].max(axis=1)
     higher = coupling[:, 3:].max(axis=1) / coupling[:, :2].max(axis=1)
     return (
-        f"The third coupling is {100 * shares[0]:.0f} % and {100 * shares[1]:.0f} % of the "
-        "largest of the first "
-        f"two. The fourth and fifth, which Table 1 leaves out, reach {100 * higher[0]:.0f} % and "
-        f"{100 * higher[1]:.0f} %.",
+        f"The third coupling is {100 * shares[0]:.0f} % and {100 * shares[1]:.0f} % of the largest "
+        "of the first two. The fourth and fifth, which Table 1 leaves out, reach "
+        f"{100 * higher[0]:.0f} % and {100 * higher[1]:.0f} %.",
         bool(np.all(shares < 0.25)),
     )
 

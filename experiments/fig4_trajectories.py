@@ -2,27 +2,25 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import main, placed
+from harness import main, placed, tip_phasors
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.motor import NormalModes
-from contactlab.motor.drive import Drive
+import contactlab as cl
 from contactlab.testing.references import PLACEMENTS
 
 SAYS = (
     "Figure 4 shows the tip's figure of eight for both placements. It is wider where the second "
-    "tone meets "
-    "the second natural frequency and higher where the first tone meets the first; with "
-    "placement 1 it "
-    "loses much of its height when the first mode is not in resonance. Phases were found by trial."
+    "tone meets the second natural frequency and higher where the first tone meets the first; with "
+    "placement 1 it loses much of its height when the first mode is not in resonance. Phases were "
+    "found by trial."
 )
 DRIVES = ("f2/2 and f2", "f1 and 2 f1")
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Steady trajectories in closed form, each with the phase that makes its eight symmetric."""
     voltages = [setup.configuration["drive"][key] for key in ("voltage_1", "voltage_2")]
     arm = setup.motor.geometry.tip_length
@@ -35,7 +33,7 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
         first, second = modes.natural_frequency[:2]
         for j, tone in enumerate((0.5 * second, first)):
             phases[i, j] = symmetric_phase(modes, voltages, tone)
-            u, th = tip_phasors(modes, Drive.two_mode(*voltages, tone, 2.0, phases[i, j]))
+            u, th = tip_phasors(modes, cl.Drive.two_mode(*voltages, tone, 2.0, phases[i, j]))
             waves = np.exp(2j * np.pi * np.outer([1.0, 2.0], turns))
             height[i, j] = (u @ waves).real
             across[i, j] = -arm * np.sin((th @ waves).real)
@@ -49,17 +47,9 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def tip_phasors(modes: NormalModes, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
-    """Steady phasors of tip displacement [m] and slope [rad], shape (tone,)."""
-    w = drive.angular_frequency
-    dynamic = modes.stiffness[:, None] + 1j * modes.damping[:, None] * w - w**2
-    steady = (modes.coupling @ drive.phasors) / dynamic
-    return modes.tip_displacement @ steady, modes.tip_slope @ steady
-
-
-def symmetric_phase(modes: NormalModes, voltages: list[float], tone: float) -> float:
+def symmetric_phase(modes: cl.NormalModes, voltages: list[float], tone: float) -> float:
     """Phase of the first tone at which x ~ sin 2s where u ~ sin s [rad]."""
-    u, th = tip_phasors(modes, Drive.two_mode(*voltages, tone, 2.0, 0.0))
+    u, th = tip_phasors(modes, cl.Drive.two_mode(*voltages, tone, 2.0, 0.0))
     shift = 0.5 * (np.angle(1j * th[1]) - 2.0 * np.angle(1j * u[0]))
     return float((shift + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
 
@@ -87,8 +77,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Four eights on one scale."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(
         2, 2, figsize=(4.6, 4.4), sharex=True, sharey=True, layout="constrained"
     )
@@ -114,12 +102,9 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     wider, higher = width[:, 0] / width[:, 1], height[:, 1] / height[:, 0]
     return (
         f"With placement 2 the eight is {wider[1]:.2f} times as wide at the second natural "
-        "frequency and "
-        f"{higher[1]:.2f} times as high at the first. Away from the first resonance placement 2 "
-        "keeps "
-        f"{100 / higher[1]:.0f} % of its height and placement 1 only {100 / higher[0]:.0f} %; "
-        "its width "
-        f"hardly cares ({wider[0]:.2f}).",
+        f"frequency and {higher[1]:.2f} times as high at the first. Away from the first resonance "
+        f"placement 2 keeps {100 / higher[1]:.0f} % of its height and placement 1 only "
+        f"{100 / higher[0]:.0f} %; its width hardly cares ({wider[0]:.2f}).",
         bool(wider[1] > 1.0 and higher[1] > 1.0 and higher[0] > 2.0 * higher[1]),
     )
 

@@ -1,53 +1,42 @@
 """Figure 7: the tip's trajectory, free and in contact, for three clearances."""
 
 import sys
-from dataclasses import replace
+from functools import partial
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main
+from harness import laws_of, main, swept, with_clearance
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
+import contactlab as cl
 
 SAYS = (
     "Figure 7 shows the free figure of eight and the trajectories that contact leaves of it, for "
-    "clearances "
-    "of 0, 1 and 2 um: the rotor cuts off the top of the eight."
+    "clearances of 0, 1 and 2 um: the rotor cuts off the top of the eight."
 )
 CLEARANCES = (0.0, 1e-6, 2e-6)
 FREE = 1e-3
 """Clearance at which nothing touches [m]."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """The last periods of a run from rest, under the paper's law and under Hertz."""
-    laws = {name: laws_of(setup)[name] for name in ("lagrange_slip", "hertz_penalty")}
-    duration = 2e-3 if short else setup.duration
     kept = int(2.0 / setup.configuration["drive"]["frequency"] / setup.record_interval)
     columns = ("tip_tangential_displacement", "tip_normal_displacement", "gap")
-    paths = np.empty((len(laws), len(CLEARANCES) + 1, len(columns), kept))
-    for i, law in enumerate(laws.values()):
-        for j, clearance in enumerate((FREE, *CLEARANCES)):
-            geometry = replace(setup.motor.geometry, clearance=clearance)
-            run = simulate(
-                replace(setup.motor, geometry=geometry),
-                law,
-                duration=duration,
-                record_interval=setup.record_interval,
-            )
-            paths[i, j] = [run.series[name][-kept:] for name in columns]
-    return xarray.Dataset(
-        {
-            name: (("law", "clearance", "record"), paths[:, :, k], {"units": "m"})
-            for k, name in enumerate(columns)
-        },
-        coords={
-            "law": list(laws),
-            "clearance": ("clearance", np.array([np.inf, *CLEARANCES]), {"units": "m"}),
-        },
+    found = swept(
+        setup,
+        {"clearance": [FREE, *CLEARANCES]},
+        motor=partial(with_clearance, setup.motor),
+        laws={name: laws_of(setup)[name] for name in ("lagrange_slip", "hertz_penalty")},
+        metrics=(),
+        series=columns,
+        duration=2e-3 if short else setup.duration,
+        record_interval=setup.record_interval,
     )
+    late = found.isel(time=slice(-kept, None)).drop_vars("time")
+    late = late.rename({"time": "record", **{f"{name}_series": name for name in columns}})
+    return late.assign_coords(clearance=("clearance", [np.inf, *CLEARANCES], {"units": "m"}))
 
 
 def cut(data: xarray.Dataset) -> np.ndarray:
@@ -72,8 +61,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Free and constrained trajectories, a panel a clearance, with the rotor above."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(
         1, 4, figsize=(7.2, 2.5), sharex=True, sharey=True, layout="constrained"
     )
@@ -105,11 +92,9 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     deep = [max(-float(data.gap[i, 1:].min()), 0.0) for i in range(2)]
     ordered = bool(np.all(np.diff(heights, axis=1) < 0.0))
     return (
-        f"The rotor takes {', '.join(f'{1e6 * h:.2f}' for h in heights[0])} um off the top of "
-        "the eight for the "
-        f"three clearances. The rigid law enters it by {1e9 * deep[0]:.2g} nm at most, the Hertz "
-        "contact by "
-        f"{1e6 * deep[1]:.2f} um.",
+        f"The rotor takes {', '.join(f'{1e6 * h:.2f}' for h in heights[0])} um off the top of the "
+        f"eight for the three clearances. The rigid law enters it by {1e9 * deep[0]:.2g} nm at "
+        f"most, the Hertz contact by {1e6 * deep[1]:.2f} um.",
         ordered and deep[0] < 1e-8,
     )
 

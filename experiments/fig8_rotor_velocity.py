@@ -1,25 +1,23 @@
 """Figure 8: rotor velocity, a: from rest at three clearances, b: from -0.9 rad/s, c: under load."""
 
 import sys
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main
+from harness import laws_of, main, quantity, swept, with_clearance
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, HertzPenalty
-from contactlab.motor.motor import Motor
+import contactlab as cl
 
 SAYS = (
     "Figure 8a shows the rotor from rest at clearances of 0, 1 and 2 um; the smallest is called "
-    "the best, since "
-    "its contact lasts longest. 8b starts at -0.9 rad/s and reaches a steady state. 8c gives the "
-    "velocity for "
-    "loads of 0, 1, 2 and 5 mN m."
+    "the best, since its contact lasts longest. 8b starts at -0.9 rad/s and reaches a steady "
+    "state. 8c gives the velocity for loads of 0, 1, 2 and 5 mN m."
 )
 CLEARANCES = (0.0, 1e-6, 2e-6)
 LOADS = (0.0, 1e-3, 2e-3, 5e-3)
@@ -29,57 +27,49 @@ RIGID_STEP = 1e-7
 """Contact step of the rigid laws [s]."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """All three panels under all three laws; the loads brake, whichever way the motor turns."""
-    laws = laws_of(setup)
     duration = 0.02 if short else setup.duration
-    transients, steady, loaded = [], [], []
-    for law in tqdm(laws.values(), unit=" laws", disable=None):
-        motors = [with_clearance(setup.motor, clearance) for clearance in CLEARANCES]
-        transients.append([velocity(motor, law, TRANSIENT, 250) for motor in motors])
-        steady.append(velocity(with_rotor(setup.motor, START, 0.0), law, duration, 200))
-        forward = np.sign(steady[-1][-1])
-        motors = [with_rotor(setup.motor, 0.0, forward * load) for load in LOADS]
-        loaded.append([velocity(motor, law, duration, 20)[-4:].mean() for motor in motors])
+
+    def velocity(
+        over: Mapping[str, object],
+        motor: Callable[..., cl.Motor],
+        duration: float,
+        records: int,
+        **asked: Any,
+    ) -> xarray.DataArray:
+        """Rotor velocity at so many equal intervals."""
+        asked |= {"metrics": (), "series": ("rotor_velocity",), "rigid_step": RIGID_STEP}
+        asked |= {"duration": duration, "record_interval": duration / records}
+        return swept(setup, over, motor=motor, **asked).rotor_velocity_series
+
+    rotor = partial(with_rotor, setup.motor)
+    clearance = partial(with_clearance, setup.motor)
+    transient = velocity({"clearance": quantity(CLEARANCES, "m")}, clearance, TRANSIENT, 250)
+    steady = velocity({"initial_velocity": [START]}, rotor, duration, 200).squeeze(drop=True)
+    loaded = []
+    for name, law in laws_of(setup).items():
+        sign = np.sign(float(steady.sel(law=name)[-1]))
+        load = velocity(
+            {"load_torque": quantity(LOADS, "N m")},
+            lambda load_torque, sign=sign: rotor(load_torque=sign * load_torque),
+            duration,
+            20,
+            laws={name: law},
+        )
+        loaded.append(load.isel(time=slice(-4, None)).mean("time", keep_attrs=True))
     return xarray.Dataset(
         {
-            "transient": (
-                ("law", "clearance", "instant"),
-                np.array(transients),
-                {"units": "rad s-1"},
-            ),
-            "from_start": (("law", "time"), np.array(steady), {"units": "rad s-1"}),
-            "under_load": (("law", "load_torque"), np.array(loaded), {"units": "rad s-1"}),
-        },
-        coords={
-            "law": list(laws),
-            "clearance": ("clearance", np.array(CLEARANCES), {"units": "m"}),
-            "instant": ("instant", np.linspace(0.0, TRANSIENT, 251), {"units": "s"}),
-            "time": ("time", np.linspace(0.0, duration, 201), {"units": "s"}),
-            "load_torque": ("load_torque", np.array(LOADS), {"units": "N m"}),
-        },
+            "transient": transient.rename(time="instant"),
+            "from_start": steady,
+            "under_load": xarray.concat(loaded, "law"),
+        }
     )
 
 
-def with_clearance(motor: Motor, clearance: float) -> Motor:
-    """The motor with another clearance [m]."""
-    return replace(motor, geometry=replace(motor.geometry, clearance=clearance))
-
-
-def with_rotor(motor: Motor, velocity: float, load: float) -> Motor:
-    """The motor with another initial velocity [rad/s] and load [N m]."""
-    return replace(motor, rotor=replace(motor.rotor, initial_velocity=velocity, load_torque=load))
-
-
-def velocity(motor: Motor, law: ContactLaw, duration: float, records: int) -> np.ndarray:
-    """Rotor velocity [rad/s] at so many equal intervals."""
-    step = None if isinstance(law, HertzPenalty) else RIGID_STEP
-    run = simulate(
-        motor, law, duration=duration, record_interval=duration / records, contact_step=step
-    )
-    if not run.complete:
-        raise RuntimeError(f"{law.name}: {run.message}")
-    return run.series["rotor_velocity"]
+def with_rotor(motor: cl.Motor, **changes: float) -> cl.Motor:
+    """The motor with another rotor."""
+    return replace(motor, rotor=replace(motor.rotor, **changes))
 
 
 def forward(data: xarray.Dataset) -> np.ndarray:
@@ -104,8 +94,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Three panels; the transients for the paper's law, the others for all."""
-    import matplotlib.pyplot as plt
-
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.2, 2.5), layout="constrained")
     for j, clearance in enumerate(CLEARANCES):
         a.plot(
@@ -150,10 +138,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     )
     return (
         f"After 5 ms the clearances are ordered {words}; the fastest is {', '.join(best)}. From "
-        "-0.9 rad/s the "
-        f"velocity settles within {100 * drift:.1f} % over the last fifth of the run. The speed "
-        "falls with every "
-        f"braking torque: {'yes' if falls else 'no'}.",
+        f"-0.9 rad/s the velocity settles within {100 * drift:.1f} % over the last fifth of the "
+        f"run. The speed falls with every braking torque: {'yes' if falls else 'no'}.",
         "lagrange_slip" in ordered and drift < 0.05 and falls,
     )
 

@@ -2,63 +2,52 @@
 
 import sys
 
-import numpy as np
+import matplotlib.pyplot as plt
 import xarray
 from harness import laws_of, main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
+import contactlab as cl
 
 SAYS = (
-    "Figure 9 shows the normal force with a high peak at every impact. The peak is called "
-    "without physical "
-    "meaning, made by a multiplier that stops the tip within one step."
+    "Figure 9 shows the normal force with a high peak at every impact. The peak is called without "
+    "physical meaning, made by a multiplier that stops the tip within one step."
 )
 STEPS = (1e-6, 2.5e-7)
 """Contact steps of the paper's law [s]; records are as fine as the finer one."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Forces over the same stretch of time."""
     laws = laws_of(setup)
-    cases: list[tuple[str, ContactLaw, float | None]] = [
-        *((f"lagrange_slip, step {1e6 * h:g} µs", laws["lagrange_slip"], h) for h in STEPS),
-        ("hertz_penalty", laws["hertz_penalty"], None),
-    ]
+    cases = {f"lagrange_slip, step {1e6 * h:g} µs": (laws["lagrange_slip"], h) for h in STEPS}
+    cases["hertz_penalty"] = (laws["hertz_penalty"], None)
     runs = [
-        simulate(
+        cl.simulate(
             setup.motor,
             law,
             duration=setup.duration,
             record_interval=setup.record_interval,
             contact_step=step,
         )
-        for _, law, step in cases
+        for law, step in cases.values()
     ]
+    force = xarray.concat([run["normal_force"] for run in runs], "case")
     return xarray.Dataset(
         {
-            "normal_force": (
-                ("case", "time"),
-                np.array([run.series["normal_force"] for run in runs]),
-                {"units": "N"},
-            ),
+            "normal_force": force,
             "peak": (
                 "case",
-                [run.contacts["peak_normal_force"].max() for run in runs],
+                [run.contacts.peak_normal_force.max() for run in runs],
                 {"units": "N"},
             ),
             "impulse": (
                 "case",
-                [run.contacts["normal_impulse"].sum() for run in runs],
+                [run.contacts.normal_impulse.sum() for run in runs],
                 {"units": "N s"},
             ),
         },
-        coords={
-            "case": [name for name, _, _ in cases],
-            "time": ("time", runs[0].time, {"units": "s"}),
-        },
+        coords={"case": [*cases]},
     )
 
 
@@ -76,8 +65,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """All forces over one period, the peaks on a logarithmic axis."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(figsize=(5.0, 2.8), layout="constrained")
     late = data.time >= data.time[-1] - 4.2e-4
     for i, case in enumerate(data.case.values):
@@ -102,9 +89,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     ratio = fine / coarse
     return (
         f"A step {STEPS[0] / STEPS[1]:g} times as short makes the peak {ratio:.2f} times as high "
-        f"({coarse:.0f} to "
-        f"{fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The Hertz contact peaks "
-        f"at {hertz:.1f} N.",
+        f"({coarse:.0f} to {fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The "
+        f"Hertz contact peaks at {hertz:.1f} N.",
         abs(ratio / (STEPS[0] / STEPS[1]) - 1.0) < 0.05 and abs(change) < 0.01,
     )
 

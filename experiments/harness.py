@@ -11,28 +11,34 @@ An experiment is a module with
 and `conf/experiment/NAME.yaml`, its difference from the default configuration.
 """
 
-import copy
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas
 import xarray
 import yaml
 from matplotlib.figure import Figure
+from tqdm import tqdm
 
-from contactlab.config import ConfigurationError, Setup, build
-from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
-from contactlab.motor import NormalModes
+import contactlab as cl
+from contactlab.config.nesting import flat, nested
 from contactlab.plot.style import STYLE
 from contactlab.results.provenance import versions
+from contactlab.sweeps import Status
 
 STIFFNESS = 1e10
 """Of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""
+
+RIGID = ("lagrange_slip", "lagrange_stick")
+"""Laws that take a contact step, not a tolerance."""
 
 NINE_DIGITS = "{:.9g}".format
 """How tables show numbers."""
@@ -64,46 +70,103 @@ class Result:
     folder: Path
 
 
-def setup_of(name: str, overrides: Sequence[str] = ()) -> Setup:
+def setup_of(name: str, overrides: Sequence[str] = ()) -> cl.Setup:
     """The checked configuration of an experiment.
 
     Raises:
         ConfigurationError: with every fault, a sentence each.
     """
-    return build([f"experiment={name}", *overrides])
+    return cl.build([f"experiment={name}", *overrides])
 
 
-def changed(setup: Setup, changes: Mapping[str, object]) -> Setup:
+def changed(setup: cl.Setup, changes: Mapping[str, object]) -> cl.Setup:
     """The setup built again with some full keys set otherwise."""
-    return build(with_values(setup.configuration, changes))
+    return cl.build(nested({**flat(setup.configuration), **changes}))
 
 
-def with_values(configuration: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """A copy of a configuration with some full keys set otherwise."""
-    result = copy.deepcopy(dict(configuration))
-    for key, value in changes.items():
-        *groups, name = key.split(".")
-        section = result
-        for group in groups:
-            section = section[group]
-        section[name] = value
-    return result
-
-
-def placed(setup: Setup, start: float, end: float) -> NormalModes:
+def placed(setup: cl.Setup, start: float, end: float) -> cl.NormalModes:
     """Modes of the configured resonator with the first patch set elsewhere [m]."""
     return changed(setup, {"placement.start": start, "placement.end": end}).motor.modes
 
 
-def laws_of(setup: Setup) -> dict[str, ContactLaw]:
+def tip_phasors(modes: cl.NormalModes, drive: cl.Drive) -> tuple[np.ndarray, np.ndarray]:
+    """Steady phasors of tip displacement [m] and slope [rad], shape (tone,)."""
+    w = drive.angular_frequency
+    dynamic = modes.stiffness[:, None] + 1j * modes.damping[:, None] * w - w**2
+    steady = (modes.coupling @ drive.phasors) / dynamic
+    return modes.tip_displacement @ steady, modes.tip_slope @ steady
+
+
+def with_clearance(motor: cl.Motor, clearance: float) -> cl.Motor:
+    """The motor with another clearance [m]."""
+    return replace(motor, geometry=replace(motor.geometry, clearance=clearance))
+
+
+def laws_of(setup: cl.Setup) -> dict[str, cl.ContactLaw]:
     """All three laws with the configured friction, and the configured stiffness if the law has one."""
     mu = setup.configuration["contact"]["friction_coefficient"]
     stiffness = setup.configuration["law"].get("stiffness") or STIFFNESS
     return {
-        "lagrange_slip": LagrangeSlip(mu),
-        "lagrange_stick": LagrangeStick(mu),
-        "hertz_penalty": HertzPenalty(stiffness, mu),
+        "lagrange_slip": cl.LagrangeSlip(mu),
+        "lagrange_stick": cl.LagrangeStick(mu),
+        "hertz_penalty": cl.HertzPenalty(stiffness, mu),
     }
+
+
+def quantity(numbers: Sequence[float] | np.ndarray, units: str) -> xarray.DataArray:
+    """Values of a swept parameter with their unit."""
+    return xarray.DataArray(np.asarray(numbers), attrs={"units": units})
+
+
+def swept(
+    setup: cl.Setup,
+    over: Mapping[str, object],
+    *,
+    motor: Callable[..., cl.Motor] | None = None,
+    laws: Mapping[str, cl.ContactLaw | Callable[..., cl.ContactLaw]] | None = None,
+    rigid_step: float | None = None,
+    **asked: Any,
+) -> xarray.Dataset:
+    """A sweep under every law, which is the first dimension.
+
+    A run that is not complete has NaN, and its reason is printed.
+
+    Args:
+        over: values by name.
+        motor: makes the motor of them; None is the configured one.
+        laws: by name, or functions that make them of the values; None is all three.
+        rigid_step: contact step of the rigid laws [s]; None is the default.
+        asked: further arguments of `contactlab.sweep`; the duration is the setup's where none is given.
+    """
+    laws, found = laws or laws_of(setup), []
+    for name, law in laws.items():
+        with tqdm(desc=name, unit=" runs", disable=None) as bar:
+            runs = cl.sweep(
+                over,
+                motor=motor or (lambda **_: setup.motor),
+                law=law,
+                contact_step=rigid_step if name in RIGID else None,
+                report=lambda count, bar=bar: bar.update(count - bar.n),
+                **{"duration": setup.duration, **asked},
+            )
+        for reason in sorted({*runs.reason.values.ravel()} - {""}):
+            print(f"{name}: {reason}", file=sys.stderr)
+        found.append(runs.drop_vars(["status", "reason"]).where(runs.status == Status.COMPLETE))
+    every = xarray.concat(found, pandas.Index([*laws], name="law")).drop_attrs(deep=False)
+    if "time" in every:
+        every.time.attrs["units"] = "s"
+    return every
+
+
+def in_chunks(
+    work: Callable[[range], pandas.DataFrame], numbers: range, size: int, workers: int
+) -> pandas.DataFrame:
+    """The rows that some work gives for chunks of numbers, in their order, made by several processes."""
+    chunks = [numbers[i : i + size] for i in range(0, len(numbers), size)]
+    # Started afresh, workers are the same on every system; each loads the compiled engine once.
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        parts = tqdm(pool.map(work, chunks), total=len(chunks), unit=f" x {size}", disable=None)
+        return pandas.concat(parts, ignore_index=True)
 
 
 def perform(
@@ -159,7 +222,7 @@ def main(name: str, arguments: Sequence[str] | None = None) -> int:
     try:
         module.__name__ = stem
         result = perform(module, folder, words)
-    except ConfigurationError as error:
+    except cl.ConfigurationError as error:
         print(*error.faults, sep="\n", file=sys.stderr)
         return REFUSED
     show(result)

@@ -7,14 +7,16 @@ how well every combination is known.
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import changed, main
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
+from table1_placement import HALF_UNITS, PRINTED, row_of
 
-from contactlab.config import Setup
-from contactlab.testing.references import PLACEMENTS, TABLE_1
+import contactlab as cl
+from contactlab.testing.references import PLACEMENTS
 
 INPUTS = {
     "placement 1 start": (15.968e-3, "m"),
@@ -26,8 +28,7 @@ INPUTS = {
     "bending modulus": (94.295e9, "Pa"),
     "bending coupling": (9.196, "C m-2"),
 }
-"""The project's defaults, which the fit has to find again from a start that is off by some "
-"percent."""
+"""The project's defaults, which the fit has to find again from a start that is off by some percent."""
 
 KEYS = (
     "resonator.tip_mass",
@@ -38,24 +39,21 @@ KEYS = (
 """Of the last four inputs."""
 
 QUANTITIES = ("G11", "G21", "G31", "f1", "f2")
-HALF_UNITS = np.array([0.5e-3, 0.5e-3, 0.5e-3, 5.0, 5.0] * 2)
 
 SAYS = (
-    "Table 1 gives couplings and frequencies for two placements of the patches. Where the "
-    "patches lie is drawn, "
-    "not written, and neither mass nor inertia of the tip nor the constants of the ceramic are "
-    "given."
+    "Table 1 gives couplings and frequencies for two placements of the patches. Where the patches "
+    "lie is drawn, not written, and neither mass nor inertia of the tip nor the constants of the "
+    "ceramic are given."
 )
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Fit all inputs to the table; a fit takes a second, so the short form is the whole one."""
     names, defaults = list(INPUTS), np.array([value for value, _ in INPUTS.values()])
-    printed = np.concatenate([np.concatenate(TABLE_1[placement]) for placement in PLACEMENTS])
 
     def misses(relative: np.ndarray) -> np.ndarray:
         """Misses of a set of inputs, in half units of the printed digit."""
-        return (_table_of(setup, relative * defaults) - printed) / HALF_UNITS
+        return ((_table_of(setup, relative * defaults) - PRINTED) / HALF_UNITS).ravel()
 
     # A rectangle of half width 1 has a standard deviation of 1/sqrt(3).
     start = 1.0 + 0.03 * np.array([1.0, -1.0] * 4)
@@ -85,15 +83,14 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def _table_of(setup: Setup, inputs: np.ndarray) -> np.ndarray:
-    """The ten numbers of Table 1 that these inputs give [N/V], [Hz]."""
+def _table_of(setup: cl.Setup, inputs: np.ndarray) -> np.ndarray:
+    """The numbers of Table 1 that these inputs give [N/V], [Hz], a row a placement."""
     rows = []
     shared = dict(zip(KEYS, (float(x) for x in inputs[4:]), strict=True))
     for start, end in (inputs[:2], inputs[2:4]):
         places = {"placement.start": float(start), "placement.end": float(end)}
-        modes = changed(setup, shared | places).motor.modes
-        rows += [modes.shape_coupling[:3, 0], modes.natural_frequency[:2]]
-    return np.concatenate(rows)
+        rows.append(row_of(changed(setup, shared | places).motor.modes))
+    return np.array(rows)
 
 
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
@@ -112,8 +109,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Uncertainty of every input, and what the fit leaves of every number of the table."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     order = np.argsort(data.relative_uncertainty.values)
     left.barh(data.input.values[order], 100.0 * data.relative_uncertainty.values[order])
@@ -138,13 +133,11 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     share = vector.values**2
     pair = data.input.values[np.argsort(share)[-2:]]
     sentence = (
-        f"All ten numbers are met within {worst:.2f} half units. Each of the eight inputs "
-        "follows, the least sure "
-        f"is the {data.input.values[loosest]} to "
-        f"{100.0 * float(data.relative_uncertainty[loosest]):.1f} %; "
-        f"{pair[1]} and {pair[0]} are known less together than each alone. Friction, drive "
-        "frequency, tip radius, "
-        "rotor damping and time steps do not enter Table 1 and stay undetermined."
+        f"All ten numbers are met within {worst:.2f} half units. Each of the eight inputs follows, "
+        f"the least sure is the {data.input.values[loosest]} to "
+        f"{100.0 * float(data.relative_uncertainty[loosest]):.1f} %; {pair[1]} and {pair[0]} are "
+        "known less together than each alone. Friction, drive frequency, tip radius, rotor damping "
+        "and time steps do not enter Table 1 and stay undetermined."
     )
     return sentence, worst <= 1.0 and float(data.relative_uncertainty.max()) < 0.1
 

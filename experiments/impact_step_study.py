@@ -5,48 +5,47 @@ A rigid impact takes one step h, so that its force is impulse / h (eq. 59); the 
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import laws_of, main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
-from contactlab.engine import simulate
+import contactlab as cl
 
 SAYS = (
     "Figure 9 shows peaks of the normal force at every impact. The paper calls them a product of "
-    "the multiplier, "
-    "which stops the tip within one time step, without physical meaning; the velocity of the "
-    "rotor has one, since "
-    "it follows from the impulse. Contact stiffness, by Hertz, is proposed as the remedy."
+    "the multiplier, which stops the tip within one time step, without physical meaning; the "
+    "velocity of the rotor has one, since it follows from the impulse. Contact stiffness, by "
+    "Hertz, is proposed as the remedy."
 )
 STEPS = tuple(10.0**-k for k in np.arange(6.0, 8.01, 0.25))
-LAWS = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """All steps for every law; the step of the Hertz contact is its longest."""
-    steps = np.array(STEPS[::4] if short else STEPS)
+    steps = STEPS[::4] if short else STEPS
     laws = laws_of(setup)
-    peaks, impulses = np.empty((3, steps.size)), np.empty((3, steps.size))
-    for i, law in enumerate(laws.values()):
-        for j, step in enumerate(steps):
-            run = simulate(
-                setup.motor,
-                law,
-                duration=setup.duration,
-                record_interval=setup.duration,
-                contact_step=float(step),
-            )
-            peaks[i, j] = run.contacts["peak_normal_force"].max()
-            impulses[i, j] = run.contacts["normal_impulse"].sum()
+    runs = [
+        cl.sweep(
+            {"law": [*laws]},
+            motor=lambda **_: setup.motor,
+            law=lambda law: laws[law],
+            duration=setup.duration,
+            contact_step=step,
+            metrics=("peak_force", "total_impulse"),
+        )
+        for step in steps
+    ]
+    found = xarray.concat(runs, "contact_step").transpose("law", ...)
+    exponents = _exponents(np.array(steps), found.peak_force.values)
     return xarray.Dataset(
         {
-            "peak_normal_force": (("law", "contact_step"), peaks, {"units": "N"}),
-            "normal_impulse": (("law", "contact_step"), impulses, {"units": "N s"}),
-            "peak_exponent": ("law", _exponents(steps, peaks), {"units": "1"}),
+            "peak_normal_force": found.peak_force,
+            "normal_impulse": found.total_impulse,
+            "peak_exponent": ("law", exponents, {"units": "1"}),
         },
-        coords={"law": list(LAWS), "contact_step": ("contact_step", steps, {"units": "s"})},
+        coords={"contact_step": ("contact_step", list(steps), {"units": "s"})},
     )
 
 
@@ -64,18 +63,16 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
             "peak normal force [N]": float(data.peak_normal_force.sel(law=law, contact_step=step)),
             "normal impulse [N s]": float(data.normal_impulse.sel(law=law, contact_step=step)),
         }
-        for law in LAWS
+        for law in data.law.values
         for step in data.contact_step.values
     ]
 
 
 def draw(data: xarray.Dataset) -> Figure:
     """Peaks on the left, impulses on the right."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     step = 1e6 * data.contact_step.values
-    for i, law in enumerate(LAWS):
+    for i, law in enumerate(data.law.values):
         # The rigid laws lie upon each other: the first shows as a ring.
         ring = {"markersize": 7, "markerfacecolor": "none"} if i == 0 else {}
         left.loglog(step, data.peak_normal_force[i], "os^"[i] + "-", label=law, **ring)
@@ -96,10 +93,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     drift = float(np.abs(data.normal_impulse[:, -1] / data.normal_impulse[:, -2] - 1.0).max())
     sentence = (
         f"The peak force of the rigid laws goes with the step to the power {slip:.3f} (slip) and "
-        f"{stick:.3f} "
-        f"(stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses converge; the "
-        "last refinement "
-        f"changes them by {100.0 * drift:.2g} % at most."
+        f"{stick:.3f} (stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses "
+        f"converge; the last refinement changes them by {100.0 * drift:.2g} % at most."
     )
     return sentence, abs(slip + 1.0) < 0.02 and abs(stick + 1.0) < 0.02 and abs(
         hertz

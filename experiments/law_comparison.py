@@ -8,24 +8,22 @@ difference between laws stands beside the numerical error of both.
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import REFUSED, changed, laws_of, main, setup_of
+from harness import REFUSED, changed, laws_of, main
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+import contactlab as cl
 from contactlab.comparison.reruns import FINER, richardson
-from contactlab.config import Setup
-from contactlab.engine import simulate
+from contactlab.config import compose
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
-from contactlab.laws import ContactLaw, law_class, law_names
-from contactlab.laws.base import MultiplierLaw
-from contactlab.laws.registry import build_law
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
-from contactlab.results.netcdf import to_datatree
 
 SAYS = (
     "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "
@@ -51,60 +49,56 @@ CLEAR = 3.0
 """A range of this many numerical errors is a difference between laws."""
 
 
-def laws_with(setup: Setup) -> dict[str, ContactLaw]:
-    """The paper's laws and those named, with the configured friction."""
-    mu = setup.configuration["contact"]["friction_coefficient"]
-    return laws_of(setup) | {name: build_law(law_class(name), section(name), mu) for name in NAMED}
+def laws_with(setup: cl.Setup, named: Sequence[str]) -> dict[str, cl.ContactLaw]:
+    """The paper's laws and those named, with the configured friction and rotor."""
+    solver = {**setup.configuration["solver"], "contact_step": None, "tolerance": None}
+    given = {**setup.configuration, "solver": solver}
+    return laws_of(setup) | {name: cl.build({**given, "law": section(name)}).law for name in named}
 
 
 @cache
 def section(name: str) -> dict[str, Any]:
     """The parameters of a law where nothing is said of them."""
-    chosen: dict[str, Any] = setup_of("law_comparison", [f"law={name}"]).configuration["law"]
+    chosen: dict[str, Any] = compose([f"law={name}"])["law"]
     return chosen
 
 
-def measured(setup: Setup, law: ContactLaw) -> tuple[float, float, float, list[str]]:
+def measured(setup: cl.Setup, law: cl.ContactLaw) -> tuple[float, float, float, list[str]]:
     """Final rotor velocity and its numerical error, share of stick, and the thresholds that fail."""
-    rigid = isinstance(law, MultiplierLaw)
-    divisors = FINER["contact_step" if rigid else "tolerance"]
-    coarsest = law.default_contact_step if rigid else DEFAULT_TOLERANCE
+    rigid = isinstance(law, cl.MultiplierLaw)
+    control, coarsest = (
+        ("contact_step", law.default_contact_step) if rigid else ("tolerance", DEFAULT_TOLERANCE)
+    )
+    plain = replace(setup, law=law, contact_step=None, tolerance=None)
     steps = []
-    for divisor in divisors:
-        run = simulate(
-            setup.motor,
-            law,
-            duration=setup.duration,
-            record_interval=setup.record_interval,
-            contact_step=coarsest / divisor if rigid else None,
-            tolerance=None if rigid else coarsest / divisor,
-        )
+    for divisor in FINER[control]:
+        run = cl.simulate(plain, **{control: coarsest / divisor})
         if not run.complete:
             return np.nan, np.nan, np.nan, []
-        steps.append((coarsest / divisor, to_datatree(run, setup.configuration)))
+        steps.append((coarsest / divisor, run.tree))
     velocities = [np.asarray(tree["rotor_velocity"].values[-1]) for _, tree in steps]
     values = assess(steps[-1][1]) | assess_steps(steps)
     judged = {**METRICS, **STEP_METRICS}
     broken = [key for key, metric in judged.items() if metric.verdict(values[key]) == FAIL]
-    error = float(richardson(velocities, divisors[1], law.convergence_order))
+    error = float(richardson(velocities, FINER[control][1], law.convergence_order))
     return float(velocities[-1]), error, values["stick_share"], broken
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Every law at every point of every sweep; the short form is two points each."""
     points = [
         (key, float(value))
         for key, values in SWEEPS.items()
         for value in (values[[4, 10]] if short else values)
     ]
-    names = list(laws_with(setup))
+    names = list(laws_with(setup, NAMED))
     judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.threshold]
     shape = (len(names), len(points))
     velocity, error, stick = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
     fails = np.zeros((*shape, len(judged)), dtype=np.int8)
     for j, (key, value) in enumerate(tqdm(points, unit=" points", disable=None)):
         there = changed(setup, {key: value})
-        for i, law in enumerate(laws_with(there).values()):
+        for i, law in enumerate(laws_with(there, NAMED).values()):
             velocity[i, j], error[i, j], stick[i, j], broken = measured(there, law)
             fails[i, j] = [metric in broken for metric in judged]
     both = ("law", "point")
@@ -149,8 +143,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Velocities above, how far the laws are apart against their numerical errors below."""
-    import matplotlib.pyplot as plt
-
     figure, panels = plt.subplots(
         2, len(SWEEPS), figsize=(7.0, 4.2), sharey="row", sharex="col", layout="constrained"
     )
@@ -199,9 +191,9 @@ def run(words: Sequence[str]) -> int:
     """Take the laws out of the arguments and run the experiment; returns the exit status."""
     names = [word for word in words if "=" not in word and not word.startswith("-")]
     for name in names:
-        if name not in law_names():
+        if name not in cl.law_names():
             print(
-                f"There is no law '{name}'; it must be one of {', '.join(law_names())}. "
+                f"There is no law '{name}'; it must be one of {', '.join(cl.law_names())}. "
                 "`contactlab laws` describes them.",
                 file=sys.stderr,
             )

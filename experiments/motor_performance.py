@@ -20,11 +20,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from harness import tip_phasors
 from scipy.optimize import brentq
 
-from contactlab.config import ConfigurationError, Setup
+import contactlab as cl
 from contactlab.engine import simulate
-from contactlab.trajectory import Ending
 
 BELT = 1e9
 """Inertia of a rotor that nothing turns [kg m^2]; an hour of 1 N m changes its velocity by 4 urad/s."""
@@ -75,7 +75,7 @@ class Performance:
     runs: int
 
 
-def refuse_unfit(setup: Setup) -> None:
+def refuse_unfit(setup: cl.Setup) -> None:
     """Refuse a configuration in which the numbers mean something else.
 
     Raises:
@@ -95,10 +95,10 @@ def refuse_unfit(setup: Setup) -> None:
             "itself with its first tone and means over a period are means for ever. The paper takes 2."
         )
     if faults:
-        raise ConfigurationError(faults)
+        raise cl.ConfigurationError(faults)
 
 
-def on_belt(setup: Setup, velocity: float) -> OnBelt:
+def on_belt(setup: cl.Setup, velocity: float) -> OnBelt:
     """Let the motor rub on a rotor of fixed velocity [rad/s] until its vibration has settled.
 
     Raises:
@@ -111,6 +111,7 @@ def on_belt(setup: Setup, velocity: float) -> OnBelt:
     quarter = max(int(np.ceil(0.25 * setup.duration / period)), 1)
     radius = motor.geometry.rotor_radius
     for _ in range(1 + DOUBLINGS):
+        # The engine alone: a search makes thousands of runs and keeps none of them.
         run = simulate(
             motor,
             setup.law,
@@ -119,14 +120,13 @@ def on_belt(setup: Setup, velocity: float) -> OnBelt:
             contact_step=setup.contact_step,
             tolerance=setup.tolerance,
         )
-        if run.ending is Ending.INTERRUPTED:
+        if run.ending is cl.Ending.INTERRUPTED:
             raise KeyboardInterrupt(run.message)
         if not run.complete:
             raise NoMotorError(run.message)
-        before, after = -radius * run.series["friction_force"][1:].reshape(4, quarter)[2:].mean(
-            axis=1
-        )
-        normal = run.series["normal_force"][1:][-quarter:].mean()
+        friction = run.series["friction_force"][1:].reshape(4, quarter)
+        before, after = -radius * friction[2:].mean(axis=1)
+        normal = run.series["normal_force"][-quarter:].mean()
         if abs(after - before) <= STEADY * radius * normal:
             break
         quarter *= 2
@@ -134,12 +134,11 @@ def on_belt(setup: Setup, velocity: float) -> OnBelt:
         raise NoMotorError(f"The vibration has not settled after {2 * quarter} periods.")
     if normal == 0.0:
         raise NoMotorError("The tip does not touch the rotor.")
-    ends = run.contacts["start_time"] + run.contacts["duration"]
-    late = ends >= 3 * quarter * period
+    late = run.contacts["start_time"] + run.contacts["duration"] >= 3 * quarter * period
     return OnBelt(float(after), float(run.contacts["peak_normal_force"][late].max()))
 
 
-def performance(setup: Setup, watch: Callable[[float, int], None] | None = None) -> Performance:
+def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = None) -> Performance:
     """Measure a motor.
 
     Args:
@@ -184,10 +183,7 @@ def _estimate(pushes: dict[float, float]) -> float:
     return below + share * (above - below)
 
 
-def tip_speed(setup: Setup) -> float:
+def tip_speed(setup: cl.Setup) -> float:
     """Largest velocity of the tip along the rotor in steady vibration without contact [m/s], or above."""
-    modes, drive = setup.motor.modes, setup.motor.drive
-    tones = 1j * drive.angular_frequency
-    dynamic = modes.stiffness[:, None] + modes.damping[:, None] * tones + tones**2
-    slope = modes.tip_slope @ (modes.coupling @ drive.phasors / dynamic)
+    drive, (_, slope) = setup.motor.drive, tip_phasors(setup.motor.modes, setup.motor.drive)
     return float(setup.motor.geometry.tip_length * drive.angular_frequency @ np.abs(slope))

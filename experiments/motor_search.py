@@ -19,7 +19,7 @@ from optuna.trial import FrozenTrial, Trial, TrialState
 from study_file import study_in
 from tqdm import tqdm
 
-from contactlab.config import ConfigurationError, Setup
+import contactlab as cl
 
 NAME = "optimise_motor"
 OWN = ("trials", "seed", "objective", "study")
@@ -97,7 +97,7 @@ def search_of(words: Sequence[str]) -> tuple[Search, list[str]]:
     if objective not in OBJECTIVES:
         faults.append(f"objective is {objective}; it must be one of {', '.join(OBJECTIVES)}.")
     if faults:
-        raise ConfigurationError(faults)
+        raise cl.ConfigurationError(faults)
     groups = {key.split(".")[0] if key.startswith("placement.") else key for key in given}
     # Without a number, a frequency is that of the resonance, about which is searched anyhow.
     held = frozenset(
@@ -108,7 +108,9 @@ def search_of(words: Sequence[str]) -> tuple[Search, list[str]]:
     return Search(**numbers, objective=objective, held=held, file=file), rest
 
 
-def ranges_of(setup: Setup, held: frozenset[str] = frozenset()) -> dict[str, tuple[float, float]]:
+def ranges_of(
+    setup: cl.Setup, held: frozenset[str] = frozenset()
+) -> dict[str, tuple[float, float]]:
     """Least and largest value of every variable that is not held.
 
     phase               of the first tone [rad]. Half a period of the second tone later, pi/ratio in the
@@ -131,13 +133,13 @@ def ranges_of(setup: Setup, held: frozenset[str] = frozenset()) -> dict[str, tup
     }
     kept = {name for key in held for name in KEYS[key]}
     if kept == set(everything):
-        raise ConfigurationError(
+        raise cl.ConfigurationError(
             [f"{', '.join(KEYS)} are all given; at least one must be left to be searched."]
         )
     return {name: bounds for name, bounds in everything.items() if name not in kept}
 
 
-def designed(setup: Setup, values: Mapping[str, float]) -> Setup:
+def designed(setup: cl.Setup, values: Mapping[str, float]) -> cl.Setup:
     """The motor with the variables set; those that are not there stay as configured."""
     changes: dict[str, object] = {}
     if "phase" in values:
@@ -158,7 +160,7 @@ def designed(setup: Setup, values: Mapping[str, float]) -> Setup:
     return changed(placed, {"drive.frequency": values["relative_frequency"] * natural})
 
 
-def searched(setup: Setup, search: Search) -> list[FrozenTrial]:
+def searched(setup: cl.Setup, search: Search) -> list[FrozenTrial]:
     """The finished trials, in order; what a study file holds already is not run again.
 
     Raises:
@@ -205,7 +207,7 @@ def sampler(seed: int) -> optuna.samplers.BaseSampler:
     return optuna.samplers.NSGAIISampler(seed=seed, population_size=POPULATION)
 
 
-def attempt(study: optuna.Study, trial: Trial, setup: Setup) -> None:
+def attempt(study: optuna.Study, trial: Trial, setup: cl.Setup) -> None:
     """Measure one motor and tell the study, which keeps the numbers with the trial.
 
     A motor without contact, steady vibration or torque is pruned after the run at rest that shows it. If the

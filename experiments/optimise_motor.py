@@ -16,6 +16,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import REFUSED, laws_of, main
@@ -24,7 +25,7 @@ from motor_performance import NoMotorError, performance, refuse_unfit
 from scipy.stats import spearmanr
 from tqdm import tqdm
 
-from contactlab.config import ConfigurationError, Setup
+import contactlab as cl
 from contactlab.laws.base import MultiplierLaw
 
 try:
@@ -56,7 +57,7 @@ FORCE = ("peak normal force", "peak impulse over contact step")
 INTERRUPTED = 130
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Search, and measure the best once more under another law; the short form has six trials."""
     refuse_unfit(setup)
     search = replace(ASKED[0], trials=6) if short else ASKED[0]
@@ -64,7 +65,7 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     try:
         configured = performance(setup)
     except NoMotorError as error:
-        raise ConfigurationError(
+        raise cl.ConfigurationError(
             [f"The configured motor is none to compare with: {error} Change its configuration."]
         ) from error
     trials = searched(setup, search)
@@ -112,7 +113,7 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def _velocity(setup: Setup) -> float:
+def _velocity(setup: cl.Setup) -> float:
     try:
         return performance(setup).velocity
     except NoMotorError:
@@ -162,8 +163,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """What the motors can do, and where their patches lie; the best have an edge."""
-    import matplotlib.pyplot as plt
-
     figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.1), layout="constrained")
     found = data.isel(motor=slice(1, None))
     trials = found.where(np.isfinite(found.velocity), drop=True).sortby("velocity")
@@ -279,7 +278,7 @@ def run(words: Sequence[str]) -> int:
     """Take the search out of the arguments and run the experiment; returns the exit status."""
     try:
         search, rest = search_of(words)
-    except ConfigurationError as error:
+    except cl.ConfigurationError as error:
         print(*error.faults, sep="\n", file=sys.stderr)
         return REFUSED
     ASKED[0] = search

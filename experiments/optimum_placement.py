@@ -6,6 +6,7 @@ Along the curve f2(start, end) = 2 f1(start, end) the coupling |Gamma_31| is fol
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import main, placed
@@ -13,18 +14,17 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from tqdm import tqdm
 
-from contactlab.config import Setup
+import contactlab as cl
 
 SAYS = (
     "Two placements are compared, with f2/f1 of 2.67 and 1.71, and a ratio of two is said to be "
-    "within reach by "
-    "moving the patches further; no such placement is given."
+    "within reach by moving the patches further; no such placement is given."
 )
 SHORTEST = 1e-3
 """Shortest patch [m]."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """A map of ratio and couplings, and the curve on which the ratio is two."""
     half = 0.5 * setup.configuration["resonator"]["length"]
     places = np.linspace(0.0, half, 20 if short else 96)
@@ -56,14 +56,14 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def _numbers(setup: Setup, start: float, end: float) -> tuple[float, np.ndarray]:
+def _numbers(setup: cl.Setup, start: float, end: float) -> tuple[float, np.ndarray]:
     """f2/f1 and the first three couplings of the first patch set [N/V]."""
     modes = placed(setup, float(start), float(end))
     ratio = modes.natural_frequency[1] / modes.natural_frequency[0]
     return float(ratio), modes.shape_coupling[:3, 0]
 
 
-def _curve(setup: Setup, places: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+def _curve(setup: cl.Setup, places: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     """Placements (start, end) of ratio two, every crossing of every row of the map refined."""
     found = []
     for i, start in enumerate(places):
@@ -100,8 +100,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """The map with the curve, and the trade-off along it."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.0), layout="constrained")
     mesh = left.pcolormesh(
         1e3 * data.end, 1e3 * data.start, data.frequency_ratio, cmap="viridis", vmin=1.5, vmax=3.0
@@ -133,10 +131,9 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     sentence = (
         f"A ratio of two is within reach: patches from {1e3 * float(point.curve[0]):.2f} to "
         f"{1e3 * float(point.curve[1]):.2f} mm have f2/f1 = {float(point.curve_ratio):.4f} with "
-        "couplings of "
-        f"{first:.4f}, {second:.4f} and {third:.4f} N/V. |Gamma_31| can be made as small as "
-        f"{least:.1e} N/V along "
-        "the curve, but there the couplings that drive the motor shrink as well."
+        f"couplings of {first:.4f}, {second:.4f} and {third:.4f} N/V. |Gamma_31| can be made as "
+        f"small as {least:.1e} N/V along the curve, but there the couplings that drive the motor "
+        "shrink as well."
     )
     return sentence, abs(float(point.curve_ratio) - 2.0) < 1e-3
 

@@ -13,14 +13,12 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
 
 import pandas as pd
-from tqdm import tqdm
+from harness import in_chunks
 
 from contactlab.testing.random_flights import FAULTS, judged, tally
 
@@ -30,12 +28,7 @@ CHUNK = 100
 
 def measure(flights: int, workers: int, seed: int) -> pd.DataFrame:
     """Run flights 0 to `flights` - 1 of a seed; gives a row for each, see `judged`."""
-    chunks = [range(i, min(i + CHUNK, flights)) for i in range(0, flights, CHUNK)]
-    # Started afresh, workers are the same on every system; each loads the compiled engine once.
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        parts = pool.map(partial(judged, seed), chunks)
-        rows = list(tqdm(parts, total=len(chunks), unit=" hundreds", disable=None))
-    return pd.concat(rows, ignore_index=True)
+    return in_chunks(partial(judged, seed), range(flights), CHUNK, workers)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,25 +12,24 @@ command line of every such run is printed.
 """
 
 import argparse
+import json
 import os
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import lru_cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
 import pandas as pd
-from harness import with_values
+from harness import in_chunks
 from random_configuration import COMPOSED, random_configuration
-from tqdm import tqdm
 
-from contactlab.config import ConfigurationError, build, compose
-from contactlab.engine import simulate
-from contactlab.metrics import FAIL, INVARIANTS, METRICS, Run, assess
+import contactlab as cl
+from contactlab.config import compose
+from contactlab.config.nesting import flat, nested
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, assess
 
 FIGURES: Final = (
     *INVARIANTS,
@@ -46,7 +45,8 @@ COMPLETE, REFUSED = "complete", "refused"
 
 @lru_cache
 def _base(groups: frozenset[tuple[str, str]]) -> dict[str, Any]:
-    return compose([f"{group}={option}" for group, option in sorted(groups)])
+    """The values by full key where these options are chosen."""
+    return flat(compose([f"{group}={option}" for group, option in sorted(groups)]))
 
 
 def outcome_of(number: int, seed: int = 0) -> dict[str, Any]:
@@ -62,18 +62,12 @@ def outcome_of(number: int, seed: int = 0) -> dict[str, Any]:
     name = f"{law}, {groups['law/friction']}" if law == COMPOSED else law
     started = perf_counter()
     try:
-        setup = build(with_values(_base(frozenset(groups.items())), values))
-    except ConfigurationError as fault:
+        setup = cl.build(nested(_base(frozenset(groups.items())) | values))
+    except cl.ConfigurationError as fault:
         outcome = {"ending": REFUSED, "message": str(fault), "contacts": 0, "steps": 0}
         return {"number": number, "law": name, "seconds": 0.0, **outcome}
-    run = simulate(
-        setup.motor,
-        setup.law,
-        duration=setup.duration,
-        record_interval=min(setup.record_interval, setup.duration),
-        contact_step=setup.contact_step,
-        tolerance=setup.tolerance,
-    )
+    run = cl.simulate(setup, record_interval=min(setup.record_interval, setup.duration))
+    statistics = json.loads(run.tree.attrs["solver_statistics"])
     steps = ("flight_steps", "contact_steps", "rejected_steps")
     return {
         "number": number,
@@ -81,9 +75,9 @@ def outcome_of(number: int, seed: int = 0) -> dict[str, Any]:
         "seconds": perf_counter() - started,
         "ending": run.ending.name.lower(),
         "message": run.message,
-        "contacts": len(run.contacts["start_time"]),
-        "steps": sum(run.statistics[name] for name in steps),
-        **assess(Run.of_trajectory(run, setup.configuration), set(FIGURES)),
+        "contacts": run.contacts.start_time.size,
+        "steps": sum(statistics[name] for name in steps),
+        **assess(run.tree, set(FIGURES)),
     }
 
 
@@ -97,15 +91,6 @@ def outcomes_of(numbers: Iterable[int], seed: int = 0) -> pd.DataFrame:
     """Run some configurations, one after the other; gives a row for each, see `outcome_of`."""
     rows = pd.DataFrame([outcome_of(number, seed) for number in numbers])
     return rows.reindex(columns=rows.columns.union(FIGURES, sort=False))
-
-
-def search(numbers: range, workers: int, seed: int) -> pd.DataFrame:
-    """Run configurations in several processes; the outcomes in order of their numbers."""
-    chunks = [numbers[i : i + CHUNK] for i in range(0, len(numbers), CHUNK)]
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        parts = pool.map(partial(outcomes_of, seed=seed), chunks)
-        rows = list(tqdm(parts, total=len(chunks), unit=f" x {CHUNK} motors", disable=None))
-    return pd.concat(rows, ignore_index=True)
 
 
 def table(outcomes: pd.DataFrame) -> pd.DataFrame:
@@ -198,7 +183,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Matrices this small are slower on threads, and the workers take all cores already.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     numbers = range(options.first, options.first + options.motors)
-    outcomes = search(numbers, options.workers, options.seed)
+    outcomes = in_chunks(partial(outcomes_of, seed=options.seed), numbers, CHUNK, options.workers)
     show(outcomes, options.seed)
     table(outcomes).to_csv(options.csv)
     if options.page:

@@ -10,13 +10,11 @@ from math import pi
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.testing.plants import block, way_of
-
-Array = NDArray[np.float64]
 
 DURATION, DEPTH, WAY, MASS = 50e-6, 1e-6, 1e-6, 1e3
 """[s], [m], [m], [kg]."""

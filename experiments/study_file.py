@@ -15,6 +15,7 @@ import optuna
 from sqlalchemy.pool import StaticPool
 
 from contactlab.config import ConfigurationError
+from contactlab.config.nesting import flat
 
 NAME = "contactlab"
 """Of the one study in the file."""
@@ -101,7 +102,7 @@ def _why(file: Path, error: object) -> str:
 
 
 def _refuse_others(file: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
-    before, now = dict(_flat(made)), dict(_flat(asked))
+    before, now = flat(made), flat(asked)
     differ = [key for key in {**now, **before} if before.get(key) != now.get(key)]
     if differ:
         told = [f"{key} = {before.get(key)}, not {now.get(key)}" for key in differ[:DIFFERENCES]]
@@ -112,12 +113,3 @@ def _refuse_others(file: Path, made: Mapping[str, Any], asked: Mapping[str, Any]
                 "search. Choose another file by study=FILE or output=DIR."
             ]
         )
-
-
-def _flat(settings: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
-    """Every key in full with its value."""
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{path}{key}.")
-        else:
-            yield f"{path}{key}", value

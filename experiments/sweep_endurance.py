@@ -61,14 +61,19 @@ def killed(runs: int, kills: int, workers: int, folder: Path, seconds: float) ->
     found = []
     for _ in range(kills):
         with subprocess.Popen(command(runs, workers, folder), stdout=subprocess.DEVNULL) as running:
-            before = len(list((folder / CHUNKS).glob("*.npz")))
-            while len(list((folder / CHUNKS).glob("*.npz"))) == before and running.poll() is None:
+            before = finished(folder)
+            while finished(folder) == before and running.poll() is None:
                 sleep(0.01)
             sleep(choice.uniform(0.0, 0.5 * seconds / (kills + 1)))
             running.send_signal(signal.SIGKILL)
-        found.append(len(list((folder / CHUNKS).glob("*.npz"))))
+        found.append(finished(folder))
     subprocess.run(command(runs, workers, folder), check=True, stdout=subprocess.DEVNULL)
     return found
+
+
+def finished(folder: Path) -> int:
+    """Count the chunks in the folder of a sweep."""
+    return len(list((folder / CHUNKS).glob("*.npz")))
 
 
 def family(process: int) -> Iterator[int]:

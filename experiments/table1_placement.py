@@ -2,12 +2,13 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import main, placed
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
+import contactlab as cl
 from contactlab.testing.references import PLACEMENTS, TABLE_1
 
 SAYS = (
@@ -20,18 +21,16 @@ UNITS = ("N V-1", "N V-1", "N V-1", "Hz", "Hz")
 HALF_UNITS = np.array([0.5e-3, 0.5e-3, 0.5e-3, 5.0, 5.0])
 """Half a unit of the last printed digit."""
 
+PRINTED = np.array([np.concatenate(TABLE_1[placement]) for placement in PLACEMENTS])
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Both placements with the resonator's other inputs as they are configured."""
-    rows = []
-    for start, end in PLACEMENTS.values():
-        modes = placed(setup, start, end)
-        rows.append(np.concatenate([modes.shape_coupling[:3, 0], modes.natural_frequency[:2]]))
-    printed = np.array([np.concatenate(TABLE_1[placement]) for placement in PLACEMENTS])
+    rows = [row_of(placed(setup, start, end)) for start, end in PLACEMENTS.values()]
     return xarray.Dataset(
         {
             "computed": (("placement", "quantity"), np.array(rows)),
-            "printed": (("placement", "quantity"), printed),
+            "printed": (("placement", "quantity"), PRINTED),
             "half_unit": ("quantity", HALF_UNITS),
         },
         coords={
@@ -40,6 +39,11 @@ def study(setup: Setup, short: bool = False) -> xarray.Dataset:
             "unit": ("quantity", list(UNITS)),
         },
     )
+
+
+def row_of(modes: cl.NormalModes) -> np.ndarray:
+    """The numbers of one placement: three couplings [N/V], two natural frequencies [Hz]."""
+    return np.concatenate([modes.shape_coupling[:3, 0], modes.natural_frequency[:2]])
 
 
 def misses(data: xarray.Dataset) -> xarray.DataArray:
@@ -64,8 +68,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """The differences against the rounding of the table."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(figsize=(3.4, 2.4), layout="constrained")
     places = np.arange(len(QUANTITIES))
     axes.axhspan(-1.0, 1.0, color="0.9", label="rounding of the table")

@@ -2,21 +2,21 @@
 
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from harness import main
 from matplotlib.figure import Figure
 
-from contactlab.config import Setup
+import contactlab as cl
 from contactlab.engine.plant import delassus, plant_of
 from contactlab.laws import LagrangeSlip
 from contactlab.motor.geometry import contact_frame
 
 SAYS = (
-    "Table 2 lists the sign of the slip and the direction of the friction on the tip for all "
-    "signs of the "
-    "tip's velocity and the rotor's: left where the tip is ahead of the rotor, right where it is "
-    "behind."
+    "Table 2 lists the sign of the slip and the direction of the friction on the tip for all signs "
+    "of the tip's velocity and the rotor's: left where the tip is ahead of the rotor, right where "
+    "it is behind."
 )
 CASES = (
     (1.0, 0.5, "+", "left"),
@@ -29,7 +29,7 @@ CASES = (
 """v_T and R Omega [m/s], and what is printed for them."""
 
 
-def study(setup: Setup, short: bool = False) -> xarray.Dataset:
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """The friction impulse of an impact of the configured motor in every case."""
     plant, geometry = plant_of(setup.motor), setup.motor.geometry
     _, n_u, n_th, t_u, t_th = contact_frame(
@@ -81,8 +81,6 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Both velocities and the friction as arrows, a row a case."""
-    import matplotlib.pyplot as plt
-
     figure, axes = plt.subplots(figsize=(3.4, 2.6), layout="constrained")
     height = np.arange(data.case.size)[::-1]
     for values, lift, label in (

@@ -8,6 +8,7 @@ from typing import Any, final
 from scipy.optimize import brentq
 
 from contactlab.engine import simulate
+from contactlab.engine.simulation import take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.motor.motor import Motor
 from contactlab.testing.plants import block, paper_motor
@@ -142,10 +143,13 @@ class Bench:
         law = self.law
         if not isinstance(law, PenaltyLaw):
             return 0.0
-        force, parameters = law.force, law.parameters()
+        # A law that reads beyond its parameters answers with what happens to lie there.
+        parameters, (force, *_), law_errors = take_in(law)
 
         def missing(exponent: float) -> float:
-            return force(-(10.0**exponent), 0.0, 0.0, 0.0, parameters)[0] - WEIGHT
+            with law_errors():
+                normal: float = force(-(10.0**exponent), 0.0, 0.0, 0.0, parameters)[0]
+            return normal - WEIGHT
 
         # From shallow to deep: how deep the law is valid is not known.
         depths = (0.5 * k for k in range(-30, 1))

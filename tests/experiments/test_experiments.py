@@ -1,18 +1,18 @@
 """Every experiment in its short form: it leaves its files, and one number of it is physics."""
 
-import importlib
-import sys
-from collections.abc import Callable, Iterator
-from functools import cache
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
+import all as everything
+import harness
+import law_comparison
 import numpy as np
 import pytest
+import table2_friction_signs
 import xarray
 from support.configurations import CONF
-
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 
 Number = Callable[[xarray.Dataset], float]
 
@@ -82,21 +82,9 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
 }
 
 
-@pytest.fixture(scope="module", autouse=True)
-def scripts_are_importable() -> Iterator[None]:
-    sys.path.insert(0, str(EXPERIMENTS))
-    yield
-    sys.path.remove(str(EXPERIMENTS))
-
-
-@cache
-def module(name: str) -> ModuleType:
-    return importlib.import_module(name)
-
-
 @pytest.mark.parametrize("name", NUMBERS)
 def test_short_form_leaves_its_files_and_its_number(name: str, tmp_path: Path) -> None:
-    result = module("harness").perform(module(name), tmp_path, short=True)
+    result = harness.perform(import_module(name), tmp_path, short=True)
     assert result.says
     assert len(result.rows)
     assert (tmp_path / "figure.png").stat().st_size > 5000
@@ -110,21 +98,18 @@ def test_short_form_leaves_its_files_and_its_number(name: str, tmp_path: Path) -
 
 
 def test_every_experiment_is_tested_shown_and_configured() -> None:
-    everything = module("all")
     assert set(NUMBERS) == {*everything.PAPER, *everything.BEYOND}
     assert {path.stem for path in (CONF / "experiment").glob("*.yaml")} == {*NUMBERS, "case_a"}
 
 
 def test_the_page_holds_its_pictures_and_says_what_does_not_hold(tmp_path: Path) -> None:
-    name = "table2_friction_signs"
-    result = module("harness").perform(module(name), tmp_path)
-    page = module("all").page([result])
+    result = harness.perform(table2_friction_signs, tmp_path)
+    page = everything.page([result])
     assert "data:image/png;base64," in page
     assert "src='http" not in page
     assert "1 of 1 findings hold" in page
-    fields = {**result.__dict__, "holds": False, "sentence": "a < b"}
-    wrong = type(result)(**fields)
-    assert "Does not hold.</b> a &lt; b" in module("all").page([wrong])
+    wrong = replace(result, holds=False, sentence="a < b")
+    assert "Does not hold.</b> a &lt; b" in everything.page([wrong])
 
 
 @pytest.mark.parametrize(
@@ -138,8 +123,8 @@ def test_the_page_holds_its_pictures_and_says_what_does_not_hold(tmp_path: Path)
 def test_a_fault_is_a_sentence_and_leaves_nothing(
     override: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    name, folder = "table2_friction_signs", tmp_path / "out"
-    assert module("harness").main(module(name).__name__, [f"output={folder}", override]) == 2
+    folder = tmp_path / "out"
+    assert harness.main(table2_friction_signs.__name__, [f"output={folder}", override]) == 2
     assert words in capsys.readouterr().err
     assert not folder.exists()
 
@@ -147,14 +132,9 @@ def test_a_fault_is_a_sentence_and_leaves_nothing(
 def test_laws_that_are_named_are_compared_and_unknown_ones_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    comparison = module("law_comparison")
-    assert comparison.run(["nonsense"]) == 2
+    assert law_comparison.run(["nonsense"]) == 2
     assert "There is no law 'nonsense'" in capsys.readouterr().err
-    setup = module("harness").setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
-    comparison.NAMED[:] = ["composed", "newton"]
-    try:
-        laws = comparison.laws_with(setup)
-    finally:
-        comparison.NAMED[:] = []
-    assert list(laws) == [*comparison.PAPER, "composed", "newton"]
+    setup = harness.setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
+    laws = law_comparison.laws_with(setup, ["composed", "newton"])
+    assert list(laws) == [*law_comparison.PAPER, "composed", "newton"]
     assert {law.friction_limit for law in laws.values()} == {0.2}

@@ -1,41 +1,24 @@
 """What a motor can do: the belt agrees with free and with loaded rotors, which it was not made from."""
 
-import importlib
-import sys
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from types import ModuleType
 
+import harness
+import motor_performance
 import numpy as np
 import pytest
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def scripts_are_importable() -> Iterator[None]:
-    sys.path.insert(0, str(EXPERIMENTS))
-    yield
-    sys.path.remove(str(EXPERIMENTS))
-
-
-def module(name: str) -> ModuleType:
-    return importlib.import_module(name)
-
 
 def setup_of(*overrides: str) -> Setup:
-    setup: Setup = module("harness").setup_of("optimise_motor", overrides)
-    return setup
+    return harness.setup_of("optimise_motor", overrides)
 
 
 @pytest.mark.parametrize("law", ["hertz_penalty", "lagrange_stick"])
 def test_a_free_rotor_settles_at_the_belts_root_within_its_ripple(law: str) -> None:
     setup = setup_of(f"law={law}")
-    found = module("motor_performance").performance(setup)
+    found = motor_performance.performance(setup)
     period = 1.0 / setup.motor.drive.frequency[0]
     # From near the root, twenty times as long as a rotor takes to get up to speed.
     near = replace(setup.motor.rotor, initial_velocity=-0.9 * found.velocity)
@@ -56,7 +39,7 @@ def test_a_free_rotor_settles_at_the_belts_root_within_its_ripple(law: str) -> N
 
 def test_a_motor_under_its_stall_torque_is_held_and_turns_only_below() -> None:
     setup = setup_of()
-    torque = module("motor_performance").performance(setup).stall_torque
+    torque = motor_performance.performance(setup).stall_torque
     # The motor turns backwards, so that a load that brakes it is negative.
     for share, turns in ((0.98, -1.0), (1.02, 1.0)):
         loaded = replace(setup.motor.rotor, load_torque=-share * torque, inertia=4.8e-3)
@@ -67,7 +50,6 @@ def test_a_motor_under_its_stall_torque_is_held_and_turns_only_below() -> None:
 
 
 def test_half_a_period_of_the_second_tone_later_it_is_the_same_motor_in_the_mirror() -> None:
-    harness, motor_performance = module("harness"), module("motor_performance")
     setup = setup_of()
     phase = setup.configuration["drive"]["phase"]
     turned = harness.changed(setup, {"drive.phase": phase + 0.5 * np.pi})
@@ -79,7 +61,6 @@ def test_half_a_period_of_the_second_tone_later_it_is_the_same_motor_in_the_mirr
 
 
 def test_a_motor_that_does_not_touch_or_does_not_rub_is_none() -> None:
-    motor_performance = module("motor_performance")
     with pytest.raises(motor_performance.NoMotorError, match="does not touch"):
         motor_performance.performance(setup_of("contact.clearance=1e-4"))
     with pytest.raises(motor_performance.NoMotorError, match="does not turn"):
@@ -87,7 +68,6 @@ def test_a_motor_that_does_not_touch_or_does_not_rub_is_none() -> None:
 
 
 def test_damping_of_the_rotor_makes_it_slower_and_leaves_the_stall_torque() -> None:
-    motor_performance = module("motor_performance")
     free = motor_performance.performance(setup_of())
     damped = motor_performance.performance(setup_of("rotor.damping=1e-3"))
     assert damped.stall_torque == free.stall_torque

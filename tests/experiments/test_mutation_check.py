@@ -1,28 +1,16 @@
 """The errors that the mutation check puts in are there to be put in, and one of them is, and is caught."""
 
 import ast
-import importlib
 import shutil
-import sys
 from pathlib import Path
-from types import ModuleType
 
+import mutation_check as check
 import pytest
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 QUICK = "the mass of one layer of patches (misprint of eq. 28)"
 
 
-@pytest.fixture(scope="module")
-def check() -> ModuleType:
-    sys.path.insert(0, str(EXPERIMENTS))
-    try:
-        return importlib.import_module("mutation_check")
-    finally:
-        sys.path.remove(str(EXPERIMENTS))
-
-
-def test_every_error_applies_to_the_sources_as_they_are(check: ModuleType, tmp_path: Path) -> None:
+def test_every_error_applies_to_the_sources_as_they_are(tmp_path: Path) -> None:
     assert len({mutation.name for mutation in check.MUTATIONS}) == len(check.MUTATIONS) >= 60
     stale = []
     for mutation in check.MUTATIONS:
@@ -43,7 +31,7 @@ def test_every_error_applies_to_the_sources_as_they_are(check: ModuleType, tmp_p
     assert not stale, "\n".join(stale)
 
 
-def test_an_error_is_caught(check: ModuleType) -> None:
+def test_an_error_is_caught() -> None:
     # Of the resonator: no kernel has to be compiled for it.
     (mutation,) = (m for m in check.MUTATIONS if m.name == QUICK)
     # That the unchanged project is not is what its own tests say.
@@ -53,9 +41,7 @@ def test_an_error_is_caught(check: ModuleType) -> None:
 
 
 @pytest.mark.parametrize(("old", "count"), [("no such text", 0), ("phase", r"\d\d?")])
-def test_an_error_that_no_longer_applies_is_told_in_a_sentence(
-    old: str, count: object, check: ModuleType
-) -> None:
+def test_an_error_that_no_longer_applies_is_told_in_a_sentence(old: str, count: object) -> None:
     stale = check.Mutation("stale", "contactlab/motor/drive.py", old, "")
     with pytest.raises(ValueError, match=rf"stands {count} times in contactlab/motor/drive\.py"):
         stale.apply(check.ROOT)

@@ -1,45 +1,35 @@
 """The search for better motors: what it varies, and that nothing that ends it is seen in the result."""
 
-import importlib
 import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from time import sleep
-from types import ModuleType
 
+import harness
+import motor_search
 import numpy as np
+import optimise_motor
+import optuna
 import pytest
+import study_file
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 TRIALS = 34
 """A generation and a few: from here on the search goes on from what it has found."""
 
 
-@pytest.fixture(scope="module", autouse=True)
-def scripts_are_importable() -> Iterator[None]:
-    sys.path.insert(0, str(EXPERIMENTS))
-    yield
-    sys.path.remove(str(EXPERIMENTS))
-
-
-def module(name: str) -> ModuleType:
-    return importlib.import_module(name)
-
-
 @cache
 def setup_of(*overrides: str) -> Setup:
-    setup: Setup = module("harness").setup_of("optimise_motor", overrides)
-    return setup
+    return harness.setup_of("optimise_motor", overrides)
 
 
 def fingerprint(trials: list) -> list[tuple]:
@@ -48,7 +38,6 @@ def fingerprint(trials: list) -> list[tuple]:
 
 @cache
 def uninterrupted(objective: str, seed: int = 0) -> list[tuple]:
-    motor_search = module("motor_search")
     search = motor_search.Search(trials=TRIALS, seed=seed, objective=objective)
     return fingerprint(motor_search.searched(setup_of(), search))
 
@@ -57,7 +46,6 @@ def uninterrupted(objective: str, seed: int = 0) -> list[tuple]:
 
 
 def test_every_variable_in_its_range_is_a_motor_of_the_schema() -> None:
-    motor_search = module("motor_search")
     bounds = motor_search.ranges_of(setup_of())
     for ends in np.ndindex(*(2,) * len(bounds)):
         values = {name: bounds[name][end] for name, end in zip(bounds, ends, strict=True)}
@@ -69,7 +57,6 @@ def test_every_variable_in_its_range_is_a_motor_of_the_schema() -> None:
 
 
 def test_a_key_that_is_given_is_held() -> None:
-    motor_search = module("motor_search")
     words = ["placement.start=1e-3", "contact.clearance=5e-7", "trials=3", "law=lagrange_stick"]
     search, rest = motor_search.search_of(words)
     assert rest == [words[0], words[1], words[3]]
@@ -86,7 +73,7 @@ def test_the_front_is_beaten_by_nobody_and_beats_the_rest() -> None:
     goals = np.array(
         [[9, 9, 0], [2, 2, 2], [1, 3, 2], [1, 2, 2], [2, 2, 3], [2, 2, 2], [0, 0, np.nan]], float
     )
-    among = module("optimise_motor").among_the_best
+    among = optimise_motor.among_the_best
     assert among(goals, "all").tolist() == [False, True, True, False, False, False, False]
     assert np.flatnonzero(among(goals, "velocity")).tolist() == [1]
 
@@ -106,7 +93,6 @@ def test_the_same_seed_is_the_same_search_and_another_is_not(objective: str) -> 
 def test_interrupted_anywhere_and_resumed_it_is_the_uninterrupted_search(
     objective: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    motor_search = module("motor_search")
     search = motor_search.Search(
         trials=TRIALS, objective=objective, file=tmp_path / "new" / "study.db"
     )
@@ -150,7 +136,7 @@ def finished(folder: Path, elsewhere: Path) -> int:
 
 def test_killed_and_started_again_it_leaves_the_same_bytes(tmp_path: Path) -> None:
     def command(folder: str) -> list[str]:
-        script = str(EXPERIMENTS / "optimise_motor.py")
+        script = optimise_motor.__file__
         return [sys.executable, script, "trials=8", f"output={tmp_path / folder}"]
 
     with subprocess.Popen(
@@ -165,7 +151,7 @@ def test_killed_and_started_again_it_leaves_the_same_bytes(tmp_path: Path) -> No
             search.kill()
     assert search.returncode == -signal.SIGKILL
     for folder in ("killed", "whole"):
-        assert module("optimise_motor").run(command(folder)[2:]) in (0, 1)
+        assert optimise_motor.run(command(folder)[2:]) in (0, 1)
     for name in ("table.csv", "figure.png"):
         killed, whole = (tmp_path / folder / name for folder in ("killed", "whole"))
         assert killed.read_bytes() == whole.read_bytes()
@@ -181,7 +167,6 @@ def test_killed_and_started_again_it_leaves_the_same_bytes(tmp_path: Path) -> No
 
 
 def test_a_study_of_other_settings_is_refused_and_says_what_differs(tmp_path: Path) -> None:
-    motor_search = module("motor_search")
     search = motor_search.Search(trials=1, file=tmp_path / "study.db")
     before = fingerprint(motor_search.searched(setup_of(), search))
     for setup, other, words in (
@@ -201,9 +186,8 @@ def test_a_study_of_other_settings_is_refused_and_says_what_differs(tmp_path: Pa
 
 
 def test_a_study_in_use_and_a_file_that_is_none_are_refused_and_left_alone(tmp_path: Path) -> None:
-    motor_search, study_file = module("motor_search"), module("study_file")
     search = motor_search.Search(trials=1, file=tmp_path / "study.db")
-    no_pruner = module("optuna").pruners.NopPruner()
+    no_pruner = optuna.pruners.NopPruner()
     with (
         study_file.study_in(search.file, {}, ["maximize"], no_pruner),
         pytest.raises(ConfigurationError, match=r"study\.db is in use"),
@@ -242,7 +226,7 @@ def test_a_fault_is_a_sentence_and_leaves_nothing(
     word: str, fault: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "out"
-    assert module("optimise_motor").run(["trials=1", f"output={folder}", word]) == 2
+    assert optimise_motor.run(["trials=1", f"output={folder}", word]) == 2
     assert fault in capsys.readouterr().err
     assert not folder.exists()
 
@@ -254,7 +238,7 @@ def test_a_search_of_nothing_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
         "drive.frequency=3000",
         "contact.clearance=0",
     ]
-    assert module("optimise_motor").run([f"output={tmp_path / 'out'}", *given]) == 2
+    assert optimise_motor.run([f"output={tmp_path / 'out'}", *given]) == 2
     assert "at least one must be left to be searched" in capsys.readouterr().err
 
 
@@ -264,6 +248,6 @@ def test_ctrl_c_says_that_the_same_command_goes_on(
     def cut(*arguments: object) -> object:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(module("motor_search"), "performance", cut)
-    assert module("optimise_motor").run([f"output={tmp_path}", "trials=1"]) == 130
+    monkeypatch.setattr(motor_search, "performance", cut)
+    assert optimise_motor.run([f"output={tmp_path}", "trials=1"]) == 130
     assert "the same command goes on" in capsys.readouterr().err

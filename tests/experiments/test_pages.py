@@ -3,19 +3,13 @@
 import re
 from pathlib import Path
 
-import pytest
+import law_page
+import metric_page
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture(autouse=True)
-def _scripts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-
-
 def test_the_page_is_what_the_laws_declare() -> None:
-    import law_page
-
     committed = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
     assert committed == law_page.page(), "Run python experiments/law_page.py."
 
@@ -28,15 +22,11 @@ def test_every_law_has_a_picture_and_no_picture_is_without_a_law() -> None:
 
 
 def test_the_page_can_be_made_elsewhere(tmp_path: Path) -> None:
-    import law_page
-
     assert law_page.main(["--output", str(tmp_path)]) == 0
     assert (tmp_path / "laws.md").is_file()
     assert (tmp_path / "laws" / "friction_mindlin.png").stat().st_size > 5000
 
 
 def test_the_page_of_the_metrics_is_what_they_say() -> None:
-    import metric_page
-
     committed = (ROOT / "docs" / "plausibility.md").read_text(encoding="utf-8")
     assert committed == metric_page.page(), "Run python experiments/metric_page.py."

@@ -4,47 +4,32 @@
 """
 
 import shlex
-import sys
-from collections.abc import Iterator
-from importlib import import_module
-from pathlib import Path
-from types import ModuleType
 
 import pandas as pd
 import pytest
+import random_runs as script
 from support.command_line import Command, cases
 
 from contactlab.metrics import INVARIANTS
-
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 
 NUMBERS = range(244)
 """Each law seventeen times, and each combination of the parts of a composed one."""
 
 
-@pytest.fixture(scope="module")
-def script() -> Iterator[ModuleType]:
-    sys.path.insert(0, str(EXPERIMENTS))
-    yield import_module("random_runs")
-    sys.path.remove(str(EXPERIMENTS))
-
-
 @pytest.mark.parametrize("number", cases(NUMBERS, [*range(14), *range(119, 244, 8)]))
-def test_a_random_configuration_is_refused_or_keeps_every_invariant(
-    number: int, script: ModuleType
-) -> None:
+def test_a_random_configuration_is_refused_or_keeps_every_invariant(number: int) -> None:
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
     assert (outcome["ending"] == "complete") != bool(outcome["message"])
 
 
-def test_a_number_gives_the_same_configuration_and_the_same_figures(script: ModuleType) -> None:
+def test_a_number_gives_the_same_configuration_and_the_same_figures() -> None:
     first, again = (script.outcomes_of([3]).drop(columns="seconds") for _ in range(2))
     pd.testing.assert_frame_equal(first, again)
     assert script.command_line(3) == script.command_line(3) != script.command_line(3, seed=1)
 
 
-def test_the_command_line_that_is_printed_is_that_run(script: ModuleType, command: Command) -> None:
+def test_the_command_line_that_is_printed_is_that_run(command: Command) -> None:
     outcome = script.outcome_of(5)
     words = shlex.split(script.command_line(5))[1:]
     status, out, _ = command(*words, "record.picture=false", "hydra.run.dir=here")
@@ -54,7 +39,7 @@ def test_the_command_line_that_is_printed_is_that_run(script: ModuleType, comman
 
 
 def test_the_table_has_every_law_and_says_what_is_broken(
-    script: ModuleType, capsys: pytest.CaptureFixture[str]
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     outcomes = script.outcomes_of([0, 3, 5])
     assert list(script.table(outcomes).index) == ["hertz_penalty", "moreau_jean", "poisson"]

@@ -85,8 +85,10 @@ def folder_of(job: Job, swept: Path) -> Path | None:
     """Where a job's run goes, once it has begun."""
     index = int(job.id.rpartition("_")[2])
     for path in swept.glob("*/.hydra/hydra.yaml"):
-        if yaml.safe_load(path.read_text())["hydra"]["job"]["num"] == index:
-            return path.parents[2]
+        # Empty while it is being written.
+        written = yaml.safe_load(path.read_text())
+        if written and written["hydra"]["job"]["num"] == index:
+            return path.parents[1]
     return None
 
 

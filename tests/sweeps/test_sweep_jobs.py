@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import xarray
-from hydra._internal.core_plugins import basic_launcher
+from hydra.core.plugins import Plugins
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
@@ -123,7 +123,7 @@ def test_a_run_that_was_killed_is_run_again(
     command: Command, simulations: Simulations, tmp_path: Path
 ) -> None:
     long_run = ["-m", "contact.clearance=1e-6,2e-6", "solver.duration=1e4", "record.interval=1e-2"]
-    place = tmp_path / folder("1e-06", "record.interval=0.01", "solver.duration=10000.0")
+    place = tmp_path / folder("1e-06", "record.interval=1e-2", "solver.duration=1e4")
     process = subprocess.Popen(
         [sys.executable, "-m", "contactlab", *long_run, *QUICK],
         cwd=tmp_path,
@@ -193,10 +193,11 @@ def test_any_exception_of_a_run_is_a_sentence_with_the_traceback_in_the_log(
 def test_a_launcher_that_fails_is_a_sentence_and_what_there_is_is_collected(
     command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def broken(*_: object, **__: object) -> None:
-        raise RuntimeError("the cluster is gone")
+    class Gone:
+        def launch(self, *_: object, **__: object) -> None:
+            raise RuntimeError("the cluster is gone")
 
-    monkeypatch.setattr(basic_launcher, "run_job", broken)
+    monkeypatch.setattr(Plugins, "instantiate_launcher", lambda *_, **__: Gone())
     status, out, err = command(*THREE)
     assert status == 1
     assert "The sweep stopped: RuntimeError: the cluster is gone." in err
