@@ -11,22 +11,16 @@ and not entered; who uses a fingerprint adds the digest of this package.
 """
 
 import sys
-from array import array
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, field
 from dis import get_instructions
-from functools import cached_property, partial
 from hashlib import sha256
 from importlib import import_module
-from numbers import Number
 from opcode import opmap
 from pathlib import Path
-from types import CodeType, FunctionType, MappingProxyType, MethodType, ModuleType, SimpleNamespace
+from types import CodeType, FunctionType, MappingProxyType, ModuleType
 from typing import Any, Final, NamedTuple, final
-
-import numpy as np
 
 _PACKAGE: Final = __name__.partition(".")[0]
 _KNOWN: Final = {_PACKAGE, "numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}
@@ -35,25 +29,13 @@ _KNOWN: Final = {_PACKAGE, "numpy", "numba", "llvmlite", "scipy", *sys.stdlib_mo
 _PLAIN: Final = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis))
 _IMPORT: Final = opmap["IMPORT_NAME"]
 
-_PARTS: Final[tuple[tuple[Any, bool, Callable[[Any], Iterable[Any]]], ...]] = (
-    (property, False, lambda found: (found.fget, found.fset)),
-    (staticmethod | classmethod, False, lambda found: (found.__func__,)),
-    (cached_property, False, lambda found: (found.func,)),
-    (MethodType, False, lambda found: (found.__func__, found.__self__)),
-    (partial, False, lambda found: (found.func, found.args, found.keywords)),
-    (type(len) | np.ufunc, False, lambda found: (found.__name__, str(found.__class__))),
-    (frozenset, False, lambda found: sorted(found, key=lambda one: fingerprint(one).digest)),
-    (np.ndarray, True, lambda found: (found.dtype.str, found.shape, _content(found))),
-    (bytearray | array, True, lambda found: (bytes(found),)),
-    (list | deque, True, tuple),
-    (set, True, lambda found: (frozenset(found),)),
-    (
-        dict | MappingProxyType,
-        True,
-        lambda found: [part for item in found.items() for part in item],
-    ),
+_PARTS: Final[tuple[tuple[Any, Callable[[Any], Iterable[Any]]], ...]] = (
+    (property, lambda found: (found.fget, found.fset)),
+    (staticmethod | classmethod, lambda found: (found.__func__,)),
+    (MappingProxyType, lambda found: (dict(found),)),
+    (set | frozenset, lambda found: sorted(found, key=lambda one: fingerprint(one).digest)),
 )
-"""What to follow in objects of some kinds, and whether their values can change."""
+"""What to follow in what cannot be pickled, or has another order in every process."""
 
 _NOT_OF_A_CLASS: Final = {
     *("__dict__", "__weakref__", "__module__", "__firstlineno__", "__static_attributes__"),
@@ -65,17 +47,19 @@ _NOT_OF_A_CLASS: Final = {
 @final
 @dataclass(frozen=True)
 class Fingerprint:
-    """What a function, a class or a value is made of.
+    """What a function, a class or a value is made of; the digest tells one from another.
 
     Args:
         digest: 64 hexadecimal digits, the same in every process.
+        subject: what was followed.
         kernels: compiled functions that can be reached, callers before what they call alone.
         modules: those whose code can be reached.
     """
 
     digest: str
-    kernels: tuple[Any, ...]
-    modules: tuple[ModuleType, ...]
+    subject: object = field(compare=False)
+    kernels: tuple[Any, ...] = field(compare=False)
+    modules: tuple[ModuleType, ...] = field(compare=False)
 
     def sources(self) -> str:
         """Give a digest of the modules' files now: it sees what cannot be followed, and comments too."""
@@ -94,17 +78,13 @@ def is_own(found: Any) -> bool:
     return _top(found) == _PACKAGE
 
 
-def fingerprint(subject: object, *, identities: bool = False) -> Fingerprint:
-    """Give the fingerprint of a function, class or value, entered wherever it comes from.
-
-    Args:
-        subject: what to follow.
-        identities: whether objects that can change count as themselves and not by their values; the
-            digest then holds for this process alone.
-    """
-    walk = _Walk(subject, identities)
+def fingerprint(subject: object) -> Fingerprint:
+    """Give the fingerprint of a function, class or value, entered wherever it comes from."""
+    walk = _Walk(subject)
     modules = {id(module): module for module in walk.modules}
-    return Fingerprint(walk.digest.hexdigest(), tuple(walk.kernels), tuple(modules.values()))
+    return Fingerprint(
+        walk.digest.hexdigest(), subject, tuple(walk.kernels), tuple(modules.values())
+    )
 
 
 class _Mention(NamedTuple):
@@ -117,11 +97,10 @@ class _Mention(NamedTuple):
 class _Walk:
     """Goes through what refers to what, depth first, and enters nothing twice."""
 
-    def __init__(self, subject: object, identities: bool) -> None:
+    def __init__(self, subject: object) -> None:
         self.digest = sha256()
         self.kernels: list[Any] = []
         self.modules: list[ModuleType] = []
-        self._identities = identities
         self._entered = (subject, getattr(subject, "py_func", subject))
         # Objects are held, because the identity of one that is gone is given to another.
         met: dict[object, tuple[int, object]] = {}
@@ -146,7 +125,7 @@ class _Walk:
         """Say what an object is; give what it refers to."""
         kind = type(found)
         self._say(kind.__name__)
-        if kind in _PLAIN or isinstance(found, Number | np.dtype | np.generic):
+        if kind in _PLAIN:
             self._say(repr(found))
         elif isinstance(found, ModuleType | _Mention):
             yield from self._of_module(*found if kind is _Mention else (found, ()))
@@ -212,22 +191,20 @@ class _Walk:
                 yield _mentioned(value, names)
 
     def _of_object(self, found: Any) -> Iterator[Any]:
-        """Give what holds values, and the state of instances of classes."""
-        held = [(changes, parts) for kinds, changes, parts in _PARTS if isinstance(found, kinds)]
-        frozen = is_dataclass(found) and bool(getattr(found, "__dataclass_params__").frozen)  # noqa: B009
-        if self._identities and (held[0][0] if held else not frozen):
-            self._say(id(found))
-        elif held:
-            yield from held[0][1](found)
-        else:
-            yield getattr(found, "__wrapped__", None)
-            yield (kind := type(found))
-            # What an object of a library holds inside is no value of the law's.
-            if frozen or kind is SimpleNamespace or _top(kind) not in _KNOWN:
-                # Its variables and its slots, whatever its class makes of them.
-                state: Any = object.__getstate__(found)
-                for variables in state if isinstance(state, tuple) else (state,):
-                    yield from (part for item in (variables or {}).items() for part in item)
+        """Give what an object holds: what it would be made again from."""
+        for kinds, parts in _PARTS:
+            if isinstance(found, kinds):
+                yield from parts(found)
+                return
+        yield getattr(found, "__wrapped__", None)
+        yield type(found)
+        with suppress(Exception):
+            made = found.__reduce_ex__(4)
+            if isinstance(made, str):
+                self._say(getattr(found, "__module__", ""), made)
+            else:
+                maker, given, state, items, pairs = (*made, None, None, None)[:5]
+                yield from (maker, given, state, tuple(items or ()), tuple(pairs or ()))
 
     def _known(self, found: Any) -> bool:
         """Say where code comes from; tell whether that is all there is to say."""
@@ -244,10 +221,6 @@ class _Walk:
 
 def _top(found: Any) -> str:
     return str(getattr(found, "__module__", "")).partition(".")[0]
-
-
-def _content(values: Any) -> object:
-    return values.tolist() if values.dtype.hasobject else values.tobytes()
 
 
 def _mentioned(value: object, names: tuple[str, ...]) -> object:

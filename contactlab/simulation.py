@@ -11,7 +11,7 @@ import xarray
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate as trajectory_of
-from contactlab.engine.arguments import default_contact_step
+from contactlab.engine.arguments import check_kinds, default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
@@ -230,13 +230,7 @@ def load(path: str | Path) -> Solution:
 
 def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
     """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
-    check_kind("The motor", motor, Motor)
-    if isinstance(law, str):
-        raise TypeError(
-            f"The law is the text {law!r}; it must be a law and not its name. "
-            f"Make it: contactlab.law({law!r})."
-        )
-    check_kind("The law", law, ContactLaw)
+    check_kinds(motor, law)
     if "duration" not in given:
         raise ValueError(
             "The duration is missing; a motor and a law need one in seconds: duration=5e-3."

@@ -45,8 +45,8 @@ def check_kinds(motor: Motor, law: ContactLaw) -> None:
     check_kind("The motor", motor, Motor)
     if isinstance(law, str):
         raise TypeError(
-            f"The law is the text {law!r}; it must be a law and not its name. Make it from its class: "
-            f"contactlab.laws.law_class({law!r})(...)."
+            f"The law is the text {law!r}; it must be a law and not its name. "
+            f"Make it: contactlab.law({law!r})."
         )
     check_kind("The law", law, ContactLaw)
     refuse_unsound(type(law))

@@ -22,7 +22,7 @@ from contactlab.laws.base import (
     MultiplierLaw,
     PenaltyLaw,
 )
-from contactlab.laws.intake import function_of, said
+from contactlab.laws.intake import function_of
 
 
 @kernel
@@ -65,17 +65,18 @@ def kernels_of(
         The kernels, and a context around their calls in which their exceptions come out as `LawError`.
     """
     compliant = isinstance(law, PenaltyLaw)
-    force = function_of(law, "force") if compliant else no_force
-    has_friction = compliant and said(law, "friction_force") is not None
-    friction = function_of(law, "friction_force") if has_friction else no_friction
-    solve = function_of(law, "solve") if isinstance(law, MultiplierLaw) else no_impulse
+    with law_errors(law.name):
+        force = function_of(law, "force") if compliant else no_force
+        has_friction = isinstance(law, PenaltyLaw) and law.friction_force is not None
+        friction = function_of(law, "friction_force") if has_friction else no_friction
+        solve = function_of(law, "solve") if isinstance(law, MultiplierLaw) else no_impulse
     chosen = [
         compiled(force, PENALTY_SIGNATURE),
         compiled(friction, FRICTION_SIGNATURE),
         compiled(solve, MULTIPLIER_SIGNATURE),
     ]
     callbacks = [callback for _, callback in chosen if callback is not None]
-    return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, callbacks)
+    return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, *callbacks)
 
 
 def loop_for(law: ContactLaw, run: Run, records: Records) -> Any:

@@ -53,13 +53,7 @@ _CAUSES: Final = (
 
 
 def obstacle(error: Exception, function: Any, signature: Any) -> str:
-    """What keeps a function from being compiled, in words.
-
-    Args:
-        error: what the compiler raised.
-        function: any callable.
-        signature: what was asked for.
-    """
+    """Say what keeps a callable from being compiled for a signature, from what the compiler raised."""
     text = str(error)
     place = next(_places(error, text, getattr(function, "py_func", function)), None)
     statement = ""

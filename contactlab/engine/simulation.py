@@ -14,6 +14,7 @@ from contactlab.engine.arguments import (
     check_start,
     default_contact_step,
 )
+from contactlab.engine.callback import law_errors
 from contactlab.engine.compilation import kernels_of, loop_for
 from contactlab.engine.diagnosis import Witness
 from contactlab.engine.explanation import balanced, explain
@@ -40,8 +41,7 @@ from contactlab.engine.state import (
     state_from_value,
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.declaration import LawError
-from contactlab.laws.intake import check_words, fault_of_answers, guarded, kernel_parameters
+from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
@@ -109,7 +109,7 @@ def simulate(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, record_interval, contact_step, tolerance)
-    parameters, kernels, law_errors = take_in(law)
+    parameters, kernels, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
     propagator = (workspace or Workspace()).propagator(
@@ -133,7 +133,7 @@ def simulate(
     ending, message = Ending.COMPLETE, ""
     try:
         while state.time < state.end and state.ending == RUNNING:
-            with law_errors():
+            with errors():
                 loop(run, records, *kernels, parameters, STEPS_PER_CALL)
             finished.append(_collect(state, records))
             if progress is not None:
@@ -141,7 +141,7 @@ def simulate(
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
     if state.ending != RUNNING:
-        with law_errors():
+        with errors():
             ending, message = explain(run, Witness(run, kernels, parameters), contact_step)
     finished.append(_collect(state, records))
     if state.phase == TOUCHING:
@@ -187,14 +187,13 @@ def take_in(
     Raises:
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    check_words(law)
-    parameters = kernel_parameters(law)
-    kernels, law_errors = kernels_of(law)
-    with law_errors():
-        fault = fault_of_answers(law, parameters, *kernels)
-    if fault:
-        raise LawError(fault)
-    return guarded(parameters), kernels, law_errors
+    with law_errors(law.name):
+        check_words(law)
+        parameters = kernel_parameters(law)
+    kernels, errors = kernels_of(law)
+    with errors():
+        check_answers(law, parameters, *kernels)
+    return guarded(parameters), kernels, errors
 
 
 def _count_records(duration: float, interval: float) -> int:

@@ -33,11 +33,9 @@ ODD, EVEN = -1, 1
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=True)
 
-PENALTY_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _parameters)
-FRICTION_SIGNATURE = types.UniTuple(_real, 4)(_real, _real, _real, _real, _real, _parameters)
-MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(
-    _real, _real, _real, _real, _real, _real, _real, _parameters
-)
+PENALTY_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 4, _parameters)
+FRICTION_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 5, _parameters)
+MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(*[_real] * 7, _parameters)
 
 Forces = tuple[float, float, float, float]
 Impulses = tuple[float, float, int]
@@ -46,7 +44,35 @@ FrictionKernel = Callable[[float, float, float, float, float, Array], Forces]
 MultiplierKernel = Callable[[float, float, float, float, float, float, float, Array], Impulses]
 
 
-class ContactLaw(Declared):
+class Tangential:
+    """What a law, or the friction of a composed one, says of its tangential direction.
+
+    Its fields `friction_coefficient` and `static_ratio` are mu and mu_s / mu where it has them.
+    """
+
+    friction_kind: ClassVar[int] = SET_VALUED
+    """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
+    internal_variables: ClassVar[tuple[str, ...]] = ()
+    """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
+    internal_parity: ClassVar[int] = ODD
+    """ODD where it changes its sign in a mirror, as a stretch does; EVEN where it does not, as the age of a
+    contact."""
+    convergence_order: ClassVar[float] = 1.0
+    """Order at which the error falls: with the contact step of a `MultiplierLaw`, with the tolerance of a
+    `PenaltyLaw`."""
+    exact_stick: ClassVar[bool] = True
+    """Whether contact that sticks has no slip at all; else it creeps or chatters."""
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Claims of `contactlab.testing.LawContract` that this law breaks, each with the reason why."""
+
+    @property
+    def friction_limit(self) -> float:
+        """Largest |F|/N that it allows [1]: mu_s, unless it says otherwise."""
+        mu = float(getattr(self, "friction_coefficient", 0.0))
+        return mu * float(getattr(self, "static_ratio", 1.0))
+
+
+class ContactLaw(Declared, Tangential):
     """A contact law. Subclass one of the two families, never a concrete law.
 
     What a law declares is checked by `contactlab.testing`, the exceptions included.
@@ -56,20 +82,8 @@ class ContactLaw(Declared):
 
     default_contact_step: ClassVar[float]
     """Step in contact [s] where the configuration gives none."""
-    convergence_order: ClassVar[float] = 1.0
-    """Order at which the error falls: with the contact step of a `MultiplierLaw`, with the tolerance of a
-    `PenaltyLaw`."""
     allows_tension: ClassVar[bool] = False
     """Whether the normal force may pull."""
-    exact_stick: ClassVar[bool] = True
-    """Whether contact that sticks has no slip at all; else it creeps or chatters."""
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    """Claims of `contactlab.testing.LawContract` that this law breaks, each with the reason why."""
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N that the law allows [1]; its friction coefficient unless it says otherwise."""
-        return float(getattr(self, "friction_coefficient", 0.0))
 
     @property
     def title(self) -> str:
@@ -96,14 +110,6 @@ class PenaltyLaw(ContactLaw):
     internal variable or depends on the rate says so in `friction_kind` and has a second kernel,
     `friction_force`.
     """
-
-    friction_kind: ClassVar[int] = SET_VALUED
-    """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
-    internal_variables: ClassVar[tuple[str, ...]] = ()
-    """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
-    internal_parity: ClassVar[int] = ODD
-    """ODD where it changes its sign in a mirror, as a stretch does; EVEN where it does not, as the age of a
-    contact."""
 
     @property
     @abstractmethod

@@ -66,7 +66,7 @@ class Composed(PenaltyLaw):
         )
 
     def parameters(self) -> Array:
-        """Give what the kernels read: the coefficients of the parts in their order, a guard behind each."""
+        """Give the coefficients of the parts in their order, a guard behind each but the last."""
         normal, damping, friction = self.coefficients
         return np.array([*normal, *GUARD, *damping, *GUARD, *friction], dtype=np.float64)
 

@@ -4,6 +4,7 @@ Refusals, configuration, options and listings all follow from this; nothing is w
 """
 
 from abc import ABC
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from inspect import get_annotations, isabstract
@@ -52,35 +53,29 @@ class Declared(ABC):
         refuse_unsound(type(self))
         check_fields(self, self.name)
 
-    def describe(self) -> dict[str, float]:
-        """Give the effective parameters by name, SI: the fields in their order, but those left open.
+    def effective(self) -> Iterator[tuple[str, float, Parameter | None]]:
+        """Give name, value in SI units and declaration of each effective parameter: of those not left open.
 
-        Those of a part have its field's name before a dot.
+        They come in the order of the fields; that of a part has its field's name before a dot.
         """
-        given: dict[str, float] = {}
-        for field in fields(self):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
+        kind: Any = type(self)
+        for name in declared_fields(kind):
+            value = getattr(self, name)
             if isinstance(value, Declared):
-                given |= {f"{field.name}.{name}": one for name, one in value.describe().items()}
+                yield from ((f"{name}.{below}", x, said) for below, x, said in value.effective())
             elif value is not None:
-                given[field.name] = value
-        return given
+                yield name, value, parameters_of(kind).get(name)
+
+    def describe(self) -> dict[str, float]:
+        """Give the effective parameters by name, SI."""
+        return {name: value for name, value, _ in self.effective()}
 
     def declared(self) -> dict[str, Parameter]:
         """Give what is said of the effective parameters, by the names of `describe`."""
-        kind: type = type(self)
-        said = dict(parameters_of(kind))
-        for field in fields(self):  # type: ignore[arg-type]
-            if isinstance(part := getattr(self, field.name), Declared):
-                said |= {f"{field.name}.{name}": one for name, one in part.declared().items()}
-        return {name: said[name] for name in self.describe() if name in said}
+        return {name: said for name, _, said in self.effective() if said is not None}
 
     def changed(self, name: str, value: float) -> Self:
-        """Give the law with another value of one parameter.
-
-        Raises:
-            ValueError: the value is out of its range.
-        """
+        """Give the law with another value of one parameter, or raise a ValueError if that is out of range."""
         own: Any = self
         field, _, below = name.partition(".")
         given: Any = getattr(own, field).changed(below, value) if below else value
@@ -88,32 +83,28 @@ class Declared(ABC):
 
 
 @cache
-def fault_of(kind: type) -> str:
+def fault_of(kind: Any) -> str:
     """Say what keeps a class from being a law or a part, as the end of a sentence; empty for a sound one."""
-    words: tuple[str, ...] = getattr(kind, "WORDS")  # noqa: B009
     if isabstract(kind):
-        return f"lacks {', '.join(sorted(getattr(kind, '__abstractmethods__', ())))}"
+        return f"lacks {', '.join(sorted(kind.__abstractmethods__))}"
     # A subclass of a dataclass that says nothing of fields is one too.
-    decorated = "__dataclass_fields__" in vars(kind) or not get_annotations(kind)
-    if not is_dataclass(kind) or not decorated:
+    undecorated = "__dataclass_fields__" not in vars(kind) and get_annotations(kind)
+    plain = undecorated or not is_dataclass(kind)
+    if plain:
         return "is no dataclass; decorate it with @dataclass(frozen=True)"
-    if not getattr(kind, "__dataclass_params__").frozen:  # noqa: B009
+    if not kind.__dataclass_params__.frozen:
         return "can be changed; decorate it with @dataclass(frozen=True)"
-    if missing := [word for word in words if not hasattr(kind, word)]:
+    if missing := [word for word in kind.WORDS if not hasattr(kind, word)]:
         return f"does not say its {', '.join(missing)}"
-    if among := [field.name for field in fields(kind) if field.name in words]:
+    if among := [field.name for field in fields(kind) if field.name in kind.WORDS]:
         return f"has its {', '.join(among)} among its parameters; annotate it with ClassVar"
-    if not isinstance(name := getattr(kind, "name"), str):  # noqa: B009
-        return f"has a name that is no text, {shown(name)}"
+    if not isinstance(kind.name, str):
+        return f"has a name that is no text, {shown(kind.name)}"
     return ""
 
 
 def refuse_unsound(kind: type) -> None:
-    """Refuse a class that cannot be a law or a part.
-
-    Raises:
-        TypeError: with a sentence.
-    """
+    """Refuse a class that cannot be a law or a part by a TypeError with a sentence."""
     if fault := fault_of(kind):
         raise TypeError(f"{kind.__name__} {fault}.")
 

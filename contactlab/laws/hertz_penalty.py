@@ -38,11 +38,11 @@ class HertzPenalty(PenaltyLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = f"{self.name}: stiffness is {self.stiffness} and tip_radius is {self.tip_radius}; "
         if (self.stiffness is None) == (self.tip_radius is None):
             raise ValueError(
-                f"{given}exactly one of them must be a number and the other null (None). Give the stiffness "
-                "in N/m^1.5, or the tip's radius in m to have it computed."
+                f"{self.name}: stiffness is {self.stiffness} and tip_radius is {self.tip_radius}; exactly "
+                "one of them must be a number and the other null (None). Give the stiffness in N/m^1.5, or "
+                "the tip's radius in m to have it computed."
             )
 
     def on_rotor(self, radius: float) -> "HertzPenalty":
@@ -73,13 +73,8 @@ def hertz_stiffness(
         1/E* = 2 (1 - nu^2) / E,   R_e = [ (1/r) (1/r + 1/R) ]^(-1/2)
 
     R_e is the geometric mean of the two relative radii, exact for a circular contact and good to
-    a fraction of a percent in K while r is well below R (Johnson 1985, sec. 4.2).
-
-    Args:
-        tip_radius: r [m].
-        rotor_radius: R [m].
-        youngs_modulus: E [Pa] of both bodies.
-        poisson_ratio: nu [1] of both bodies.
+    a fraction of a percent in K while r is well below R (Johnson 1985, sec. 4.2). The radii r of the tip
+    and R of the rotor are in m, Young's modulus E of both bodies in Pa.
     """
     effective_modulus = youngs_modulus / (2.0 * (1.0 - poisson_ratio**2))
     effective_radius = ((1.0 / tip_radius) * (1.0 / tip_radius + 1.0 / rotor_radius)) ** -0.5

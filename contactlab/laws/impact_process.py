@@ -16,14 +16,102 @@ J. Appl. Mech. 59, 635.
 """
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK, MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION
 from contactlab.laws.lagrange_stick import stick_or_slip_impulse
+
+
+@inner_kernel
+def stages_of(slip, d_nt, d_tt, mu):
+    """Give the two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`.
+
+    Returns:
+        Normal impulse at which the slip ends [N s], dp_t/dp before and after that, mode after that.
+    """
+    mode = STICK if abs(d_nt) <= mu * d_tt else SLIP
+    after = -d_nt / d_tt if mode == STICK else -mu if d_nt > 0.0 else mu
+    if slip == 0.0:
+        return 0.0, after, after, mode
+    before = -mu if slip > 0.0 else mu
+    change = d_nt + d_tt * before
+    return (-slip / change if slip * change < 0.0 else inf), before, after, mode
+
+
+@inner_kernel
+def compression(approach, end, first, second):
+    """Give the normal impulse at which the gap rate is zero [N s].
+
+    Args:
+        approach: gap rate at the beginning, negative [m/s].
+        end: normal impulse at which the slip ends [N s].
+        first, second: growth of the gap rate with the normal impulse before and after that [1/kg].
+
+    Slip may press the bodies together (first < 0), but such slip ends, and what follows does not.
+    """
+    if approach + first * end >= 0.0:
+        return -approach / first
+    return end - (approach + first * end) / second
+
+
+@inner_kernel
+def restituted(approach, end, first, second, p_c, e):
+    """Give the normal impulse at which the share e^2 of the work of compression is given back [N s].
+
+    Arguments as of `compression`, with its impulse p_c.
+    """
+    if p_c > end:
+        # Compression outlasts the slip: triangles of work up to there and from there.
+        rate = approach + first * end
+        work = -0.5 * (approach + rate) * end + 0.5 * rate * rate / second
+        return p_c + e * sqrt(2.0 * work / second)
+    if (1.0 + e) * p_c <= end:
+        return (1.0 + e) * p_c
+    # The slip ends in restitution, at a rate that has given back a part; the rest is quadratic.
+    rate = first * (end - p_c)
+    rest = 0.5 * (e * approach * e * approach - rate * rate) / first
+    return end + 2.0 * rest / (rate + sqrt(rate * rate + 2.0 * second * rest))
+
+
+@inner_kernel
+def process_impulse(
+    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy
+):
+    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
+
+    The restitution is of the work of compression, or else of its impulse. What forces bring within the
+    step is no impact, or contact that lasts would bounce in every step; and what they take away before its
+    end need not be stopped. A rebound that forces end within the step is none: the contact lasts, without
+    restitution.
+    """
+    approach = min(max(gap_rate, normal_rate), 0.0)
+    if approach == 0.0:
+        return stick_or_slip_impulse(
+            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
+        )
+    end, before, after, mode = stages_of(tangential_rate, d_nt, d_tt, parameters[0])
+    first, second = d_nn + d_nt * before, d_nn + d_nt * after
+    p_n = compression(approach, end, first, second)
+    if of_energy:
+        p_n = restituted(approach, end, first, second, p_n, parameters[1])
+    else:
+        p_n = (1.0 + parameters[1]) * p_n
+    p_t = before * min(p_n, end) + after * max(p_n - end, 0.0)
+    if p_n < end:
+        mode = SLIP
+    rebound = normal_rate + d_nn * p_n + d_nt * p_t
+    if normal_rate == approach or rebound >= 0.0:
+        return p_n, p_t, mode
+    # Round-off is no slip.
+    left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
+    more_n, more_t, mode = stick_or_slip_impulse(
+        rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters
+    )
+    return p_n + more_n, p_t + more_t, mode
 
 
 @dataclass(frozen=True)
@@ -51,76 +139,41 @@ class ImpactProcess(ImpactLaw):
     )
 
 
-Stages = tuple[float, float, float, int]
-"""Normal impulse at which the slip ends [N s], dp_t/dp before and after that, mode after that."""
+@final
+@dataclass(frozen=True)
+class Poisson(ImpactProcess):
+    """A rigid impact that gives back a share of the impulse of compression p_c, gdot(p_c) = 0."""
+
+    name = "poisson"
+    equation = "p = (1 + e) p_c, gdot(p_c) = 0, dp_t = -mu dp sign(v) or v = 0"
+    source = "Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635"
+
+    @staticmethod
+    @kernel
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+        """See `MultiplierLaw.solve`."""
+        return process_impulse(
+            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, False
+        )
 
 
-@inner_kernel
-def impact_approach(normal_rate, gap_rate):
-    """The gap rate [m/s] that is an impact, not positive.
+@final
+@dataclass(frozen=True)
+class Stronge(ImpactProcess):
+    """A rigid impact that gives back a share of the work of compression, up to gdot(p_c) = 0.
 
-    Args:
-        normal_rate: gap rate that the step would end with [m/s].
-        gap_rate: gap rate that it begins with [m/s].
-
-    What forces bring within the step is no impact, or contact that lasts would bounce in every step;
-    and what they take away before its end need not be stopped.
+    Friction can only take energy; the normal impulse gives back no more than it took. So no impact
+    creates energy.
     """
-    return min(max(gap_rate, normal_rate), 0.0)
 
+    name = "stronge"
+    equation = "int_pc^p gdot dp = -e^2 int_0^pc gdot dp, dp_t = -mu dp sign(v) or v = 0"
+    source = "Stronge (1990), Proc. R. Soc. A 431, 169"
 
-@inner_kernel
-def stages_of(slip, d_nt, d_tt, mu):
-    """The two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`."""
-    mode = STICK if abs(d_nt) <= mu * d_tt else SLIP
-    after = -d_nt / d_tt if mode == STICK else -mu if d_nt > 0.0 else mu
-    if slip == 0.0:
-        return 0.0, after, after, mode
-    before = -mu if slip > 0.0 else mu
-    change = d_nt + d_tt * before
-    return (-slip / change if slip * change < 0.0 else inf), before, after, mode
-
-
-@inner_kernel
-def compression(approach, d_nn, d_nt, stages):
-    """Normal impulse at which the gap rate is zero [N s].
-
-    Args:
-        approach: gap rate at the beginning, negative [m/s].
-        d_nn, d_nt: as in `MultiplierLaw.solve`.
-        stages: of the process.
-
-    Slip may press the bodies together (d_nn < s mu d_nt), but such slip ends, and what follows does not.
-    """
-    end, before, after, _ = stages
-    growth = d_nn + d_nt * before
-    if approach + growth * end >= 0.0:
-        return -approach / growth
-    return end - (approach + growth * end) / (d_nn + d_nt * after)
-
-
-@inner_kernel
-def complete(p_n, stages, remainder, normal_rate, tangential_rate, d_nn, d_nt, d_tt, parameters):
-    """Impulses [N s] and mode of a step with an impact.
-
-    Args:
-        p_n: normal impulse at which the process ends [N s].
-        stages: of the process.
-        remainder: change of the gap rate by forces, which is no part of the impact, not positive [m/s].
-        normal_rate, tangential_rate, d_nn, d_nt, d_tt, parameters: as in `MultiplierLaw.solve`.
-
-    A rebound that forces end within the step is none: the contact lasts, without restitution.
-    """
-    end, before, after, mode = stages
-    p_t = before * min(p_n, end) + after * max(p_n - end, 0.0)
-    if p_n < end:
-        mode = SLIP
-    rebound = normal_rate + d_nn * p_n + d_nt * p_t
-    if remainder == 0.0 or rebound >= 0.0:
-        return p_n, p_t, mode
-    # Round-off is no slip.
-    slip = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-    more_n, more_t, mode = stick_or_slip_impulse(
-        rebound, slip, 0.0, slip, d_nn, d_nt, d_tt, parameters
-    )
-    return p_n + more_n, p_t + more_t, mode
+    @staticmethod
+    @kernel
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+        """See `MultiplierLaw.solve`."""
+        return process_impulse(
+            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, True
+        )

@@ -3,8 +3,8 @@
 The contract of `contactlab.testing` asks more, and lets the law run; this costs a run next to nothing.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import product
 from math import isfinite, nan
 from numbers import Real
@@ -29,7 +29,6 @@ from contactlab.laws.base import (
 from contactlab.laws.declaration import LawError
 
 Kernel = Callable[..., Any]
-State = tuple[float, ...]
 
 KINDS = {
     SET_VALUED: "SET_VALUED",
@@ -49,10 +48,8 @@ DEPTHS = (1e-12, 1e-9)
 SPEEDS = (-0.01, 0.0, 0.01)
 """Gap rates and slips [m/s]."""
 
-IMPACTS = tuple(
-    (-0.01, slip, -0.01, slip, 1e3, d_nt, 2e3) for slip, d_nt in product(SPEEDS, (-50.0, 0.0, 50.0))
-)
-"""Arguments of a rigid kernel: approach, slip and Delassus matrix of a motor's tip."""
+COUPLINGS = (-50.0, 0.0, 50.0)
+"""Off the diagonal of the Delassus matrix of a motor's tip [1/kg]; 1000 and 2000 are on it."""
 
 ROUND_OFF = 1e-9
 
@@ -66,47 +63,21 @@ def guarded(parameters: Array, guard: float = nan) -> Array:
     return padded[GUARDS:-GUARDS]
 
 
-def said(law: ContactLaw, name: str) -> Any:
-    """Give what a law says of itself in a property, or in its method `parameters`.
-
-    Raises:
-        LawError: it raised an exception, which is the cause.
-    """
-    try:
-        value = getattr(law, name)
-        return value() if name == "parameters" else value
-    # A property is any code of somebody else's.
-    except (Exception, SystemExit) as error:
-        words = f"{law.name}: its {name} raised {type(error).__name__}: {error}. Mend the law."
-        raise LawError(words) from error
-
-
-def function_of(law: ContactLaw, name: str) -> Any:
-    """Give the function behind one of a law's kernels.
-
-    Raises:
-        LawError: there is none.
-    """
-    function = said(law, name)
+def function_of(law: ContactLaw, name: str) -> Kernel:
+    """Give the function behind one of a law's kernels, or raise a LawError where there is none."""
+    function: Kernel = getattr(law, name)
     if not callable(function):
         raise LawError(f"{law.name}: its {name} is {shown(function)}; it must be a function.")
     return function
 
 
 def kernel_parameters(law: ContactLaw) -> Array:
-    """Give what the kernels of a law receive.
-
-    Raises:
-        LawError: it is no row of numbers, or raised an exception.
-    """
-    given = said(law, "parameters")
-    try:
-        values = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        values = None
-    if values is None or values.ndim != 1:
+    """Give what the kernels of a law receive, or raise a LawError where it is no row of numbers."""
+    given: Any = law.parameters()
+    values = np.asarray(given)
+    if values.ndim != 1 or values.dtype.kind not in "biuf":
         raise LawError(f"{law.name}: parameters() gives {shown(given)}; it must give numbers.")
-    return values
+    return values.astype(np.float64)
 
 
 def check_words(law: ContactLaw) -> None:
@@ -115,146 +86,117 @@ def check_words(law: ContactLaw) -> None:
     Raises:
         LawError: with a sentence on each contradiction.
     """
-    limit = said(law, "friction_limit")
-    faults = []
+    limit: object = law.friction_limit
     if not isinstance(limit, Real) or not float(limit) >= 0.0:
         faults = [f"friction_limit is {shown(limit)}; it must be a number and not negative."]
     elif not isinstance(law.violations, Mapping):
         faults = [f"violations is {shown(law.violations)}; it must give reasons by name."]
-    elif isinstance(law, PenaltyLaw):
-        faults = list(misfits(law))
+    else:
+        faults = misfits(law) if isinstance(law, PenaltyLaw) else []
     if faults:
         raise LawError(" ".join(f"{law.name}: {words}" for words in faults))
 
 
-def misfits(law: PenaltyLaw) -> Iterator[str]:
+def misfits(law: PenaltyLaw) -> list[str]:
     """Give what a law says of its friction and contradicts, in sentences."""
-    kind, kernel = said(law, "friction_kind"), said(law, "friction_force")
-    remembered = said(law, "internal_variables")
+    kind, kernel, kept = law.friction_kind, law.friction_force, law.internal_variables
     if kind not in KINDS:
         known = ", ".join(KINDS.values())
-        yield f"friction_kind is {shown(kind)}; it must be {known} of contactlab.laws.base."
-        return
-    if kind == SET_VALUED and kernel is not None:
-        yield (
-            "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
-            "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out."
-        )
-    if kind != SET_VALUED and kernel is None:
-        yield (
-            f"its friction_kind is {KINDS[kind]}, but it has no kernel of friction. Give it one, or say "
-            "SET_VALUED."
-        )
-    if not isinstance(remembered, tuple) or not all(isinstance(one, str) for one in remembered):
-        yield f"internal_variables is {shown(remembered)}; it must be a tuple of texts."
-    elif len(remembered) > 1:
-        yield f"it remembers {', '.join(remembered)}; it can remember one quantity at most."
-    elif (kind == SET_VALUED and remembered) or (kind == ELASTOPLASTIC and not remembered):
-        yield (
-            f"its friction_kind is {KINDS[kind]} and its internal_variables {shown(remembered)}; "
-            "set-valued friction remembers nothing, and a spring its stretch."
-        )
-    if law.internal_parity not in (ODD, EVEN):
-        yield f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN."
+        return [f"friction_kind is {shown(kind)}; it must be {known} of contactlab.laws.base."]
+    texts = isinstance(kept, tuple) and all(isinstance(one, str) for one in kept)
+    faults = {
+        "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
+        "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out.": (
+            kind == SET_VALUED and kernel is not None
+        ),
+        f"its friction_kind is {KINDS[kind]}, but it has no kernel of friction. Give it one, or say "
+        "SET_VALUED.": kind != SET_VALUED and kernel is None,
+        f"internal_variables is {shown(kept)}; it must be a tuple of texts.": not texts,
+        f"it remembers {shown(kept)}; it can remember one quantity at most.": (
+            texts and len(kept) > 1
+        ),
+        f"its friction_kind is {KINDS[kind]} and its internal_variables {shown(kept)}; set-valued "
+        "friction remembers nothing, and a spring its stretch.": (
+            texts and kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(kept)
+        ),
+        f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN.": (
+            law.internal_parity not in (ODD, EVEN)
+        ),
+    }
+    return [words for words, stands in faults.items() if stands]
 
 
-def fault_of_answers(
+def check_answers(
     law: ContactLaw, parameters: Array, force: Kernel, friction_force: Kernel, solve: Kernel
-) -> str:
-    """Say what a law's kernels answer to a contact and cannot be, in a sentence; empty for a sound law.
-
-    Args:
-        law: taken in.
-        parameters: what its kernels receive.
-        force, friction_force, solve: its compiled kernels; idle ones are not asked.
-    """
-    kind = law.friction_kind if isinstance(law, PenaltyLaw) else None
-    stops = "kernel_is_consistent" not in law.violations
-    try:
-        _ask(kind, stops, force, friction_force, solve, parameters.tobytes())
-    except _AnswerError as fault:
-        return f"{law.name}: {fault}"
-    return ""
-
-
-class _AnswerError(Exception):
-    """What is wrong with an answer."""
-
-
-# A sweep asks for the same law again and again; a fault is not remembered.
-@lru_cache(maxsize=1024)
-def _ask(
-    kind: int | None,
-    stops: bool,
-    force: Kernel,
-    friction_force: Kernel,
-    solve: Kernel,
-    parameters: bytes,
 ) -> None:
-    """Ask the kernels of a law with a kind of friction, or of a rigid one that stops every approach or not.
+    """Refuse a law whose kernels answer to a contact what cannot be; idle ones are not asked.
 
     Raises:
-        _AnswerError: with a sentence on the first answer that cannot be; others may follow from it.
+        LawError: with a sentence on the first such answer; others may follow from it.
     """
-    rows = [guarded(np.frombuffer(parameters), lure) for lure in LURES]
-    if kind is None:
-        for state in IMPACTS:
-            where = (
-                f"in an impact with a gap rate of {state[0]:g} m/s and a slip of {state[1]:g} m/s"
-            )
-            p_n, p_t, mode = _answer("solve", solve, state, rows, 3, where)
+    rows = [guarded(parameters, lure) for lure in LURES]
+    ask = partial(_answer, law, rows)
+    if not isinstance(law, PenaltyLaw):
+        for slip, d_nt in product(SPEEDS, COUPLINGS):
+            where = f"in an impact with a gap rate of {SPEEDS[0]:g} m/s and a slip of {slip:g} m/s"
+            approach = (SPEEDS[0], slip) * 2
+            p_n, p_t, mode = ask(where, "solve", solve, 3, *approach, 1e3, d_nt, 2e3)
             if mode not in (SLIP, STICK):
-                raise _AnswerError(
-                    f"the mode is {mode} {where}; it must be SLIP or STICK of contactlab.laws.base."
+                raise LawError(
+                    f"{law.name}: the mode is {mode} {where}; it must be SLIP or STICK of "
+                    "contactlab.laws.base."
                 )
             # Without an impulse there is no answer, of which a run tells.
-            left = state[0] + state[4] * p_n + state[5] * p_t
-            if stops and p_n > 0.0 and left < ROUND_OFF * state[0]:
-                raise _AnswerError(
-                    f"its kernel solve leaves an approach of {-left:g} m/s {where}; the impulse must stop "
-                    "it."
+            left = SPEEDS[0] + 1e3 * p_n + d_nt * p_t
+            stops = left >= ROUND_OFF * SPEEDS[0] or "kernel_is_consistent" in law.violations
+            if p_n > 0.0 and not stops:
+                raise LawError(
+                    f"{law.name}: its kernel solve leaves an approach of {-left:g} m/s {where}; the impulse "
+                    "must stop it."
                 )
         return
     for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
         where = f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-        begun = (-depth, rate, slip, abs(rate))
-        normal, bound, *_ = _answer("force", force, begun, rows, 4, where)
+        normal, bound, *_ = ask(where, "force", force, 4, -depth, rate, slip, abs(rate))
         if bound < -ROUND_OFF * abs(normal):
-            raise _AnswerError(
-                f"the friction bound is {bound:g} N {where}; it must not be negative. Where the normal "
-                "force pulls there is no friction."
+            raise LawError(
+                f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where the "
+                "normal force pulls there is no friction."
             )
-        if kind != SET_VALUED:
+        if law.friction_kind != SET_VALUED:
             # Every touch-down begins with a variable of zero; what else it may be, the law alone knows.
-            asked = (-depth, rate, slip, normal, 0.0)
-            _answer("friction_force", friction_force, asked, rows, 4, where)
+            ask(where, "friction_force", friction_force, 4, -depth, rate, slip, normal, 0.0)
 
 
 def _answer(
-    name: str, kernel: Kernel, state: State, rows: list[Array], count: int, where: str
+    law: ContactLaw,
+    rows: list[Array],
+    where: str,
+    name: str,
+    kernel: Kernel,
+    count: int,
+    *state: float,
 ) -> Any:
-    """Give the answer to one state.
-
-    Raises:
-        _AnswerError: it cannot be one, whatever it means.
-    """
-    answer, *others = (kernel(*state, row) for row in rows)
-    if not isinstance(answer, tuple) or len(answer) != count:
-        found = f"{len(answer)} numbers" if isinstance(answer, tuple) else shown(answer)
-        raise _AnswerError(f"its kernel {name} gives {found}; it must give {count} numbers.")
-    # No number is the same as no number.
-    if any(repr(answer) != repr(other) for other in others):
-        raise _AnswerError(
-            f"its kernel {name} reads parameters that there are not: its answer changes with what lies "
-            f"beyond the {rows[0].size} that parameters() gives."
+    """Give the answer to one state, or raise a LawError where it cannot be one, whatever it means."""
+    given, *others = (kernel(*state, row) for row in rows)
+    if not isinstance(given, tuple) or len(given) != count:
+        found = f"{len(given)} numbers" if isinstance(given, tuple) else shown(given)
+        raise LawError(
+            f"{law.name}: its kernel {name} gives {found}; it must give {count} numbers."
         )
-    if not all(map(isfinite, answer)):
-        numbers = ", ".join(f"{number:g}" for number in answer)
+    # No number is the same as no number.
+    if any(repr(given) != repr(other) for other in others):
+        raise LawError(
+            f"{law.name}: its kernel {name} reads parameters that there are not: its answer changes "
+            f"with what lies beyond the {rows[0].size} that parameters() gives."
+        )
+    if not all(map(isfinite, given)):
+        numbers = ", ".join(f"{number:g}" for number in given)
         # There are guards between the parts of a composed law.
         parts = bool(np.isnan(rows[0]).any())
         hint = " A part may have read beyond its own coefficients." if parts else ""
-        raise _AnswerError(
-            f"its kernel {name} gives {numbers} {where}; all must be finite, as every contact begins and "
-            f"ends there.{hint}"
+        raise LawError(
+            f"{law.name}: its kernel {name} gives {numbers} {where}; all must be finite, as every "
+            f"contact begins and ends there.{hint}"
         )
-    return answer
+    return given

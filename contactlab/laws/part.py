@@ -5,12 +5,11 @@ the law's array, from the place `at` on.
 """
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
+from collections.abc import Callable
 from typing import ClassVar
 
 from contactlab.arrays import Array
-from contactlab.laws.base import ODD, SET_VALUED, Forces
+from contactlab.laws.base import Forces, Tangential
 from contactlab.laws.declaration import Declared
 
 ElasticKernel = Callable[[float, Array, int], Forces]
@@ -57,25 +56,13 @@ class Damping(Declared):
         """
 
 
-class Friction(Declared):
+class Friction(Declared, Tangential):
     """A tangential law. Set-valued friction needs nothing but its cone; any other a kernel too.
 
     Subclasses have a field `friction_coefficient`, and `static_ratio` where they tell static friction.
     """
 
     family: ClassVar[str] = "friction"
-    friction_kind: ClassVar[int] = SET_VALUED
-    exact_stick: ClassVar[bool] = True
-    convergence_order: ClassVar[float] = 1.0
-    internal_variables: ClassVar[tuple[str, ...]] = ()
-    internal_parity: ClassVar[int] = ODD
-    violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    friction_coefficient: float
-
-    @property
-    def friction_limit(self) -> float:
-        """Largest |F|/N [1]."""
-        return self.friction_coefficient * float(getattr(self, "static_ratio", 1.0))
 
     def coefficients(self) -> tuple[float, ...]:
         """Give what the kernels read: mu, mu_s / mu, and the other fields in their order."""

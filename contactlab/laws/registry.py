@@ -10,12 +10,12 @@ It is imported when that law is asked for, and no other, so that a package that 
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, entry_points, version
 from operator import attrgetter
-from typing import Any, final
+from typing import Any, NamedTuple
 
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
@@ -23,13 +23,12 @@ from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.declaration import SHARED, Declared, family_of, fault_of, members_of
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
+from contactlab.laws.impact_process import Poisson, Stronge
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.lagrange_stick import LagrangeStick
 from contactlab.laws.newton import MoreauJean, Newton
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.laws.part import Part
-from contactlab.laws.poisson import Poisson
-from contactlab.laws.stronge import Stronge
 from contactlab.suggestion import suggestion
 
 LAWS: Mapping[str, type[ContactLaw]] = {
@@ -49,23 +48,15 @@ PARTS: Mapping[str, Mapping[str, type[Part]]] = {
 """The parts of a composed law by family."""
 
 
-@final
-@dataclass(frozen=True)
-class Origin:
-    """Where a law comes from.
-
-    Args:
-        name: of the law, as its entry has it.
-        entry: "module:Class".
-        package, version: the distribution that brings it.
-        fault: a sentence where the entry cannot be a law, whatever it names; else empty.
-    """
+class Origin(NamedTuple):
+    """Where a law comes from: its name and entry "module:Class", and the distribution that brings it."""
 
     name: str
     entry: str
     package: str
     version: str
     fault: str = ""
+    """A sentence where the entry cannot be a law, whatever it names."""
 
     def __str__(self) -> str:
         return f"{self.package} {self.version}"
@@ -99,12 +90,11 @@ def origin_of(name: str) -> Origin:
     Raises:
         ValueError: there is no such law, or the name is not one law's alone.
     """
-    found = sorted((o for o in origins() if o.name == name), key=lambda o: o.fault)
-    if not found:
-        raise ValueError(_unknown("law", name, law_names()))
-    if found[0].fault:
-        raise ValueError(found[0].fault)
-    return found[0]
+    sound_first = sorted((o for o in origins() if o.name == name), key=lambda o: o.fault)
+    fault = sound_first[0].fault if sound_first else _unknown("law", name, law_names())
+    if fault:
+        raise ValueError(fault)
+    return sound_first[0]
 
 
 @cache
@@ -193,10 +183,8 @@ def takes_shared(owner: type[Declared], values: Mapping[str, Any]) -> bool:
 
 def provenance(law: type) -> str:
     """Give the package and version that a law comes from; of one that no package brings, its module."""
-    found = [
-        str(origin) for origin in origins() if origin.entry == _entry(law) and not origin.fault
-    ]
-    return found[0] if found else law.__module__
+    entries = {origin.entry: str(origin) for origin in reversed(origins()) if not origin.fault}
+    return entries.get(_entry(law), law.__module__)
 
 
 def _entry(law: type) -> str:
@@ -217,18 +205,15 @@ def _unusable(origin: Origin, fault: str) -> str:
 
 def _clash(name: str, package: str, count: int) -> str:
     """Say why an entry of another package cannot be a law, whatever it names; empty if it can."""
-    named = "it must have a name of its own"
     if name in LAWS:
-        fault = f"takes the name of one of contactlab's own, which stays what it is; {named}"
+        fault = "takes the name of one of contactlab's own, which stays what it is"
     elif count > 1:
-        fault = (
-            f"has the name of a law of another package, so that neither can be told by it; {named}"
-        )
+        fault = "has the name of a law of another package, so that neither can be told by it"
     elif not name.isidentifier():
-        fault = (
-            "has a name that is no option; it must be one word of letters, digits and underscores"
-        )
+        fault = "has a name that is no option"
     else:
         return ""
-    way_out = f"Rename it, or remove the package by pip uninstall {package}."
-    return f"The law {name!r} of {package} {fault}. {way_out}"
+    return (
+        f"The law {name!r} of {package} {fault}; it must be one word of letters, digits and underscores, "
+        f"and no other law's. Rename it, or remove the package by pip uninstall {package}."
+    )

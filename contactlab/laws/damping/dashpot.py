@@ -89,23 +89,21 @@ def damping_coefficient(
         """Restitution of the impact, less what is asked; in units of the elastic depth and the speed."""
         c = ratio * (mass * speed / depth)
 
-        def force(y: Array) -> float:
+        def force(_: float, y: Array) -> float:
             spring = elastic(max(y[0], 0.0) * depth, parameters, 0)[0]
             return float(unit * (spring + c * speed * y[1]))
 
-        def ends(_: float, y: Array) -> float:
-            return force(y)
-
-        ends.terminal = True  # type: ignore[attr-defined]
-        ends.direction = -1.0  # type: ignore[attr-defined]
+        # The impact ends where the force does.
+        force.terminal = True  # type: ignore[attr-defined]
+        force.direction = -1.0  # type: ignore[attr-defined]
         done = solve_ivp(
-            lambda _, y: [y[1], -force(y)],
+            lambda t, y: [y[1], -force(t, y)],
             (0.0, 1e9),
             [0.0, 1.0],
             method="DOP853",
             rtol=INTEGRATION,
             atol=INTEGRATION,
-            events=ends,
+            events=force,
         )
         return -float(done.y[1, -1]) - restitution
 

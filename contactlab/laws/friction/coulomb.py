@@ -17,12 +17,9 @@ STATIC_RATIO = Parameter("mu_s/mu", "1", "static over kinetic coefficient", at_l
 
 @kernel
 def cone_bound(normal: float, slip: float, parameters: Array, at: int) -> float:
-    """Largest friction [N]: mu_s N in stick, where the slip is exactly zero, and mu N in slip.
+    """Give the largest friction [N]: mu_s N in stick, where the slip [m/s] is exactly zero, else mu N.
 
-    Args:
-        normal: N [N]; a pull gives no friction.
-        slip: [m/s].
-        parameters, at: mu and mu_s / mu stand first.
+    A pull N < 0 gives no friction. From the place `at` on stand mu and mu_s / mu.
     """
     ratio = parameters[at + 1] if slip == 0.0 else 1.0
     return float(parameters[at] * ratio * max(normal, 0.0))
