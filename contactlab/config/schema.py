@@ -80,8 +80,3 @@ def declared_in(checked: Section) -> dict[str, Parameter]:
             if isinstance(said, Quantity):
                 found[f"{checked.path}{name}"] = said.parameter
     return found
-
-
-def units_of(checked: Section) -> dict[str, str]:
-    """Give the unit of every key that holds a number, in the words of the CF conventions."""
-    return {key: said.units for key, said in declared_in(checked).items()}
