@@ -11,7 +11,7 @@ from support.synthetic import synthetic_trajectory
 
 from contactlab import engine
 from contactlab.cli import terminal
-from contactlab.cli.checking import announce
+from contactlab.cli.checking import announce, announce_series
 
 
 def configuration(duration: float, interval: float = 1e-6) -> dict[str, Any]:
@@ -39,6 +39,13 @@ def test_large_datasets_are_announced_with_the_way_out(
     assert words in err
     assert bool(err) is bool(words)
     assert not err or "A larger record.interval" in err
+
+
+def test_the_series_of_a_large_sweep_are_announced(capsys: pytest.CaptureFixture[str]) -> None:
+    announce_series(100, 1, configuration(2e-3))
+    assert capsys.readouterr().err == ""
+    announce_series(10_000, 2, configuration(2e-3))
+    assert "The series take up to 320 MB: 10000 runs of 2e+03 records" in capsys.readouterr().err
 
 
 def test_a_run_and_a_sweep_are_announced_before_they_begin(
