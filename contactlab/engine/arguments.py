@@ -125,9 +125,9 @@ def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )
     count = np.size(start["q"])
-    if count != plant.modes.size:
+    if count != plant.mode_count:
         raise ValueError(
-            f"The start is a state of {count - 1} modes, and the motor has {plant.modes.size - 1}; go on "
+            f"The start is a state of {count - 1} modes, and the motor has {plant.mode_count - 1}; go on "
             "with a motor of as many."
         )
     if start["ending"] != RUNNING:

@@ -13,7 +13,7 @@ from contactlab.engine.callback import law_errors
 from contactlab.engine.kinematics import Run
 from contactlab.engine.law_kernels import compiled
 from contactlab.engine.loop import advance_compliant, advance_rigid
-from contactlab.engine.state import Records
+from contactlab.engine.state import SAMPLE, table
 from contactlab.laws.base import (
     FRICTION_SIGNATURE,
     MULTIPLIER_SIGNATURE,
@@ -78,14 +78,22 @@ def kernels_of(
     return tuple(kernel for kernel, _ in chosen), lambda: law_errors(law.name, callbacks)
 
 
-def loop_for(law: ContactLaw, run: Run, records: Records) -> Any:
+def loop_for(law: ContactLaw, run: Run) -> Any:
     """Give the loop of a law's family, compiled or with its code loaded, for laws that are called by address.
 
     A law is a first-class function of one type, so that the loop is compiled once for all laws; left
     to itself the compiler would take each law for a type of its own.
     """
     loop: Any = advance_compliant if isinstance(law, PenaltyLaw) else advance_rigid
-    if INTERPRETED or loop.overloads:
+    laws = (PENALTY_SIGNATURE, FRICTION_SIGNATURE, MULTIPLIER_SIGNATURE)
+    signature = (
+        numba.typeof(run),
+        numba.typeof(table(SAMPLE, 1)),
+        *(numba.types.FunctionType(each) for each in laws),
+        PENALTY_SIGNATURE.args[-1],
+        numba.types.int64,
+    )
+    if INTERPRETED or signature in loop.overloads:
         return loop
     if not is_compiled(loop.__name__):
         print(
@@ -94,15 +102,7 @@ def loop_for(law: ContactLaw, run: Run, records: Records) -> Any:
             file=sys.stderr,
             flush=True,
         )
-    signatures = (PENALTY_SIGNATURE, FRICTION_SIGNATURE, MULTIPLIER_SIGNATURE)
-    loop.compile(
-        (
-            numba.typeof(run),
-            numba.typeof(records),
-            *(numba.types.FunctionType(signature) for signature in signatures),
-            PENALTY_SIGNATURE.args[-1],
-            numba.types.int64,
-        )
-    )
+    loop.disable_compile(False)
+    loop.compile(signature)
     loop.disable_compile()
     return loop

@@ -39,7 +39,7 @@ def step_compliant(run: Run, law: Law) -> int:
 
     The mode of the step that follows is set by `switch_friction` once the step is committed.
     """
-    state, step, levels = run.state, run.step, run.propagator.levels.size
+    state, step, levels = run.state, run.step, run.propagator.rule.level_count
     step.kind = COLLOCATED
     gap, rate, slip = _face_start(run)
     known = start_forces(run, law, gap, rate, slip)
@@ -126,7 +126,7 @@ def start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> Kn
 @inner_kernel
 def _finest_level(run: Run) -> int:
     """Give the level of the shortest step that a run takes at its time."""
-    level = run.propagator.levels.size - 9
+    level = run.propagator.rule.level_count - 9
     shortest = CLOCK * run.state.time
     while (
         level > run.propagator.rule.contact_level and step_length(run.propagator, level) < shortest
@@ -162,7 +162,7 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
         small = state.tolerance * state.momentum
-        finest = run.propagator.levels.size - 1
+        finest = run.propagator.rule.level_count - 1
         while h * rate > -0.7 * gap and abs(normal) * h > small and level < finest:
             level += 1
             h *= 0.5

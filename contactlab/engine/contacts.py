@@ -9,7 +9,7 @@ from contactlab.compiled import inner_kernel
 from contactlab.engine.kinematics import Law, Run, contact_at
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
-from contactlab.engine.state import CHATTERED, RELEASED, START, TOUCHING, Records
+from contactlab.engine.state import CHATTERED, RELEASED, START, TOUCHING
 from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK
 
 EVENT_LIMIT = 1000
@@ -86,10 +86,10 @@ def _vibration(run: Run, h: float) -> tuple[float, float]:
     """
     speed = 0.0
     reach = 0.0
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         swing = sqrt(mode.v[START] ** 2 + mode.stiffness * mode.q[START] ** 2)
-        for k in range(run.plant.tones.size):
+        for k in range(run.plant.tone_count):
             phasor = run.plant.phasors[j, k]
             swing += h * sqrt(phasor.force_re**2 + phasor.force_im**2)
         swing += h * abs(mode.constant)
@@ -101,12 +101,12 @@ def _vibration(run: Run, h: float) -> tuple[float, float]:
 
 
 @inner_kernel
-def close_contact(run: Run, records: Records) -> None:
+def close_contact(run: Run) -> None:
     """Store the contact that opens at the present state, and begin to separate."""
     state = run.state
     state.contact.separation_velocity = contact_at(run.plant, START)[1]
     if state.contact.duration > 0.0:
-        records.contacts[state.stored] = state.contact
+        run.step.contacts[state.stored] = state.contact
         state.stored += 1
     else:
         # What has no length is no contact: here round-off alone tells a graze from a miss.

@@ -10,6 +10,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.kinematics import Run, contact_from
+from contactlab.engine.plant import modes_of
 from contactlab.engine.state import START
 from contactlab.laws.base import SET_VALUED, STICK
 
@@ -107,7 +108,7 @@ class Witness:
 
     def _state(self, time: float) -> State:
         """Give the state after a time of straight motion from where the run ended [s]."""
-        modes = self._run.plant.modes
+        modes = modes_of(self._run.plant)
         q, v = modes.q[:, START] + time * modes.v[:, START], modes.v[:, START]
         gap, rate, slip = contact_from(self._run.plant, q, v)
         return State(gap, rate, 0.0 if self._state_record.mode == STICK else slip)

@@ -11,7 +11,7 @@ from contactlab.engine.diagnosis import Witness
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import Run, contact_from
 from contactlab.engine.ledger import openness_of
-from contactlab.engine.plant import Plant
+from contactlab.engine.plant import Plant, modes_of
 from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
     CHATTERED,
@@ -83,7 +83,7 @@ def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple
 
 def _runaway(run: Run) -> str:
     """Say in what way the state is no motor's."""
-    modes, radius = run.plant.modes, run.plant.geometry.radius
+    modes, radius = modes_of(run.plant), run.plant.geometry.radius
     q, v = modes.q[:, START], modes.v[:, START]
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
         return "the state is not finite"
@@ -110,7 +110,7 @@ def _no_progress(state: Any) -> str:
 
 def _lost_digits(plant: Plant) -> str:
     """Say whether the tones' steady state leaves no digits to a contact, in words; empty where it does."""
-    sway = float(plant.tones.steady_u.sum())
+    sway = float(plant.tones["steady_u"].sum())
     if sway < FARTHEST:
         return ""
     return (

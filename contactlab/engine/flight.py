@@ -108,7 +108,7 @@ def _level_after_release(run: Run, level: int, rate: float, coarse: float) -> in
     """
     h = step_length(run.propagator, level)
     opens = rate >= curvature_bound(run, h) * h or _certain_opening(run, h, coarse) > 0.0
-    return level if opens else min(level + REFINEMENT, run.propagator.levels.size - 1)
+    return level if opens else min(level + REFINEMENT, run.propagator.rule.level_count - 1)
 
 
 @inner_kernel
@@ -128,7 +128,7 @@ def curvature_bound(run: Run, h: float) -> float:
     th = 0.0
     u_rate = 0.0
     th_rate = 0.0
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         k, c = mode.stiffness, mode.damping
         acceleration = -c * mode.free_v - k * mode.free_q
@@ -141,14 +141,17 @@ def curvature_bound(run: Run, h: float) -> float:
         th += mode.row_th * mode.q[START]
         u_rate += mode.row_u * mode.v[START]
         th_rate += mode.row_th * mode.v[START]
-    for p in range(plant.near.size):
-        j, k = plant.near[p].mode, plant.near[p].tone
-        phasor = plant.phasors[j, k]
-        bound = sqrt(phasor.force_re**2 + phasor.force_im**2)
-        bound *= 1.0 + plant.tones[k].omega * h
-        u_acc += abs(plant.modes[j].row_u) * bound
-        th_acc += abs(plant.modes[j].row_th) * bound
-    for k in range(plant.tones.size):
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        if mode.near != 0:
+            for k in range(plant.tone_count):
+                phasor = plant.phasors[j, k]
+                if phasor.near != 0:
+                    bound = sqrt(phasor.force_re**2 + phasor.force_im**2)
+                    bound *= 1.0 + plant.tones[k].omega * h
+                    u_acc += abs(mode.row_u) * bound
+                    th_acc += abs(mode.row_th) * bound
+    for k in range(plant.tone_count):
         tone = plant.tones[k]
         u_acc += tone.omega**2 * tone.steady_u
         th_acc += tone.omega**2 * tone.steady_th
@@ -175,10 +178,10 @@ def coarseness(run: Run) -> float:
     u = plant.geometry.clearance
     th = 0.0
     slope = 0.0
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         part = abs(mode.free_q)
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             part += abs(plant.phasors[j, k].steady_re) + abs(plant.phasors[j, k].steady_im)
         u += abs(mode.row_u) * part
         th += abs(mode.row_th) * part

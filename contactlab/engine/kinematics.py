@@ -13,8 +13,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
-from contactlab.engine.plant import Plant
-from contactlab.engine.propagator import Propagator
+from contactlab.engine.plant import Plant, modes_of
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
@@ -29,8 +28,8 @@ Contact = tuple[float, float, float, float, float, float, float]
 class Run(NamedTuple):
     """The context of every kernel: the motor, its step responses, the state and the scratch of a step."""
 
-    plant: Plant
-    propagator: Propagator
+    plant: Any
+    propagator: Any
     state: Any
     step: Any
 
@@ -52,7 +51,7 @@ def tip_motion(plant: Plant, place: int) -> Tip:
     u_rate = 0.0
     th_rate = 0.0
     rotor = 0.0
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         q, v = mode.q[place], mode.v[place]
         u += mode.row_u * q
@@ -83,7 +82,7 @@ def contact_at(plant: Plant, place: int) -> Contact:
 
 def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]:
     """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
-    modes, lengths = plant.modes, plant.geometry
+    modes, lengths = modes_of(plant), plant.geometry
     u, th = float(modes.row_u @ q), float(modes.row_th @ q)
     u_rate, th_rate = float(modes.row_u @ v), float(modes.row_th @ v)
     gap, n_u, n_th, t_u, t_th = contact_frame(
@@ -121,15 +120,15 @@ def begin(run: Run) -> None:
     A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest.
     """
     plant, time = run.plant, run.state.time
-    for k in range(plant.tones.size):
+    for k in range(plant.tone_count):
         tone = plant.tones[k]
         tone.cosine[START] = cos(tone.omega * time)
         tone.sine[START] = sin(tone.omega * time)
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         q = mode.q[START]
         v = mode.v[START]
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
             cosine, sine = tone.cosine[START], tone.sine[START]
             q -= phasor.steady_re * cosine - phasor.steady_im * sine
@@ -140,17 +139,13 @@ def begin(run: Run) -> None:
 
 @inner_kernel
 def driven(
-    plant: Plant, pair: int, answer: tuple[float, float, float, float]
+    phasor: Any, tone: Any, answer: tuple[float, float, float, float]
 ) -> tuple[float, float]:
-    """Give what a tone adds to displacement and rate of its nearly resonant mode since the step's start.
+    """Give what a tone adds to displacement and rate of a nearly resonant mode since the step's start.
 
-    Args:
-        plant, pair: the motor and the place of the pair in `Plant.near`.
-        answer: to exp(i omega s) from rest, see `answer_from_rest`.
+    `answer` is that to exp(i omega s) from rest, see `answer_from_rest`.
     """
-    j, k = plant.near[pair].mode, plant.near[pair].tone
-    cosine, sine = plant.tones[k].cosine[START], plant.tones[k].sine[START]
-    phasor = plant.phasors[j, k]
+    cosine, sine = tone.cosine[START], tone.sine[START]
     re = phasor.force_re * cosine - phasor.force_im * sine
     im = phasor.force_re * sine + phasor.force_im * cosine
     return re * answer[0] - im * answer[1], re * answer[2] - im * answer[3]
@@ -164,12 +159,12 @@ def flow_to(run: Run, s: float) -> None:
     degree = step.kind
     h = state.length
     top = max(degree + 1, 1)
-    for k in range(plant.tones.size):
+    for k in range(plant.tone_count):
         tone = plant.tones[k]
         cosine, sine = cos(tone.omega * s), sin(tone.omega * s)
         tone.cosine[BETWEEN] = tone.cosine[START] * cosine - tone.sine[START] * sine
         tone.sine[BETWEEN] = tone.cosine[START] * sine + tone.sine[START] * cosine
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         c = mode.damping
         stiffness = mode.stiffness
@@ -191,19 +186,21 @@ def flow_to(run: Run, s: float) -> None:
             )
             q += push * integrals[d + 2]
             v += push * integrals[d + 1]
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
             cosine, sine = tone.cosine[BETWEEN], tone.sine[BETWEEN]
             q += phasor.steady_re * cosine - phasor.steady_im * sine
             v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
         mode.q[BETWEEN] = q
         mode.v[BETWEEN] = v
-    for p in range(plant.near.size):
-        mode, tone = plant.modes[plant.near[p].mode], plant.tones[plant.near[p].tone]
-        answer = answer_from_rest(mode.stiffness, mode.damping, tone.omega, s)
-        q, v = driven(plant, p, answer)
-        mode.q[BETWEEN] += q
-        mode.v[BETWEEN] += v
+        if mode.near != 0:
+            for k in range(plant.tone_count):
+                tone, phasor = plant.tones[k], plant.phasors[j, k]
+                if phasor.near != 0:
+                    answer = answer_from_rest(stiffness, c, tone.omega, s)
+                    q, v = driven(phasor, tone, answer)
+                    mode.q[BETWEEN] += q
+                    mode.v[BETWEEN] += v
 
 
 @part_kernel
@@ -211,19 +208,19 @@ def free_response(run: Run, level: int, first: int) -> None:
     """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
     plant, propagator = run.plant, run.propagator
     for i in range(NODES):
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             tone, turn = plant.tones[k], propagator.turns[level, k]
             cosine, sine = turn.cosine[i], turn.sine[i]
             tone.cosine[i] = tone.cosine[START] * cosine - tone.sine[START] * sine
             tone.sine[i] = tone.cosine[START] * sine + tone.sine[START] * cosine
-        for j in range(plant.modes.size):
+        for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
             q0 = mode.free_q
             v0 = mode.free_v
             v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
             v += response.hold[i, 1] * mode.constant
             q = 0.0
-            for k in range(plant.tones.size):
+            for k in range(plant.tone_count):
                 tone, phasor = plant.tones[k], plant.phasors[j, k]
                 cosine, sine = tone.cosine[i], tone.sine[i]
                 q += phasor.steady_re * cosine - phasor.steady_im * sine
@@ -232,13 +229,15 @@ def free_response(run: Run, level: int, first: int) -> None:
             if i >= first:
                 q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
                 mode.q[i] = q + response.hold[i, 0] * mode.constant
-        for p in range(plant.near.size):
-            part = propagator.driven[level, p].part
-            q, v = driven(plant, p, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
-            mode = plant.modes[plant.near[p].mode]
-            mode.v[i] += v
-            if i >= first:
-                mode.q[i] += q
+            if mode.near != 0:
+                for k in range(plant.tone_count):
+                    if plant.phasors[j, k].near != 0:
+                        part = propagator.driven[level, j, k].part
+                        answer = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
+                        q, v = driven(plant.phasors[j, k], plant.tones[k], answer)
+                        mode.v[i] += v
+                        if i >= first:
+                            mode.q[i] += q
 
 
 @part_kernel
@@ -251,7 +250,7 @@ def add_collocated(run: Run, level: int) -> None:
             step.push_th.node[m],
             run.state.friction.node[m],
         )
-        for j in range(run.plant.modes.size):
+        for j in range(run.plant.mode_count):
             mode, response = run.plant.modes[j], run.propagator.responses[level, j]
             push = mode.row_u * push_u + mode.row_th * push_th + mode.row_r * friction
             for i in range(NODES):
@@ -263,7 +262,7 @@ def add_collocated(run: Run, level: int) -> None:
 def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
     """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
     step = run.step
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
         push = (
             mode.row_u * step.push_u.node[0]

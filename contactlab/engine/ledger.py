@@ -44,17 +44,17 @@ def add(out: Any, part: Any) -> None:
 def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     """Add the powers of drive, damping and load at a place, times a weight [s]."""
     drive = 0.0
-    for k in range(plant.tones.size):
+    for k in range(plant.tone_count):
         in_phase = 0.0
         quadrature = 0.0
-        for j in range(plant.modes.size):
+        for j in range(plant.mode_count):
             v = plant.modes[j].v[place]
             in_phase += plant.phasors[j, k].force_re * v
             quadrature += plant.phasors[j, k].force_im * v
         drive += in_phase * plant.tones[k].cosine[place] - quadrature * plant.tones[k].sine[place]
     damping = 0.0
     load = 0.0
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         damping += mode.damping * mode.v[place] * mode.v[place]
         load -= mode.constant * mode.v[place]
@@ -119,7 +119,7 @@ def energy_of_motion(plant: Plant, place: int) -> tuple[float, float]:
     """Give kinetic and strain energy [J] at a place."""
     kinetic = 0.0
     strain = 0.0
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         kinetic += 0.5 * mode.v[place] * mode.v[place]
         strain += 0.5 * mode.stiffness * mode.q[place] * mode.q[place]

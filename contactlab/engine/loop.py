@@ -3,6 +3,8 @@
 There is a loop for each family of laws, so that a run compiles only what it needs.
 """
 
+from typing import Any
+
 from contactlab.arrays import Array
 from contactlab.compiled import kernel, part_kernel
 from contactlab.engine.compliant import step_compliant, switch_friction
@@ -22,7 +24,6 @@ from contactlab.engine.state import (
     TOUCH,
     TOUCHING,
     UNSOLVED,
-    Records,
 )
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 
@@ -33,7 +34,7 @@ TOUCH_REFINEMENT = 6
 @kernel
 def advance_compliant(
     run: Run,
-    records: Records,
+    series: Any,
     force: PenaltyKernel,
     friction: FrictionKernel,
     solve: MultiplierKernel,
@@ -45,19 +46,19 @@ def advance_compliant(
     Call it again to go on.
 
     Args:
-        run, records: the motor, the state and the records of its run; they hold all that there is, so that
+        run, series: the motor, its state and the records of its run; they hold all that there is, so that
             it does not matter into how many calls a run is cut.
         force, friction, solve, parameters: the law; its kernels of the other family are idle.
         budget: number of steps.
     """
     law = Law(force, friction, solve, parameters)
     for _ in range(budget):
-        if not _opens_step(run, records, TOUCH_REFINEMENT):
+        if not _opens_step(run, TOUCH_REFINEMENT):
             return
         touching = run.state.phase == TOUCHING
         event = _checked(run, step_compliant(run, law)) if touching else step_flight(run, law)
-        commit(run, law, records)
-        _act(run, records, event, TOUCH_REFINEMENT)
+        commit(run, law, series)
+        _act(run, event, TOUCH_REFINEMENT)
         if event != NOTHING and event != TOUCH and event != RELEASE:
             switch_friction(run.state, event)
 
@@ -65,7 +66,7 @@ def advance_compliant(
 @kernel
 def advance_rigid(
     run: Run,
-    records: Records,
+    series: Any,
     force: PenaltyKernel,
     friction: FrictionKernel,
     solve: MultiplierKernel,
@@ -75,28 +76,28 @@ def advance_rigid(
     """Run a multiplier law, see `advance_compliant`."""
     law = Law(force, friction, solve, parameters)
     for _ in range(budget):
-        if not _opens_step(run, records, 0):
+        if not _opens_step(run, 0):
             return
         touching = run.state.phase == TOUCHING
         event = _checked(run, step_rigid(run, law)) if touching else step_flight(run, law)
-        commit(run, law, records)
-        _act(run, records, event, 0)
+        commit(run, law, series)
+        _act(run, event, 0)
 
 
 @part_kernel
-def _opens_step(run: Run, records: Records, refinement: int) -> bool:
+def _opens_step(run: Run, refinement: int) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state = run.state
     if state.time >= state.end or state.ending != RUNNING:
         return False
-    if state.stored >= records.contacts.size - 1:
+    if state.stored >= run.step.contacts.size - 1:
         return False
     if state.end - state.time <= run.propagator.rule.longest:
         # The end may cut this step: another run goes on from where it began.
-        records.saved[0] = state
-        for j in range(run.plant.modes.size):
-            records.saved_motion[j].q = run.plant.modes[j].q[START]
-            records.saved_motion[j].v = run.plant.modes[j].v[START]
+        run.step.saved[0] = state
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
     if state.phase == PRESSED:
         open_contact(run, refinement)
     begin(run)
@@ -118,9 +119,9 @@ def _checked(run: Run, event: int) -> int:
 
 
 @part_kernel
-def _act(run: Run, records: Records, event: int, refinement: int) -> None:
+def _act(run: Run, event: int, refinement: int) -> None:
     """Open or close the contact after the event of a committed step."""
     if event == TOUCH:
         open_contact(run, refinement)
     elif event == RELEASE:
-        close_contact(run, records)
+        close_contact(run)

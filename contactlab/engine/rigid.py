@@ -57,7 +57,7 @@ def step_rigid(run: Run, law: Law) -> int:
     impact = contact.duration == 0.0
     p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
     # Over a long step a graze seems to open by itself; the approach it began with must still be met.
-    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < run.propagator.levels.size - 1:
+    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < run.propagator.rule.level_count - 1:
         level += 1
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
     if count == NONE:
@@ -135,7 +135,7 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
     n_u, n_th, t_u, t_th = frame_of(run.step)
     h = step_length(run.propagator, level)
     nn, nt, tt = 0.0, 0.0, 0.0
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
@@ -173,10 +173,10 @@ def _project(run: Run) -> None:
     gap = _turn_frame(run, LAST)
     n_u, n_th, _, _ = frame_of(run.step)
     gradient = 0.0
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         gradient += (n_u * mode.row_u + n_th * mode.row_th) ** 2
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         mode.q[LAST] -= gap / gradient * (n_u * mode.row_u + n_th * mode.row_th)
 

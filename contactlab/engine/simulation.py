@@ -19,7 +19,7 @@ from contactlab.engine.diagnosis import Witness
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.kinematics import Run, contact_from
 from contactlab.engine.loop import TOUCH_REFINEMENT
-from contactlab.engine.plant import plant_of
+from contactlab.engine.plant import modes_of, plant_of
 from contactlab.engine.propagator import Workspace
 from contactlab.engine.recorder import pace_of, record_times, take_series
 from contactlab.engine.state import (
@@ -28,16 +28,16 @@ from contactlab.engine.state import (
     PRESSED,
     RELEASED,
     RUNNING,
+    SAMPLE,
     START,
     STATE,
     STEP,
     TOUCHING,
-    Records,
     State,
     one,
-    records_for,
     state_as_value,
     state_from_value,
+    table,
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import LawError
@@ -124,8 +124,10 @@ def simulate(
     _set_up(law, run, duration, record_interval, contact_step)
     state = run.state
     state.tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    records = records_for(_count_records(duration, record_interval), plant.modes.size)
-    loop = loop_for(law, run, records)
+    # The records at 0, interval, 2 interval, ... and at the end.
+    intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
+    records = table(SAMPLE, intervals + 1)
+    loop = loop_for(law, run)
 
     if progress is not None:
         progress(0.0)
@@ -135,7 +137,7 @@ def simulate(
         while state.time < state.end and state.ending == RUNNING:
             with law_errors():
                 loop(run, records, *kernels, parameters, STEPS_PER_CALL)
-            finished.append(_collect(state, records))
+            finished.append(_collect(run))
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
@@ -143,7 +145,7 @@ def simulate(
     if state.ending != RUNNING:
         with law_errors():
             ending, message = explain(run, Witness(run, kernels, parameters), contact_step)
-    finished.append(_collect(state, records))
+    finished.append(_collect(run))
     if state.phase == TOUCHING:
         finished.append(_cut(state))
     time = record_times(run, records)
@@ -164,7 +166,7 @@ def simulate(
         statistics={name: int(state[name]) for name in COUNTS},
         ending=ending,
         message=message,
-        state=_state_to_go_on(run, records, series, ending),
+        state=_state_to_go_on(run, series, ending),
     )
 
 
@@ -175,7 +177,7 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
         plant, law.default_contact_step, 1.0, isinstance(law, MultiplierLaw)
     )
     run = Run(plant, propagator, one(STATE), one(STEP))
-    loop_for(law, run, records_for(2, plant.modes.size))
+    loop_for(law, run)
     kernels_of(law)
 
 
@@ -197,16 +199,12 @@ def take_in(
     return guarded(parameters), kernels, law_errors
 
 
-def _count_records(duration: float, interval: float) -> int:
-    """Count the records at 0, interval, 2 interval, ... and at the end."""
-    return max(int(np.ceil(duration / interval - ON_GRID)), 1) + 1
-
-
 def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
     """Set the initial state and phase."""
     plant, state = run.plant, run.state
-    q, v = plant.modes.q[:, START], plant.modes.v[:, START]
-    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / plant.modes.row_r[-1]
+    modes = modes_of(plant)
+    q, v = modes.q[:, START], modes.v[:, START]
+    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / modes.row_r[-1]
     if motor.start is not None:
         q[:-1] = motor.start.displacement
         v[:-1] = motor.start.velocity
@@ -230,8 +228,8 @@ def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
 
 def _resume(run: Run, start: State) -> Run:
     """Set the state of a run that goes on; on another ladder its next step is the first of its kind."""
-    state, motion = state_from_value(start)
-    run.plant.modes.q[:, START], run.plant.modes.v[:, START] = motion.q, motion.v
+    state, modes = state_from_value(start), modes_of(run.plant)
+    modes.q[:, START], modes.v[:, START] = start["q"], start["v"]
     rule = run.propagator.rule
     if (state.longest, state.contact_level) != (rule.longest, rule.contact_level):
         touching = state.phase == TOUCHING
@@ -273,22 +271,22 @@ def _cut(state: Any) -> Any:
     return contact
 
 
-def _collect(state: Any, records: Records) -> Any:
+def _collect(run: Run) -> Any:
     """Take the finished contacts out of the run's storage."""
-    rows = records.contacts[: state.stored].copy()
-    state.stored = 0
+    rows = run.step.contacts[: run.state.stored].copy()
+    run.state.stored = 0
     return rows
 
 
-def _state_to_go_on(run: Run, records: Records, series: dict[str, Array], ending: Ending) -> State:
+def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:
     """Give the state as a value: before the step that the end cut, else where the run stopped."""
-    state = run.state
+    state, modes = run.state, modes_of(run.plant)
     initial_energy, end = state.initial_energy, state.end if ending.reached_end else state.time
-    motion = {"q": run.plant.modes.q[:, START], "v": run.plant.modes.v[:, START]}
+    q, v = modes.q[:, START], modes.v[:, START]
     if ending.reached_end:
-        state, motion = records.saved[0], records.saved_motion
+        state, q, v = run.step.saved[0], modes.saved_q, modes.saved_v
     for name in ("normal_force", "friction_force"):
         if series[name].size:
             state[name] = series[name][-1]
     state.initial_energy, state.end = initial_energy, end
-    return state_as_value(state, motion)
+    return state_as_value(state, q, v)
