@@ -14,7 +14,19 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant, modes_of
-from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START
+from contactlab.engine.state import (
+    BETWEEN,
+    COLLOCATED,
+    FLIGHT,
+    HELD,
+    LAST,
+    NODES,
+    NOT_FINITE,
+    NOTHING,
+    RUNNING,
+    START,
+    UNSOLVED,
+)
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 
@@ -101,16 +113,11 @@ def contact_after(run: Run, s: float) -> Contact:
 
 @part_kernel
 def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
-    """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps."""
+    """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps, of its first node."""
+    step = run.step
     _, _, u_rate, th_rate, rotor = tip_motion(run.plant, place)
-    n_u, n_th, t_u, t_th = frame_of(run.step)
-    return n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
-
-
-@part_kernel
-def frame_of(step: Any) -> tuple[float, float, float, float]:
-    """Give the directions that a HELD step keeps."""
-    return step.frame[0], step.frame[1], step.frame[2], step.frame[3]
+    rate = step.n_u[0] * u_rate + step.n_th[0] * th_rate
+    return rate, step.t_u[0] * u_rate + step.t_th[0] * th_rate + rotor
 
 
 @part_kernel
@@ -245,14 +252,11 @@ def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
     for m in range(NODES):
-        push_u, push_th, friction = (
-            step.push_u.node[m],
-            step.push_th.node[m],
-            run.state.friction.node[m],
-        )
+        friction = run.state.friction.node[m]
         for j in range(run.plant.mode_count):
             mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-            push = mode.row_u * push_u + mode.row_th * push_th + mode.row_r * friction
+            push = mode.row_u * step.push_u.node[m] + mode.row_th * step.push_th.node[m]
+            push += mode.row_r * friction
             for i in range(NODES):
                 mode.v[i] += response.answer_v[i, m] * push
             mode.q[LAST] += response.answer_q[LAST, m] * push
@@ -277,16 +281,24 @@ def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
 
 
 @inner_kernel
-def is_finite(run: Run) -> bool:
-    """Tell whether all that the law has answered for a step are numbers, and so is the motion in answer."""
+def checked(run: Run, event: int) -> int:
+    """Give the event of a step in contact; end the run where the law has not answered with numbers.
+
+    The state then stays as it is, so that it can be told what the law was asked.
+    """
     state, step = run.state, run.step
-    if step.kind == FLIGHT:
-        return True
-    total = 0.0
-    for i in range(1 if step.kind == HELD else NODES):
-        total += abs(state.normal.node[i]) + abs(state.friction.node[i])
-        if step.kind == COLLOCATED:
-            total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i]) + abs(step.loss[i])
-            # A force that is no number leaves a gap that is none, at which the law is not asked again.
-            total += abs(step.gap[i]) + abs(step.slip[i])
-    return bool(np.isfinite(total))
+    if state.ending == RUNNING:
+        total = 0.0
+        for i in range(1 if step.kind == HELD else NODES):
+            total += abs(state.normal.node[i]) + abs(state.friction.node[i])
+            if step.kind == COLLOCATED:
+                total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i])
+                # A force that is no number leaves a gap that is none, at which the law is not asked again.
+                total += abs(step.loss[i]) + abs(step.gap[i]) + abs(step.slip[i])
+        if not np.isfinite(total):
+            state.ending = NOT_FINITE
+    if state.ending == NOT_FINITE or state.ending == UNSOLVED:
+        step.kind = FLIGHT
+        state.taken = 0.0
+        return NOTHING
+    return event

@@ -22,7 +22,7 @@ from contactlab.laws.base import FREE
 
 
 @part_kernel
-def clear(out: Any) -> None:
+def _clear(out: Any) -> None:
     """Set all terms to zero."""
     out.drive_work, out.damping_loss, out.friction_loss, out.contact_loss = 0.0, 0.0, 0.0, 0.0
     out.load_work, out.normal_impulse, out.friction_impulse = 0.0, 0.0, 0.0
@@ -63,55 +63,39 @@ def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     out.load_work += weight * load
 
 
-@part_kernel
-def _add_contact(
-    normal: float, friction: float, slip: float, loss: float, weight: float, out: Any
-) -> None:
-    """Add the contact's powers and forces at one node, times its weight [s]."""
-    out.friction_loss -= weight * friction * slip
-    out.contact_loss += weight * loss
-    out.normal_impulse += weight * normal
-    out.friction_impulse += weight * friction
-
-
-@part_kernel
-def increments_of_step(run: Run, out: Any) -> None:
-    """Sum the terms over a whole step of a level, from what is known at its nodes."""
-    state, step, rule = run.state, run.step, run.propagator.rule
-    clear(out)
-    for i in range(NODES):
-        weight = rule.weights[i] * state.length
-        _add_motion(run.plant, i, weight, out)
-        if step.kind == COLLOCATED:
-            normal, friction = state.normal.node[i], state.friction.node[i]
-            _add_contact(normal, friction, step.slip[i], step.loss[i], weight, out)
-        elif step.kind == HELD:
-            normal, friction = state.normal.node[0], state.friction.node[0]
-            rate, slip = rates_in_frame(run, i)
-            _add_contact(normal, friction, slip, -normal * rate, weight, out)
-
-
 @inner_kernel
-def increments_until(run: Run, law: Law, s: float, out: Any) -> None:
-    """Sum the terms over [0, s] of a step; the last node leaves the state at s BETWEEN."""
+def increments(run: Run, law: Law, s: float, whole: bool, out: Any) -> None:
+    """Sum the terms over [0, s] of a step; those over the whole of it from what is known at its nodes.
+
+    Where it is not whole, the last node leaves the state at s BETWEEN.
+    """
     state, step, rule = run.state, run.step, run.propagator.rule
-    h = state.length
-    clear(out)
+    _clear(out)
     for i in range(NODES):
-        at = rule.nodes[i] * s
+        at, place = rule.nodes[i] * s, i
         weight = rule.weights[i] * s
-        flow_to(run, at)
-        _add_motion(run.plant, BETWEEN, weight, out)
+        if not whole:
+            flow_to(run, at)
+            place = BETWEEN
+        _add_motion(run.plant, place, weight, out)
         if step.kind == FLIGHT:
             continue
-        normal, friction = value_at(state.normal, at / h), value_at(state.friction, at / h)
-        if step.kind == HELD:
-            rate, slip = rates_in_frame(run, BETWEEN)
-            loss = -normal * rate
+        if whole and step.kind == COLLOCATED:
+            normal, friction = state.normal.node[i], state.friction.node[i]
+            slip, loss = step.slip[i], step.loss[i]
         else:
-            gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
-            loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
-        _add_contact(normal, friction, slip, loss, weight, out)
+            x = at / state.length
+            normal, friction = value_at(state.normal, x), value_at(state.friction, x)
+            if step.kind == HELD:
+                rate, slip = rates_in_frame(run, place)
+                loss = -normal * rate
+            else:
+                gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
+                loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+        out.friction_loss -= weight * friction * slip
+        out.contact_loss += weight * loss
+        out.normal_impulse += weight * normal
+        out.friction_impulse += weight * friction
 
 
 @part_kernel
@@ -147,9 +131,7 @@ def weigh(run: Run) -> None:
 def openness_of(state: Any, recorded: float) -> float:
     """Give the energy that a run's ledger cannot account for, over the energy turned over [1].
 
-    Args:
-        state: of the run.
-        recorded: largest residual of the records [J], which knows of contacts as well.
+    `recorded` is the largest residual of the records [J], which knows of contacts as well.
     """
     seen = np.array([state.least_open, state.most_open])
     start = float(state.initial_energy)

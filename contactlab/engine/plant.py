@@ -29,9 +29,8 @@ NEARLY_RESONANT = 1e-2
 """The same number below which a steady state is not split off: it would be fifty times and more what moves
 a mode that rests, and its round-off that of the gap."""
 
-MODES, TONES = 32, 4
-"""Coordinates and tones that every plant has room for; for more, the engine is compiled with room for twice as
-many, and so on."""
+MODES, TONES = 64, 4
+"""Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
 
 GEOMETRY = record(real="tip_length radius clearance")
 MODE = record(
@@ -47,8 +46,8 @@ Plant = Any
 """A motor and where it is, a record; j runs over coordinates, k over tones.
 
 geometry: tip_length, radius, clearance [m]; mode_count, tone_count.
-modes[j]: k_j [1/s^2], c_j [1/s], constant force a_j, contact rows; displacement q and rate v at every place of
-a step; free_q, free_v, those of its start without the steady state, and saved_q, saved_v, those before the
+modes[j]: k_j [1/s^2], c_j [1/s], constant force a_j, contact rows; displacement q and rate v at every place
+of a step; free_q, free_v, those of its start without the steady state, and saved_q, saved_v, those before the
 step that reaches the end; near, whether a tone is nearly resonant.
 tones[k]: omega [rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of omega t at
 every place.

@@ -60,8 +60,8 @@ length of level 0 [s]; contact_level, of the longest step in contact; fresh_leve
 release; level_count; integrals, scratch of the oscillator.
 levels[level]: whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v, their rates, and
 the rotor's row: uu, uth, thth, rr.
-responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant force;
-answer_q and answer_v, q and v from l_m.
+responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
+force; answer_q and answer_v, q and v from l_m.
 turns[level, k]: cosine and sine of omega_k c_i h.
 driven[level, j, k]: answers from rest of the nearly resonant pairs, see `answer_from_rest`.
 """
@@ -80,8 +80,11 @@ def propagator_record(modes: int, tones: int) -> np.dtype[Any]:
 
 
 @cache
-def radau_rule(count: int) -> tuple[Array, Array, Array]:
-    """Give nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1]."""
+def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
+    """Give nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1], and its derivative.
+
+    The derivative is the inverse of the collocation matrix a_im = int_0^c_i l_m dx.
+    """
     difference = Legendre.basis(count) - Legendre.basis(count - 1)
     nodes = np.sort(0.5 * (difference.roots().real + 1.0))
     nodes[-1] = 1.0
@@ -89,16 +92,9 @@ def radau_rule(count: int) -> tuple[Array, Array, Array]:
     for m in range(count):
         others = np.delete(nodes, m)
         lagrange[m] = (Polynomial.fromroots(others) / np.prod(nodes[m] - others)).coef
-    weights = lagrange @ (1.0 / np.arange(1, count + 1))
-    return nodes, weights, lagrange
-
-
-@cache
-def derivative_rule(count: int) -> Array:
-    """Give the inverse of the collocation matrix a_im = int_0^c_i l_m dx."""
-    nodes, _, lagrange = radau_rule(count)
     powers = np.arange(1, count + 1)
-    return np.asarray(np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T), np.float64)
+    derivative = np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T)
+    return nodes, lagrange @ (1.0 / powers), lagrange, derivative
 
 
 def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
@@ -113,7 +109,6 @@ def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bo
         duration: of the run [s], the longest step where nothing vibrates.
         exact: whether steps in contact must have this length, not only at most this length.
     """
-    nodes, weights, lagrange = radau_rule(NODES)
     # Steps may outlast a run, so that a longer one begins like it, but not for ever.
     rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
     rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
@@ -126,8 +121,8 @@ def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bo
     levels = max(LEVELS, contact_level + ROOM)
     propagator = one(propagator_record(*plant.phasors.shape))
     rule = propagator.rule
-    rule.nodes, rule.weights, rule.lagrange = nodes, weights, lagrange
-    rule.derivative, rule.longest = derivative_rule(NODES), longest
+    rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
+    rule.longest = longest
     rule.contact_level, rule.level_count = contact_level, levels
     rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), levels - 8)
     return propagator

@@ -8,13 +8,11 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.contacts import EVENT_LIMIT
 from contactlab.engine.kinematics import Law, Run, contact_at, contact_of, tip_motion
 from contactlab.engine.ledger import (
     add,
     energy_of_motion,
-    increments_of_step,
-    increments_until,
+    increments,
     weigh,
 )
 from contactlab.engine.plant import Plant, motion_rate
@@ -24,6 +22,7 @@ from contactlab.engine.state import (
     CHATTERED,
     COLLOCATED,
     DIVERGED,
+    EVENT_LIMIT,
     LAST,
     STALLED,
     START,
@@ -51,11 +50,10 @@ def commit(run: Run, law: Law, series: Any) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, step, plant = run.state, run.step, run.plant
     s = state.taken
-    place = LAST
-    if s == state.length:
-        increments_of_step(run, step.step_terms)
-    else:
-        increments_until(run, law, s, step.step_terms)
+    whole = s == state.length
+    increments(run, law, s, whole, step.step_terms)
+    if not whole:
+        # The records below leave another state there.
         for j in range(plant.mode_count):
             mode = plant.modes[j]
             mode.q[LAST], mode.v[LAST] = mode.q[BETWEEN], mode.v[BETWEEN]
@@ -63,11 +61,14 @@ def commit(run: Run, law: Law, series: Any) -> None:
     # The step that reaches the end of the run must land on it, whatever start + s rounds to.
     now = state.end if state.end - start <= s else start + s
     while state.recorded < series.size:
-        due = _record_time(run, series)
+        # The last record lies at the end of the run.
+        due = state.end
+        if state.recorded < series.size - 1:
+            due = state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
-        increments_until(run, law, at, step.record_terms)
+        increments(run, law, at, False, step.record_terms)
         _write_record(run, law, series, at)
     add(state.total, step.step_terms)
     if state.mode != FREE:
@@ -83,18 +84,9 @@ def commit(run: Run, law: Law, series: Any) -> None:
         state.internal = internal_at(state, s / state.length)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
-        mode.q[START], mode.v[START] = mode.q[place], mode.v[place]
+        mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
     _watch(run)
     weigh(run)
-
-
-@part_kernel
-def _record_time(run: Run, series: Any) -> float:
-    """Give the time of the next record [s]; the last one lies at the end of the run."""
-    state = run.state
-    if state.recorded >= series.size - 1:
-        return float(state.end)
-    return float(state.origin + (state.first + state.recorded) * state.interval)
 
 
 @inner_kernel

@@ -15,7 +15,6 @@ from contactlab.engine.arguments import (
     default_contact_step,
 )
 from contactlab.engine.compilation import kernels_of, loop_for
-from contactlab.engine.diagnosis import Witness
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.kinematics import Run, contact_from
 from contactlab.engine.loop import TOUCH_REFINEMENT
@@ -83,9 +82,10 @@ def simulate(
     the length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
     stands then goes on under the new ones.
 
+    A trajectory that is not complete says why and holds what it had.
+
     Args:
-        motor: what moves.
-        law: what acts between tip and rotor.
+        motor, law: what moves, and what acts between tip and rotor.
         duration: [s], positive; of a run that goes on, how much longer it runs.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
@@ -94,9 +94,6 @@ def simulate(
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
         workspace: what runs that follow each other can share; it changes no bit of any.
         start: the state of a run to go on from.
-
-    Returns:
-        The trajectory; one that is not complete says why and holds what it had.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -137,17 +134,21 @@ def simulate(
         while state.time < state.end and state.ending == RUNNING:
             with law_errors():
                 loop(run, records, *kernels, parameters, STEPS_PER_CALL)
-            finished.append(_collect(run))
+            finished.append(_finished_contacts(run))
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
     if state.ending != RUNNING:
         with law_errors():
-            ending, message = explain(run, Witness(run, kernels, parameters), contact_step)
-    finished.append(_collect(run))
+            ending, message = explain(run, kernels, parameters, contact_step)
+    finished.append(_finished_contacts(run))
     if state.phase == TOUCHING:
-        finished.append(_cut(state))
+        # The end of the run cut it: it has no separation.
+        cut = state.contact.copy().reshape(1)
+        cut["separation_velocity"] = np.nan
+        cut["energy_loss"] -= state.held_energy
+        finished.append(cut)
     time = record_times(run, records)
     series, modes = take_series(run, records, time)
     if ending is Ending.COMPLETE:
@@ -201,28 +202,28 @@ def take_in(
 
 def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
     """Set the initial state and phase."""
-    plant, state = run.plant, run.state
+    plant, state, rule = run.plant, run.state, run.propagator.rule
     modes = modes_of(plant)
     q, v = modes.q[:, START], modes.v[:, START]
     v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / modes.row_r[-1]
     if motor.start is not None:
-        q[:-1] = motor.start.displacement
-        v[:-1] = motor.start.velocity
+        q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
     gap, rate, _ = contact_from(plant, q, v)
     if gap < 0.0 and not isinstance(law, PenaltyLaw):
         raise ValueError(
             f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
             "rotor would overlap."
         )
+    state.phase = OPEN if gap > 0.0 else RELEASED
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
         state.phase = PRESSED
-    else:
-        state.phase = OPEN if gap > 0.0 else RELEASED
     # A first step continues a polynomial of zeros, of some length.
     state.length = 1.0
-    state.level = run.propagator.rule.fresh_level
-    state.longest = run.propagator.rule.longest
-    state.contact_level = run.propagator.rule.contact_level
+    state.level, state.longest, state.contact_level = (
+        rule.fresh_level,
+        rule.longest,
+        rule.contact_level,
+    )
     state.least_open, state.most_open, state.initial_energy = np.inf, -np.inf, np.nan
 
 
@@ -246,10 +247,8 @@ def _set_up(
     """Set the clock, the grid of records, the pace, and what the kernels know of a law beside its own."""
     state, compliant = run.state, isinstance(law, PenaltyLaw)
     begins = float(state.end)
-    number = round((begins - state.origin) / interval)
-    if abs(begins - (state.origin + number * interval)) <= ON_GRID * interval:
-        state.first = number
-    else:
+    state.first = round((begins - state.origin) / interval)
+    if abs(begins - (state.origin + state.first * interval)) > ON_GRID * interval:
         state.origin, state.first = begins, 0
     state.end, state.interval = begins + duration, interval
     state.recorded = state.stored = 0
@@ -263,15 +262,7 @@ def _set_up(
         state.projects = law.projects
 
 
-def _cut(state: Any) -> Any:
-    """Give the contact that the end of the run cut: it has no separation."""
-    contact = state.contact.copy().reshape(1)
-    contact["separation_velocity"] = np.nan
-    contact["energy_loss"] -= state.held_energy
-    return contact
-
-
-def _collect(run: Run) -> Any:
+def _finished_contacts(run: Run) -> Any:
     """Take the finished contacts out of the run's storage."""
     rows = run.step.contacts[: run.state.stored].copy()
     run.state.stored = 0

@@ -6,7 +6,7 @@ record, with room for more than most motors have, so that the code is the same f
 """
 
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -14,20 +14,26 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.variables import CONTACTS, SERIES
 
-NODES: Final = 5
+
+def _number(value: int) -> int:
+    """Give a number that is no Python int: of each of those a kernel is asked with, it gets a copy."""
+    return cast(int, np.int64(value))
+
+
+NODES: Final = _number(5)
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
 
 LAST, START, BETWEEN, PLACES = NODES - 1, NODES, NODES + 1, NODES + 2
 """Places of a motion beside the nodes 0 ... LAST: the start of a step and a time in between."""
 
-RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
+RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = map(_number, range(5))
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
 start in contact, or on the point of it."""
 
-FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
+FLIGHT, HELD, COLLOCATED = _number(-1), _number(0), NODES - 1
 """Kinds of a step: the degree of its force polynomial. FLIGHT has no force, HELD a constant one."""
 
-NOTHING, TOUCH, RELEASE, REVERSAL, CONE, PEAK = range(6)
+NOTHING, TOUCH, RELEASE, REVERSAL, CONE, PEAK = map(_number, range(6))
 """What ends a step: no event; the gap closes; the gap opens or the contact would pull; slip changes sign;
 friction that sticks reaches its bound. A PEAK of the normal force ends none."""
 
@@ -35,6 +41,9 @@ RUNNING, DIVERGED, UNSOLVED, CHATTERED, UNFOLLOWED, STALLED, NOT_FINITE, INCONSI
 """Endings as the kernels know them: no motor's state any more, no step that satisfies the law, too many
 events, a touch-down that cannot be searched, too many steps, a law that answered with no number, and one
 that has no impulse for a contact that closes."""
+
+EVENT_LIMIT = 1000
+"""Touch-downs and friction switches within one window that count as chattering."""
 
 COUNTS: Final = (
     "flight_steps",
@@ -117,9 +126,7 @@ STEP: Final = record(
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal")),
     *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
-    ("frame", float, 4),
-    ("stick", float, (NODES, NODES + 1)),
-    ("coupled", float, (2 * NODES, 2 * NODES + 1)),
+    ("system", float, (2 * NODES, 2 * NODES + 1)),
     *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate")),
     ("contacts", CONTACT, 512),
     ("saved", STATE, (1,)),
@@ -127,9 +134,9 @@ STEP: Final = record(
 )
 """Scratch of one step: generalised forces along u and th [N, N m]; the contact at the nodes [m, m/s, W], of
 which `sliding` is what must keep its sign in slip: the slip, less what a spring of the friction takes of it
-[m/s]; the tip's motion there without contact, and the directions; `frame`, directions that a HELD step
-keeps; linear systems; the stretches of a flight that wait to be searched; finished contacts that are not yet
-collected; the state before the step that reaches the end."""
+[m/s]; the tip's motion there without contact, and the directions, of which a HELD step keeps the first;
+linear systems; stretches of a flight that wait to be searched, contacts that wait to be collected; the state
+before the step that reaches the end."""
 
 
 @part_kernel
