@@ -58,11 +58,7 @@ class Law(NamedTuple):
 @part_kernel
 def tip_motion(plant: Plant, place: int) -> Tip:
     """Give the tip's motion at a place of the step."""
-    u = 0.0
-    th = 0.0
-    u_rate = 0.0
-    th_rate = 0.0
-    rotor = 0.0
+    u, th, u_rate, th_rate, rotor = 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         q, v = mode.q[place], mode.v[place]
@@ -140,8 +136,7 @@ def begin(run: Run) -> None:
             cosine, sine = tone.cosine[START], tone.sine[START]
             q -= phasor.steady_re * cosine - phasor.steady_im * sine
             v += tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        mode.free_q = q
-        mode.free_v = v
+        mode.free_q, mode.free_v = q, v
 
 
 @inner_kernel
@@ -173,11 +168,9 @@ def flow_to(run: Run, s: float) -> None:
         tone.sine[BETWEEN] = tone.cosine[START] * sine + tone.sine[START] * cosine
     for j in range(plant.mode_count):
         mode = plant.modes[j]
-        c = mode.damping
-        stiffness = mode.stiffness
+        c, stiffness = mode.damping, mode.stiffness
         impulse_integrals(stiffness, c, s, top, integrals)
-        rate = integrals[0]
-        w = integrals[1]
+        rate, w = integrals[0], integrals[1]
         q = (rate + c * w) * mode.free_q + w * mode.free_v
         v = -stiffness * w * mode.free_q + rate * mode.free_v
         q += mode.constant * integrals[2]
@@ -198,8 +191,7 @@ def flow_to(run: Run, s: float) -> None:
             cosine, sine = tone.cosine[BETWEEN], tone.sine[BETWEEN]
             q += phasor.steady_re * cosine - phasor.steady_im * sine
             v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        mode.q[BETWEEN] = q
-        mode.v[BETWEEN] = v
+        mode.q[BETWEEN], mode.v[BETWEEN] = q, v
         if mode.near != 0:
             for k in range(plant.tone_count):
                 tone, phasor = plant.tones[k], plant.phasors[j, k]
@@ -222,8 +214,7 @@ def free_response(run: Run, level: int, first: int) -> None:
             tone.sine[i] = tone.cosine[START] * sine + tone.sine[START] * cosine
         for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
-            q0 = mode.free_q
-            v0 = mode.free_v
+            q0, v0 = mode.free_q, mode.free_v
             v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
             v += response.hold[i, 1] * mode.constant
             q = 0.0

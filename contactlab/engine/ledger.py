@@ -45,15 +45,13 @@ def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     """Add the powers of drive, damping and load at a place, times a weight [s]."""
     drive = 0.0
     for k in range(plant.tone_count):
-        in_phase = 0.0
-        quadrature = 0.0
+        in_phase, quadrature = 0.0, 0.0
         for j in range(plant.mode_count):
             v = plant.modes[j].v[place]
             in_phase += plant.phasors[j, k].force_re * v
             quadrature += plant.phasors[j, k].force_im * v
         drive += in_phase * plant.tones[k].cosine[place] - quadrature * plant.tones[k].sine[place]
-    damping = 0.0
-    load = 0.0
+    damping, load = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         damping += mode.damping * mode.v[place] * mode.v[place]
@@ -101,8 +99,7 @@ def increments(run: Run, law: Law, s: float, whole: bool, out: Any) -> None:
 @part_kernel
 def energy_of_motion(plant: Plant, place: int) -> tuple[float, float]:
     """Give kinetic and strain energy [J] at a place."""
-    kinetic = 0.0
-    strain = 0.0
+    kinetic, strain = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         kinetic += 0.5 * mode.v[place] * mode.v[place]

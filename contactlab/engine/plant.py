@@ -165,9 +165,7 @@ def delassus(
     plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float
 ) -> tuple[float, float, float]:
     """Give D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
-    nn = 0.0
-    nt = 0.0
-    tt = 0.0
+    nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         normal = n_u * mode.row_u + n_th * mode.row_th

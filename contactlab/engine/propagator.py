@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, one, record
@@ -94,7 +94,7 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
         lagrange[m] = (Polynomial.fromroots(others) / np.prod(nodes[m] - others)).coef
     powers = np.arange(1, count + 1)
     derivative = np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T)
-    return nodes, lagrange @ (1.0 / powers), lagrange, derivative
+    return nodes, lagrange @ (1.0 / powers), lagrange, np.asarray(derivative, np.float64)
 
 
 def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
@@ -165,7 +165,7 @@ def step_length(propagator: Propagator, level: int) -> float:
     return float(propagator.rule.longest * 0.5**level)
 
 
-@kernel
+@inner_kernel
 def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
     """Fill one level; a second call does nothing."""
     if propagator.levels[level].built == 1:
@@ -204,17 +204,14 @@ def _fill(rule: Any, mode: Any, response: Any, i: int, h: float) -> None:
     response.hold[i, 0] = integrals[2]
     response.hold[i, 1] = w
     for m in range(NODES):
-        q = 0.0
-        v = 0.0
-        scale = 1.0
+        q, v, scale = 0.0, 0.0, 1.0
         for d in range(NODES):
             # (s/h)^d = d!/h^d times s^d/d!, whose answers are I_(d+1) and I_d.
             if d > 0:
                 scale *= d / h
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
-        response.answer_q[i, m] = q
-        response.answer_v[i, m] = v
+        response.answer_q[i, m], response.answer_v[i, m] = q, v
 
 
 @inner_kernel
@@ -223,15 +220,10 @@ def _reduce(plant: Plant, propagator: Propagator, level: int) -> None:
     tip_q, tip_v = propagator.levels[level].tip_q, propagator.levels[level].tip_v
     for i in range(NODES):
         for m in range(NODES):
-            for row in range(3):
-                tip_q[row, i, m] = 0.0
-            for row in range(4):
-                tip_v[row, i, m] = 0.0
             for j in range(plant.mode_count):
                 mode, response = plant.modes[j], propagator.responses[level, j]
                 u, th, r = mode.row_u, mode.row_th, mode.row_r
-                q = response.answer_q[i, m]
-                v = response.answer_v[i, m]
+                q, v = response.answer_q[i, m], response.answer_v[i, m]
                 tip_q[0, i, m] += u * u * q
                 tip_q[1, i, m] += u * th * q
                 tip_q[2, i, m] += th * th * q
