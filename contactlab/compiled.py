@@ -19,13 +19,12 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
-import numba.core.config
 
 from contactlab.fingerprint import is_own
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-INTERPRETED = bool(getattr(numba.core.config, "DISABLE_JIT"))  # noqa: B009
+INTERPRETED = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
 PACKAGE = Path(__file__).parent
@@ -63,11 +62,9 @@ def code_folder() -> Path:
 
 
 def keep_code(kernel: Any, digest: str) -> None:
-    """Let a kernel of another package keep its code, and find what was kept.
+    """Let a kernel of another package, not compiled yet, keep its code, and find what was kept.
 
-    Args:
-        kernel: not compiled yet.
-        digest: fingerprint of all that it is made from.
+    The digest is the fingerprint of all that it is made from.
     """
     function = kernel.py_func
     # Of a closure the compiler would write down what it captures, which may be anything.
@@ -146,7 +143,7 @@ def _compile(function: Function, options: dict[str, bool]) -> Function:
 @contextmanager
 def _caching(folder: Path) -> Iterator[None]:
     """Within, a kernel that is to keep its code keeps it here: numba reads this once, for each."""
-    settings: Any = numba.core.config
+    settings: Any = numba.config
     before = settings.CACHE_DIR
     settings.CACHE_DIR = str(folder)
     try:

@@ -37,11 +37,7 @@ def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
 
 
 def check_kinds(motor: Motor, law: ContactLaw) -> None:
-    """Refuse what is no motor or no law.
-
-    Raises:
-        TypeError: it is of another kind, or a law of neither family.
-    """
+    """Refuse what is no motor, or no law of either family, by a TypeError."""
     check_kind("The motor", motor, Motor)
     if isinstance(law, str):
         raise TypeError(
@@ -63,24 +59,18 @@ def check_numbers(
     contact_step: float,
     tolerance: float | None,
 ) -> None:
-    """Refuse times, steps and a tolerance that no run can have; arguments as of `simulate`.
-
-    Raises:
-        TypeError: one is no number.
-        ValueError: one is out of its range.
-    """
-    check_number("The duration", duration)
-    check_number("The record interval", record_interval)
-    check_number("The contact step", contact_step)
-    if not 0.0 < duration < inf:
-        raise ValueError(f"The duration is {duration} s; it must be positive and finite.")
+    """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
+    times = {"duration": duration, "record interval": record_interval, "contact step": contact_step}
+    for name, value in times.items():
+        check_number(f"The {name}", value)
+    for name in ("duration", "contact step"):
+        if not 0.0 < times[name] < inf:
+            raise ValueError(f"The {name} is {times[name]} s; it must be positive and finite.")
     if not 0.0 < record_interval <= duration:
         raise ValueError(
             f"The record interval is {record_interval} s; it must be positive and at most the "
             f"duration, {duration} s."
         )
-    if not 0.0 < contact_step < inf:
-        raise ValueError(f"The contact step is {contact_step} s; it must be positive and finite.")
     if contact_step < SMALLEST_STEP * duration:
         raise ValueError(
             f"The contact step is {contact_step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
@@ -99,11 +89,7 @@ def check_numbers(
 
 
 def check_rates(plant: Plant, duration: float) -> None:
-    """Refuse a motor that moves too fast for the clock of its run.
-
-    Raises:
-        ValueError: what persists of its modes and tones has a period that the clock cannot see.
-    """
+    """Refuse a motor that moves too fast for the clock of its run, by a ValueError."""
     rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(
@@ -113,21 +99,15 @@ def check_rates(plant: Plant, duration: float) -> None:
 
 
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
-    """Refuse a state that a run cannot go on from.
-
-    Raises:
-        TypeError: it is no state.
-        ValueError: it is another motor's, its run has failed, or its contact is of another kind of law.
-    """
-    names = state_names()
-    if not isinstance(start, dict) or not names <= set(start):
+    """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
+    if not isinstance(start, dict) or not state_names() <= set(start):
         raise TypeError(
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )
     count = np.size(start["q"])
-    if count != plant.modes.size:
+    if count != plant.mode_count:
         raise ValueError(
-            f"The start is a state of {count - 1} modes, and the motor has {plant.modes.size - 1}; go on "
+            f"The start is a state of {count - 1} modes, and the motor has {plant.mode_count - 1}; go on "
             "with a motor of as many."
         )
     if start["ending"] != RUNNING:
@@ -135,12 +115,9 @@ def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
             f"The start is the state of a run that failed at {start['time']:.6g} s; it cannot go on. Take a "
             "state of before."
         )
-    compliant = isinstance(law, PenaltyLaw)
-    kind = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
-    if start["phase"] == TOUCHING and (start["compliant"], start["friction_kind"]) != (
-        compliant,
-        kind,
-    ):
+    friction = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
+    kind = isinstance(law, PenaltyLaw), friction
+    if start["phase"] == TOUCHING and (start["compliant"], start["friction_kind"]) != kind:
         raise ValueError(
             f"The start is a state in contact under a law of another kind than {law.name}; cut the run in "
             "flight to go on with another kind."

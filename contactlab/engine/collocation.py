@@ -61,8 +61,11 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state, step = run.state, run.step
     normal, bound, friction, steepness = known
     build_level(run.plant, run.propagator, level)
-    _prepare(run, level)
-    mode = state.mode
+    free_response(run, level, 0)
+    for i in range(NODES):
+        u, th, u_rate, th_rate, rotor = tip_motion(run.plant, i)
+        step.u[i], step.th[i], step.rotor[i] = u, th, rotor
+        step.u_rate[i], step.th_rate[i] = u_rate, th_rate
     depends = state.friction_kind == RATE_DEPENDENT
     stretch = step_length(run.propagator, level) / state.length
     state.length = step_length(run.propagator, level)
@@ -78,9 +81,9 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         return np.inf
     h = state.length
     allowed = state.tolerance * state.momentum
-    if largest(step.gap) >= 0.0 or _lifts(run, normal):
-        most = max(abs(normal), abs(friction), _most_force(run))
-        return 0.5 if most * h <= allowed else KINK
+    kinked = _kinked_force(run, known)
+    if kinked >= 0.0:
+        return 0.5 if kinked * h <= allowed else KINK
     error = abs(state.normal.coefficient[0] - normal)
     if not depends:
         error = max(error, abs(state.bound.coefficient[0] - bound))
@@ -88,20 +91,27 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
         if depends:
             error = max(error, missed_between(run, law, level))
-    if mode == STICK:
+    if state.mode == STICK:
         error = max(error, 0.1 * abs(state.friction.coefficient[NODES - 1]))
     return float(error * h / allowed)
 
 
-@part_kernel
-def _prepare(run: Run, level: int) -> None:
-    """Note the contact-free tip motion at the nodes of a level."""
-    step = run.step
-    free_response(run, level, 0)
+@inner_kernel
+def _kinked_force(run: Run, known: Known) -> float:
+    """Give the largest force [N] of a step with a kink; negative where there is none.
+
+    One in which the gap opens, or a force that only pushes ends or begins, has a kink.
+    """
+    state, normal = run.state, known[0]
+    most, ends = max(abs(normal), abs(known[2])), False
     for i in range(NODES):
-        u, th, u_rate, th_rate, rotor = tip_motion(run.plant, i)
-        step.u[i], step.th[i], step.rotor[i] = u, th, rotor
-        step.u_rate[i], step.th_rate[i] = u_rate, th_rate
+        most = max(most, abs(state.normal.node[i]))
+        if state.friction_kind == RATE_DEPENDENT:
+            # Friction that no bound ties to the normal force.
+            most = max(most, abs(state.friction.node[i]))
+        ends = ends or (normal > 0.0 and state.normal.node[i] == 0.0)
+    begins = normal == 0.0 == state.normal.node[0] and largest(state.normal.node) > 0.0
+    return most if ends or begins or largest(run.step.gap) >= 0.0 else -1.0
 
 
 @inner_kernel
@@ -124,51 +134,48 @@ def _first_forces(run: Run, stretch: float) -> None:
 
 @inner_kernel
 def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
-    """Iterate the nodal forces of a step that `_prepare` made ready, starting from those that stand.
+    """Iterate the nodal forces of a step, starting from those that stand.
 
-    Args:
-        run, law, level: the step.
-        held: whether rate-dependent friction begins with what would hold the slip at zero. Friction that
-            rises steeply from there and then levels off is solved from its steep part, by steps that
-            fall short; from its level part they would leap over it, to and fro.
-
-    Returns:
-        Sweeps that were needed, or 0 where the iteration does not contract.
+    Rate-dependent friction may begin `held`, with what would hold the slip at zero: friction that rises
+    steeply from there and then levels off is solved from its steep part, by steps that fall short; from its
+    level part they would leap over it, to and fro. Returns the sweeps that were needed, or 0
+    where the iteration does not contract.
     """
-    state, rule = run.state, run.propagator.rule
-    h, mode, sign = state.length, state.mode, float(state.sign)
-    kind = state.friction_kind
-    follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and mode == STICK)
+    state, step, rule = run.state, run.step, run.propagator.rule
+    sign, kind, sticks = float(state.sign), state.friction_kind, state.mode == STICK
+    follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
+    slides = not sticks and not follows
     for sweep in range(1, MOST_ITERATIONS + 1):
         change = 0.0
         most = 0.0
         for i in range(NODES):
             old_normal, old_friction = state.normal.node[i], state.friction.node[i]
             _law_at_node(run, law, level, i)
-            if mode != STICK and not follows:
+            if slides:
                 state.friction.node[i] = -sign * state.bound.node[i]
             push_node(run, i)
             change = max(change, abs(state.normal.node[i] - old_normal))
             change = max(change, abs(state.friction.node[i] - old_friction))
             # Friction that would have to hold far more than the law lets it has the round-off of its size.
             most = max(most, state.normal.node[i], abs(old_friction))
-        holds = (held and sweep == 1) or (mode == STICK and not follows)
+        holds = (held and sweep == 1) or (sticks and not follows)
         if follows and not holds:
-            least = HELD_SLIP if held else LEAST_SLIP
-            change = max(change, correct_friction(run, law, level, least))
+            least_slip = HELD_SLIP if held else LEAST_SLIP
+            change = max(change, correct_friction(run, law, level, least_slip))
         if holds:
             change = max(change, hold_slip(run, level))
         if not np.isfinite(change):
             return 0
-        if change <= AGREEMENT * most or change * h <= 1e-3 * AGREEMENT * state.momentum:
+        least = 1e-3 * AGREEMENT * state.momentum
+        if change <= AGREEMENT * most or change * state.length <= least:
             if kind != SET_VALUED and not follows:
-                follow_bound(run, law, level, sign)
+                follow_bound(run, law, sign)
             fit(rule, state.normal)
             fit(rule, state.friction)
             fit(rule, state.bound)
             fit(rule, state.internal_rate)
-            fit(rule, run.step.push_u)
-            fit(rule, run.step.push_th)
+            fit(rule, step.push_u)
+            fit(rule, step.push_th)
             return sweep
     return 0
 
@@ -194,33 +201,5 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
         normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         normal = sound_normal(normal, bound)
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
-    state.normal.node[i] = normal
-    state.bound.node[i] = bound
-    step.loss[i] = loss
-    step.gap[i] = gap
-    step.gap_rate[i] = rate
-    step.slip[i] = slip
-    step.sliding[i] = slip
-
-
-@inner_kernel
-def _most_force(run: Run) -> float:
-    """Give the largest normal force at a node [N], or friction that no bound ties to it."""
-    state = run.state
-    most = 0.0
-    for i in range(NODES):
-        most = max(most, abs(state.normal.node[i]))
-        if state.friction_kind == RATE_DEPENDENT:
-            most = max(most, abs(state.friction.node[i]))
-    return float(most)
-
-
-@inner_kernel
-def _lifts(run: Run, normal: float) -> bool:
-    """Tell whether a force that only pushes ends or begins within the step, from its value at the start."""
-    values = run.state.normal.node
-    ends, begins = False, False
-    for i in range(NODES):
-        ends = ends or (normal > 0.0 and values[i] == 0.0)
-        begins = begins or (normal == 0.0 and values[i] > 0.0)
-    return ends or (begins and values[0] == 0.0)
+    state.normal.node[i], state.bound.node[i], step.loss[i] = normal, bound, loss
+    step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip

@@ -9,7 +9,14 @@ until every piece is either proven open or holds one falling zero.
 from math import sqrt
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Run, contact_after, contact_at, free_response
+from contactlab.engine.kinematics import (
+    Law,
+    Run,
+    contact_after,
+    contact_at,
+    free_response,
+    tip_motion,
+)
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import locate
 from contactlab.engine.state import (
@@ -101,14 +108,11 @@ def step_flight(run: Run, law: Law) -> int:
 def _level_after_release(run: Run, level: int, rate: float, coarse: float) -> int:
     """Give the level as it is, or a much finer one for a gap that hardly opens: there, round-off decides.
 
-    Args:
-        run, level: the flight and the level it would begin with.
-        rate: gap rate of the release [m/s].
-        coarse: see `coarseness`.
+    `rate` is the gap rate of the release [m/s].
     """
     h = step_length(run.propagator, level)
     opens = rate >= curvature_bound(run, h) * h or _certain_opening(run, h, coarse) > 0.0
-    return level if opens else min(level + REFINEMENT, run.propagator.levels.size - 1)
+    return level if opens else min(level + REFINEMENT, run.propagator.rule.level_count - 1)
 
 
 @inner_kernel
@@ -122,13 +126,9 @@ def curvature_bound(run: Run, h: float) -> float:
     and the centripetal terms.
     """
     plant = run.plant
-    u_acc = 0.0
-    th_acc = 0.0
-    u = 0.0
-    th = 0.0
-    u_rate = 0.0
-    th_rate = 0.0
-    for j in range(plant.modes.size):
+    u_acc, th_acc = 0.0, 0.0
+    u, th, u_rate, th_rate, _ = tip_motion(plant, START)
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         k, c = mode.stiffness, mode.damping
         acceleration = -c * mode.free_v - k * mode.free_q
@@ -137,18 +137,17 @@ def curvature_bound(run: Run, h: float) -> float:
         bound = abs(acceleration) + abs(jerk) * reach + abs(mode.constant)
         u_acc += abs(mode.row_u) * bound
         th_acc += abs(mode.row_th) * bound
-        u += mode.row_u * mode.q[START]
-        th += mode.row_th * mode.q[START]
-        u_rate += mode.row_u * mode.v[START]
-        th_rate += mode.row_th * mode.v[START]
-    for p in range(plant.near.size):
-        j, k = plant.near[p].mode, plant.near[p].tone
-        phasor = plant.phasors[j, k]
-        bound = sqrt(phasor.force_re**2 + phasor.force_im**2)
-        bound *= 1.0 + plant.tones[k].omega * h
-        u_acc += abs(plant.modes[j].row_u) * bound
-        th_acc += abs(plant.modes[j].row_th) * bound
-    for k in range(plant.tones.size):
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        if mode.near != 0:
+            for k in range(plant.tone_count):
+                phasor = plant.phasors[j, k]
+                if phasor.near != 0:
+                    bound = sqrt(phasor.force_re**2 + phasor.force_im**2)
+                    bound *= 1.0 + plant.tones[k].omega * h
+                    u_acc += abs(mode.row_u) * bound
+                    th_acc += abs(mode.row_th) * bound
+    for k in range(plant.tone_count):
         tone = plant.tones[k]
         u_acc += tone.omega**2 * tone.steady_u
         th_acc += tone.omega**2 * tone.steady_th
@@ -172,13 +171,11 @@ def coarseness(run: Run) -> float:
     by its lever.
     """
     plant = run.plant
-    u = plant.geometry.clearance
-    th = 0.0
-    slope = 0.0
-    for j in range(plant.modes.size):
+    u, th, slope = plant.geometry.clearance, 0.0, 0.0
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         part = abs(mode.free_q)
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             part += abs(plant.phasors[j, k].steady_re) + abs(plant.phasors[j, k].steady_im)
         u += abs(mode.row_u) * part
         th += abs(mode.row_th) * part
@@ -216,11 +213,6 @@ def _certain_opening(run: Run, h: float, coarse: float) -> float:
 
     The gap lies above gap + rate s - B s^2/2, whose highest point this is: a release whose own gap
     is lost in round-off is well clear there, before it could close again.
-
-    Args:
-        run: the flight, as `begin` left it.
-        h: end of the stretch [s].
-        coarse: see `coarseness`.
     """
     gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
     bound = curvature_bound(run, h)
@@ -235,10 +227,7 @@ def _first_touch(
 ) -> float:
     """Find the time of the first touch-down of a flight that is open where it begins; else NO_TOUCH or LOST.
 
-    Args:
-        run, law: the flight, as `begin` left it.
-        stretch: its beginning and end [s], gap [m] and gap rate [m/s] at the end.
-        coarse: see `coarseness`.
+    A stretch has its beginning and end [s], gap [m] and gap rate [m/s] at the end.
     """
     step = run.step
     a, b, gap_b, rate_b = stretch

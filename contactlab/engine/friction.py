@@ -16,9 +16,8 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_after
-from contactlab.engine.propagator import step_length
 from contactlab.engine.state import NODES, internal_at, value_at
-from contactlab.laws.base import EVEN, SET_VALUED
+from contactlab.laws.base import EVEN, SET_VALUED, Forces
 
 NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
@@ -52,9 +51,8 @@ def mobility(run: Run, level: int, i: int, m: int) -> float:
 
 
 @inner_kernel
-def solve_linear(system: Array) -> None:
-    """Solve a linear system in place, its right side in the last column, with row pivots."""
-    n = system.shape[0]
+def _solve_linear(system: Array, n: int) -> None:
+    """Solve n linear equations in place, their right side in column n, with row pivots."""
     for p in range(n):
         best = p
         for row in range(p + 1, n):
@@ -77,12 +75,12 @@ def solve_linear(system: Array) -> None:
 @inner_kernel
 def hold_slip(run: Run, level: int) -> float:
     """Correct the friction at all nodes so that the slip vanishes; returns the largest correction [N]."""
-    system = run.step.stick
+    system = run.step.system
     for i in range(NODES):
         for m in range(NODES):
             system[i, m] = mobility(run, level, i, m)
         system[i, NODES] = -run.step.slip[i]
-    solve_linear(system)
+    _solve_linear(system, NODES)
     most = 0.0
     for i in range(NODES):
         run.state.friction.node[i] += system[i, NODES]
@@ -92,24 +90,35 @@ def hold_slip(run: Run, level: int) -> float:
 
 
 @inner_kernel
-def internal_rate(run: Run, level: int, i: int) -> float:
+def _internal_rate(run: Run, i: int) -> float:
     """Give the rate at node i of the polynomial through the internal variable."""
     total = 0.0
     for m in range(NODES):
         difference = run.step.internal[m] - run.state.internal
         total += run.propagator.rule.derivative[i, m] * difference
-    return float(total / step_length(run.propagator, level))
+    return float(total / run.state.length)
 
 
 @inner_kernel
 def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
-    """Take one Newton step of friction and internal variable; returns the largest correction [N]."""
+    """Take one Newton step of friction and internal variable; returns the largest correction [N].
+
+    The derivatives of f and g are differences, over a slip of at least about `least` [m/s].
+    """
     state, step = run.state, run.step
-    h = step_length(run.propagator, level)
-    system = step.coupled
+    h = state.length
+    system = step.system
     right = 2 * NODES
     for i in range(NODES):
-        f, g, f_v, f_z, g_v, g_z = _law_and_slopes(run, law, i, least)
+        slip, z = step.slip[i], step.internal[i]
+        # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
+        way = NUDGE if slip >= 0.0 or run.state.parity == EVEN else -NUDGE
+        dv = _nudge_of(slip, least)
+        dz = way * (abs(z) + LEAST_INTERNAL)
+        f, g, _, _ = _friction_at(run, law, i, slip, z)
+        f_v, g_v, _, _ = _friction_at(run, law, i, slip + dv, z)
+        f_z, g_z, _, _ = _friction_at(run, law, i, slip, z + dz)
+        f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
         for m in range(NODES):
             s = mobility(run, level, i, m)
             same = 1.0 if m == i else 0.0
@@ -118,8 +127,8 @@ def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
             system[NODES + i, m] = -h * g_v * s
             system[NODES + i, NODES + m] = run.propagator.rule.derivative[i, m] - h * g_z * same
         system[i, right] = f - state.friction.node[i]
-        system[NODES + i, right] = h * (g - internal_rate(run, level, i))
-    solve_linear(system)
+        system[NODES + i, right] = h * (g - _internal_rate(run, i))
+    _solve_linear(system, right)
     most = 0.0
     for i in range(NODES):
         change = system[i, right]
@@ -128,32 +137,21 @@ def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
         push_node(run, i)
         most = max(most, abs(change)) if np.isfinite(change) else np.inf
     for i in range(NODES):
-        state.internal_rate.node[i] = internal_rate(run, level, i)
+        state.internal_rate.node[i] = _internal_rate(run, i)
     return most
 
 
 @inner_kernel
-def _law_and_slopes(
-    run: Run, law: Law, i: int, least: float
-) -> tuple[float, float, float, float, float, float]:
-    """Give f, g and their derivatives to slip and variable at node i; zero where the gap is open."""
-    step, parameters = run.step, law.parameters
-    gap, rate, slip, z = step.gap[i], step.gap_rate[i], step.slip[i], step.internal[i]
+def _friction_at(run: Run, law: Law, i: int, slip: float, z: float) -> Forces:
+    """Give the law's friction at node i for a slip [m/s] and an internal variable; zero for no contact."""
+    gap, rate, normal = run.step.gap[i], run.step.gap_rate[i], run.state.normal.node[i]
     if gap >= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    normal = run.state.normal.node[i]
-    f, g, _, _ = law.friction(gap, rate, slip, normal, z, parameters)
-    # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
-    way = NUDGE if slip >= 0.0 or run.state.parity == EVEN else -NUDGE
-    dv = nudge_of(slip, least)
-    dz = way * (abs(z) + LEAST_INTERNAL)
-    f_v, g_v, _, _ = law.friction(gap, rate, slip + dv, normal, z, parameters)
-    f_z, g_z, _, _ = law.friction(gap, rate, slip, normal, z + dz, parameters)
-    return f, g, (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
+        return 0.0, 0.0, 0.0, 0.0
+    return law.friction(gap, rate, slip, normal, z, law.parameters)
 
 
-@inner_kernel
-def nudge_of(slip: float, least: float) -> float:
+@part_kernel
+def _nudge_of(slip: float, least: float) -> float:
     """Give the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
     return (NUDGE if slip >= 0.0 else -NUDGE) * (abs(slip) + least)
 
@@ -164,37 +162,23 @@ def steepness_of(
 ) -> float:
     """Give how steeply friction falls with the slip [N s/m] at gap, gap rate and slip; zero if it rises."""
     gap, rate, slip = at
-    dv = nudge_of(slip, HELD_SLIP)
+    dv = _nudge_of(slip, HELD_SLIP)
     steeper = law.friction(gap, rate, slip + dv, normal, internal, law.parameters)[0]
     return max((friction - steeper) / dv, 0.0)
 
 
 @inner_kernel
-def follow_bound(run: Run, law: Law, level: int, sign: float) -> None:
+def follow_bound(run: Run, law: Law, sign: float) -> None:
     """Let the spring follow a slider that slips: its stretch from the bound, and what of the slip slides."""
-    state, step, parameters = run.state, run.step, law.parameters
+    state, step = run.state, run.step
     for i in range(NODES):
-        step.internal[i] = 0.0
-        if step.gap[i] < 0.0:
-            gap, rate, slip, normal = (
-                step.gap[i],
-                step.gap_rate[i],
-                step.slip[i],
-                state.normal.node[i],
-            )
-            stiffness = law.friction(gap, rate, slip, normal, 0.0, parameters)[3]
-            bound = state.bound.node[i]
-            step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
+        stiffness = _friction_at(run, law, i, step.slip[i], 0.0)[3]
+        bound = state.bound.node[i]
+        step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
     for i in range(NODES):
-        state.internal_rate.node[i] = internal_rate(run, level, i)
+        state.internal_rate.node[i] = _internal_rate(run, i)
         if step.gap[i] < 0.0:
-            gap, rate, slip, normal = (
-                step.gap[i],
-                step.gap_rate[i],
-                step.slip[i],
-                state.normal.node[i],
-            )
-            stretching = law.friction(gap, rate, slip, normal, step.internal[i], parameters)[1]
+            stretching = _friction_at(run, law, i, step.slip[i], step.internal[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
 
 

@@ -13,9 +13,20 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
-from contactlab.engine.plant import Plant
-from contactlab.engine.propagator import Propagator
-from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START
+from contactlab.engine.plant import Plant, modes_of
+from contactlab.engine.state import (
+    BETWEEN,
+    COLLOCATED,
+    FLIGHT,
+    HELD,
+    LAST,
+    NODES,
+    NOT_FINITE,
+    NOTHING,
+    RUNNING,
+    START,
+    UNSOLVED,
+)
 from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 
@@ -29,8 +40,8 @@ Contact = tuple[float, float, float, float, float, float, float]
 class Run(NamedTuple):
     """The context of every kernel: the motor, its step responses, the state and the scratch of a step."""
 
-    plant: Plant
-    propagator: Propagator
+    plant: Any
+    propagator: Any
     state: Any
     step: Any
 
@@ -47,12 +58,8 @@ class Law(NamedTuple):
 @part_kernel
 def tip_motion(plant: Plant, place: int) -> Tip:
     """Give the tip's motion at a place of the step."""
-    u = 0.0
-    th = 0.0
-    u_rate = 0.0
-    th_rate = 0.0
-    rotor = 0.0
-    for j in range(plant.modes.size):
+    u, th, u_rate, th_rate, rotor = 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         q, v = mode.q[place], mode.v[place]
         u += mode.row_u * q
@@ -83,7 +90,7 @@ def contact_at(plant: Plant, place: int) -> Contact:
 
 def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]:
     """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
-    modes, lengths = plant.modes, plant.geometry
+    modes, lengths = modes_of(plant), plant.geometry
     u, th = float(modes.row_u @ q), float(modes.row_th @ q)
     u_rate, th_rate = float(modes.row_u @ v), float(modes.row_th @ v)
     gap, n_u, n_th, t_u, t_th = contact_frame(
@@ -102,16 +109,11 @@ def contact_after(run: Run, s: float) -> Contact:
 
 @part_kernel
 def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
-    """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps."""
+    """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps, of its first node."""
+    step = run.step
     _, _, u_rate, th_rate, rotor = tip_motion(run.plant, place)
-    n_u, n_th, t_u, t_th = frame_of(run.step)
-    return n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
-
-
-@part_kernel
-def frame_of(step: Any) -> tuple[float, float, float, float]:
-    """Give the directions that a HELD step keeps."""
-    return step.frame[0], step.frame[1], step.frame[2], step.frame[3]
+    rate = step.n_u[0] * u_rate + step.n_th[0] * th_rate
+    return rate, step.t_u[0] * u_rate + step.t_th[0] * th_rate + rotor
 
 
 @part_kernel
@@ -121,36 +123,31 @@ def begin(run: Run) -> None:
     A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest.
     """
     plant, time = run.plant, run.state.time
-    for k in range(plant.tones.size):
+    for k in range(plant.tone_count):
         tone = plant.tones[k]
         tone.cosine[START] = cos(tone.omega * time)
         tone.sine[START] = sin(tone.omega * time)
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         q = mode.q[START]
         v = mode.v[START]
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
             cosine, sine = tone.cosine[START], tone.sine[START]
             q -= phasor.steady_re * cosine - phasor.steady_im * sine
             v += tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        mode.free_q = q
-        mode.free_v = v
+        mode.free_q, mode.free_v = q, v
 
 
 @inner_kernel
 def driven(
-    plant: Plant, pair: int, answer: tuple[float, float, float, float]
+    phasor: Any, tone: Any, answer: tuple[float, float, float, float]
 ) -> tuple[float, float]:
-    """Give what a tone adds to displacement and rate of its nearly resonant mode since the step's start.
+    """Give what a tone adds to displacement and rate of a nearly resonant mode since the step's start.
 
-    Args:
-        plant, pair: the motor and the place of the pair in `Plant.near`.
-        answer: to exp(i omega s) from rest, see `answer_from_rest`.
+    `answer` is that to exp(i omega s) from rest, see `answer_from_rest`.
     """
-    j, k = plant.near[pair].mode, plant.near[pair].tone
-    cosine, sine = plant.tones[k].cosine[START], plant.tones[k].sine[START]
-    phasor = plant.phasors[j, k]
+    cosine, sine = tone.cosine[START], tone.sine[START]
     re = phasor.force_re * cosine - phasor.force_im * sine
     im = phasor.force_re * sine + phasor.force_im * cosine
     return re * answer[0] - im * answer[1], re * answer[2] - im * answer[3]
@@ -164,18 +161,16 @@ def flow_to(run: Run, s: float) -> None:
     degree = step.kind
     h = state.length
     top = max(degree + 1, 1)
-    for k in range(plant.tones.size):
+    for k in range(plant.tone_count):
         tone = plant.tones[k]
         cosine, sine = cos(tone.omega * s), sin(tone.omega * s)
         tone.cosine[BETWEEN] = tone.cosine[START] * cosine - tone.sine[START] * sine
         tone.sine[BETWEEN] = tone.cosine[START] * sine + tone.sine[START] * cosine
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
-        c = mode.damping
-        stiffness = mode.stiffness
+        c, stiffness = mode.damping, mode.stiffness
         impulse_integrals(stiffness, c, s, top, integrals)
-        rate = integrals[0]
-        w = integrals[1]
+        rate, w = integrals[0], integrals[1]
         q = (rate + c * w) * mode.free_q + w * mode.free_v
         v = -stiffness * w * mode.free_q + rate * mode.free_v
         q += mode.constant * integrals[2]
@@ -191,19 +186,20 @@ def flow_to(run: Run, s: float) -> None:
             )
             q += push * integrals[d + 2]
             v += push * integrals[d + 1]
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
             cosine, sine = tone.cosine[BETWEEN], tone.sine[BETWEEN]
             q += phasor.steady_re * cosine - phasor.steady_im * sine
             v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        mode.q[BETWEEN] = q
-        mode.v[BETWEEN] = v
-    for p in range(plant.near.size):
-        mode, tone = plant.modes[plant.near[p].mode], plant.tones[plant.near[p].tone]
-        answer = answer_from_rest(mode.stiffness, mode.damping, tone.omega, s)
-        q, v = driven(plant, p, answer)
-        mode.q[BETWEEN] += q
-        mode.v[BETWEEN] += v
+        mode.q[BETWEEN], mode.v[BETWEEN] = q, v
+        if mode.near != 0:
+            for k in range(plant.tone_count):
+                tone, phasor = plant.tones[k], plant.phasors[j, k]
+                if phasor.near != 0:
+                    answer = answer_from_rest(stiffness, c, tone.omega, s)
+                    q, v = driven(phasor, tone, answer)
+                    mode.q[BETWEEN] += q
+                    mode.v[BETWEEN] += v
 
 
 @part_kernel
@@ -211,19 +207,18 @@ def free_response(run: Run, level: int, first: int) -> None:
     """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
     plant, propagator = run.plant, run.propagator
     for i in range(NODES):
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             tone, turn = plant.tones[k], propagator.turns[level, k]
             cosine, sine = turn.cosine[i], turn.sine[i]
             tone.cosine[i] = tone.cosine[START] * cosine - tone.sine[START] * sine
             tone.sine[i] = tone.cosine[START] * sine + tone.sine[START] * cosine
-        for j in range(plant.modes.size):
+        for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
-            q0 = mode.free_q
-            v0 = mode.free_v
+            q0, v0 = mode.free_q, mode.free_v
             v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
             v += response.hold[i, 1] * mode.constant
             q = 0.0
-            for k in range(plant.tones.size):
+            for k in range(plant.tone_count):
                 tone, phasor = plant.tones[k], plant.phasors[j, k]
                 cosine, sine = tone.cosine[i], tone.sine[i]
                 q += phasor.steady_re * cosine - phasor.steady_im * sine
@@ -232,13 +227,15 @@ def free_response(run: Run, level: int, first: int) -> None:
             if i >= first:
                 q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
                 mode.q[i] = q + response.hold[i, 0] * mode.constant
-        for p in range(plant.near.size):
-            part = propagator.driven[level, p].part
-            q, v = driven(plant, p, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
-            mode = plant.modes[plant.near[p].mode]
-            mode.v[i] += v
-            if i >= first:
-                mode.q[i] += q
+            if mode.near != 0:
+                for k in range(plant.tone_count):
+                    if plant.phasors[j, k].near != 0:
+                        part = propagator.driven[level, j, k].part
+                        answer = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
+                        q, v = driven(plant.phasors[j, k], plant.tones[k], answer)
+                        mode.v[i] += v
+                        if i >= first:
+                            mode.q[i] += q
 
 
 @part_kernel
@@ -246,14 +243,11 @@ def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
     for m in range(NODES):
-        push_u, push_th, friction = (
-            step.push_u.node[m],
-            step.push_th.node[m],
-            run.state.friction.node[m],
-        )
-        for j in range(run.plant.modes.size):
+        friction = run.state.friction.node[m]
+        for j in range(run.plant.mode_count):
             mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-            push = mode.row_u * push_u + mode.row_th * push_th + mode.row_r * friction
+            push = mode.row_u * step.push_u.node[m] + mode.row_th * step.push_th.node[m]
+            push += mode.row_r * friction
             for i in range(NODES):
                 mode.v[i] += response.answer_v[i, m] * push
             mode.q[LAST] += response.answer_q[LAST, m] * push
@@ -263,7 +257,7 @@ def add_collocated(run: Run, level: int) -> None:
 def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
     """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
     step = run.step
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
         push = (
             mode.row_u * step.push_u.node[0]
@@ -278,16 +272,24 @@ def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
 
 
 @inner_kernel
-def is_finite(run: Run) -> bool:
-    """Tell whether all that the law has answered for a step are numbers, and so is the motion in answer."""
+def checked(run: Run, event: int) -> int:
+    """Give the event of a step in contact; end the run where the law has not answered with numbers.
+
+    The state then stays as it is, so that it can be told what the law was asked.
+    """
     state, step = run.state, run.step
-    if step.kind == FLIGHT:
-        return True
-    total = 0.0
-    for i in range(1 if step.kind == HELD else NODES):
-        total += abs(state.normal.node[i]) + abs(state.friction.node[i])
-        if step.kind == COLLOCATED:
-            total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i]) + abs(step.loss[i])
-            # A force that is no number leaves a gap that is none, at which the law is not asked again.
-            total += abs(step.gap[i]) + abs(step.slip[i])
-    return bool(np.isfinite(total))
+    if state.ending == RUNNING:
+        total = 0.0
+        for i in range(1 if step.kind == HELD else NODES):
+            total += abs(state.normal.node[i]) + abs(state.friction.node[i])
+            if step.kind == COLLOCATED:
+                total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i])
+                # A force that is no number leaves a gap that is none, at which the law is not asked again.
+                total += abs(step.loss[i]) + abs(step.gap[i]) + abs(step.slip[i])
+        if not np.isfinite(total):
+            state.ending = NOT_FINITE
+    if state.ending == NOT_FINITE or state.ending == UNSOLVED:
+        step.kind = FLIGHT
+        state.taken = 0.0
+        return NOTHING
+    return event

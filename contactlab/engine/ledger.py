@@ -22,7 +22,7 @@ from contactlab.laws.base import FREE
 
 
 @part_kernel
-def clear(out: Any) -> None:
+def _clear(out: Any) -> None:
     """Set all terms to zero."""
     out.drive_work, out.damping_loss, out.friction_loss, out.contact_loss = 0.0, 0.0, 0.0, 0.0
     out.load_work, out.normal_impulse, out.friction_impulse = 0.0, 0.0, 0.0
@@ -44,17 +44,15 @@ def add(out: Any, part: Any) -> None:
 def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     """Add the powers of drive, damping and load at a place, times a weight [s]."""
     drive = 0.0
-    for k in range(plant.tones.size):
-        in_phase = 0.0
-        quadrature = 0.0
-        for j in range(plant.modes.size):
+    for k in range(plant.tone_count):
+        in_phase, quadrature = 0.0, 0.0
+        for j in range(plant.mode_count):
             v = plant.modes[j].v[place]
             in_phase += plant.phasors[j, k].force_re * v
             quadrature += plant.phasors[j, k].force_im * v
         drive += in_phase * plant.tones[k].cosine[place] - quadrature * plant.tones[k].sine[place]
-    damping = 0.0
-    load = 0.0
-    for j in range(plant.modes.size):
+    damping, load = 0.0, 0.0
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         damping += mode.damping * mode.v[place] * mode.v[place]
         load -= mode.constant * mode.v[place]
@@ -63,63 +61,46 @@ def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
     out.load_work += weight * load
 
 
-@part_kernel
-def _add_contact(
-    normal: float, friction: float, slip: float, loss: float, weight: float, out: Any
-) -> None:
-    """Add the contact's powers and forces at one node, times its weight [s]."""
-    out.friction_loss -= weight * friction * slip
-    out.contact_loss += weight * loss
-    out.normal_impulse += weight * normal
-    out.friction_impulse += weight * friction
-
-
-@part_kernel
-def increments_of_step(run: Run, out: Any) -> None:
-    """Sum the terms over a whole step of a level, from what is known at its nodes."""
-    state, step, rule = run.state, run.step, run.propagator.rule
-    clear(out)
-    for i in range(NODES):
-        weight = rule.weights[i] * state.length
-        _add_motion(run.plant, i, weight, out)
-        if step.kind == COLLOCATED:
-            normal, friction = state.normal.node[i], state.friction.node[i]
-            _add_contact(normal, friction, step.slip[i], step.loss[i], weight, out)
-        elif step.kind == HELD:
-            normal, friction = state.normal.node[0], state.friction.node[0]
-            rate, slip = rates_in_frame(run, i)
-            _add_contact(normal, friction, slip, -normal * rate, weight, out)
-
-
 @inner_kernel
-def increments_until(run: Run, law: Law, s: float, out: Any) -> None:
-    """Sum the terms over [0, s] of a step; the last node leaves the state at s BETWEEN."""
+def increments(run: Run, law: Law, s: float, whole: bool, out: Any) -> None:
+    """Sum the terms over [0, s] of a step; those over the whole of it from what is known at its nodes.
+
+    Where it is not whole, the last node leaves the state at s BETWEEN.
+    """
     state, step, rule = run.state, run.step, run.propagator.rule
-    h = state.length
-    clear(out)
+    _clear(out)
     for i in range(NODES):
-        at = rule.nodes[i] * s
+        at, place = rule.nodes[i] * s, i
         weight = rule.weights[i] * s
-        flow_to(run, at)
-        _add_motion(run.plant, BETWEEN, weight, out)
+        if not whole:
+            flow_to(run, at)
+            place = BETWEEN
+        _add_motion(run.plant, place, weight, out)
         if step.kind == FLIGHT:
             continue
-        normal, friction = value_at(state.normal, at / h), value_at(state.friction, at / h)
-        if step.kind == HELD:
-            rate, slip = rates_in_frame(run, BETWEEN)
-            loss = -normal * rate
+        if whole and step.kind == COLLOCATED:
+            normal, friction = state.normal.node[i], state.friction.node[i]
+            slip, loss = step.slip[i], step.loss[i]
         else:
-            gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
-            loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
-        _add_contact(normal, friction, slip, loss, weight, out)
+            x = at / state.length
+            normal, friction = value_at(state.normal, x), value_at(state.friction, x)
+            if step.kind == HELD:
+                rate, slip = rates_in_frame(run, place)
+                loss = -normal * rate
+            else:
+                gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
+                loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+        out.friction_loss -= weight * friction * slip
+        out.contact_loss += weight * loss
+        out.normal_impulse += weight * normal
+        out.friction_impulse += weight * friction
 
 
 @part_kernel
 def energy_of_motion(plant: Plant, place: int) -> tuple[float, float]:
     """Give kinetic and strain energy [J] at a place."""
-    kinetic = 0.0
-    strain = 0.0
-    for j in range(plant.modes.size):
+    kinetic, strain = 0.0, 0.0
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         kinetic += 0.5 * mode.v[place] * mode.v[place]
         strain += 0.5 * mode.stiffness * mode.q[place] * mode.q[place]
@@ -147,9 +128,7 @@ def weigh(run: Run) -> None:
 def openness_of(state: Any, recorded: float) -> float:
     """Give the energy that a run's ledger cannot account for, over the energy turned over [1].
 
-    Args:
-        state: of the run.
-        recorded: largest residual of the records [J], which knows of contacts as well.
+    `recorded` is the largest residual of the records [J], which knows of contacts as well.
     """
     seen = np.array([state.least_open, state.most_open])
     start = float(state.initial_energy)

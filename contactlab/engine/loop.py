@@ -1,30 +1,37 @@
-"""The hybrid loop: a phase proposes a step, the step is committed, and its event opens the next phase.
+"""The hybrid loop: a phase proposes a step, the step is committed, and its event opens or closes a contact.
 
 There is a loop for each family of laws, so that a run compiles only what it needs.
 """
 
+from typing import Any
+
 from contactlab.arrays import Array
-from contactlab.compiled import kernel, part_kernel
-from contactlab.engine.compliant import step_compliant, switch_friction
-from contactlab.engine.contacts import close_contact, open_contact
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.flight import step_flight
-from contactlab.engine.kinematics import Law, Run, begin, is_finite
+from contactlab.engine.kinematics import Law, Run, begin, contact_at
 from contactlab.engine.recorder import commit
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
-    FLIGHT,
-    NOT_FINITE,
-    NOTHING,
+    CONE,
     PRESSED,
     RELEASE,
+    RELEASED,
+    REVERSAL,
     RUNNING,
     START,
     TOUCH,
     TOUCHING,
-    UNSOLVED,
-    Records,
 )
-from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import (
+    FREE,
+    RATE_DEPENDENT,
+    SLIP,
+    STICK,
+    FrictionKernel,
+    MultiplierKernel,
+    PenaltyKernel,
+)
 
 TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
@@ -33,7 +40,7 @@ TOUCH_REFINEMENT = 6
 @kernel
 def advance_compliant(
     run: Run,
-    records: Records,
+    series: Any,
     force: PenaltyKernel,
     friction: FrictionKernel,
     solve: MultiplierKernel,
@@ -42,30 +49,22 @@ def advance_compliant(
 ) -> None:
     """Run a penalty law until the end, an ending, full contact storage or a number of steps.
 
-    Call it again to go on.
-
-    Args:
-        run, records: the motor, the state and the records of its run; they hold all that there is, so that
-            it does not matter into how many calls a run is cut.
-        force, friction, solve, parameters: the law; its kernels of the other family are idle.
-        budget: number of steps.
+    Call it again to go on: run and series hold all that there is, so that it does not matter into how many
+    calls a run is cut. Kernels that the law lacks are idle.
     """
     law = Law(force, friction, solve, parameters)
-    for _ in range(budget):
-        if not _opens_step(run, records, TOUCH_REFINEMENT):
-            return
+    while budget > 0 and _opens_step(run, TOUCH_REFINEMENT):
         touching = run.state.phase == TOUCHING
-        event = _checked(run, step_compliant(run, law)) if touching else step_flight(run, law)
-        commit(run, law, records)
-        _act(run, records, event, TOUCH_REFINEMENT)
-        if event != NOTHING and event != TOUCH and event != RELEASE:
-            switch_friction(run.state, event)
+        event = step_compliant(run, law) if touching else step_flight(run, law)
+        commit(run, law, series)
+        _act(run, event, TOUCH_REFINEMENT)
+        budget -= 1
 
 
 @kernel
 def advance_rigid(
     run: Run,
-    records: Records,
+    series: Any,
     force: PenaltyKernel,
     friction: FrictionKernel,
     solve: MultiplierKernel,
@@ -74,53 +73,70 @@ def advance_rigid(
 ) -> None:
     """Run a multiplier law, see `advance_compliant`."""
     law = Law(force, friction, solve, parameters)
-    for _ in range(budget):
-        if not _opens_step(run, records, 0):
-            return
+    while budget > 0 and _opens_step(run, 0):
         touching = run.state.phase == TOUCHING
-        event = _checked(run, step_rigid(run, law)) if touching else step_flight(run, law)
-        commit(run, law, records)
-        _act(run, records, event, 0)
+        event = step_rigid(run, law) if touching else step_flight(run, law)
+        commit(run, law, series)
+        _act(run, event, 0)
+        budget -= 1
 
 
-@part_kernel
-def _opens_step(run: Run, records: Records, refinement: int) -> bool:
+@inner_kernel
+def _opens_step(run: Run, refinement: int) -> bool:
     """Make a step ready, and tell whether there is one to take."""
-    state = run.state
-    if state.time >= state.end or state.ending != RUNNING:
-        return False
-    if state.stored >= records.contacts.size - 1:
+    state, step = run.state, run.step
+    full = state.stored >= step.contacts.size - 1
+    if state.time >= state.end or state.ending != RUNNING or full:
         return False
     if state.end - state.time <= run.propagator.rule.longest:
         # The end may cut this step: another run goes on from where it began.
-        records.saved[0] = state
-        for j in range(run.plant.modes.size):
-            records.saved_motion[j].q = run.plant.modes[j].q[START]
-            records.saved_motion[j].v = run.plant.modes[j].v[START]
+        step.saved[0] = state
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
     if state.phase == PRESSED:
-        open_contact(run, refinement)
+        _open_contact(run, refinement)
     begin(run)
     return True
 
 
-@part_kernel
-def _checked(run: Run, event: int) -> int:
-    """Give the event of a step in contact; end the run where the law has not answered with numbers."""
+@inner_kernel
+def _act(run: Run, event: int, refinement: int) -> None:
+    """Open, close or switch the contact after the event of a committed step."""
     state = run.state
-    if state.ending == RUNNING and not is_finite(run):
-        state.ending = NOT_FINITE
-    if state.ending == NOT_FINITE or state.ending == UNSOLVED:
-        # The state stays as it is, so that it can be told what the law was asked.
-        run.step.kind = FLIGHT
-        state.taken = 0.0
-        return NOTHING
-    return event
-
-
-@part_kernel
-def _act(run: Run, records: Records, event: int, refinement: int) -> None:
-    """Open or close the contact after the event of a committed step."""
     if event == TOUCH:
-        open_contact(run, refinement)
+        _open_contact(run, refinement)
+    elif event in (REVERSAL, CONE):
+        switch_friction(state, event)
     elif event == RELEASE:
-        close_contact(run, records)
+        state.contact.separation_velocity = contact_at(run.plant, START)[1]
+        if state.contact.duration > 0.0:
+            run.step.contacts[state.stored] = state.contact
+            state.stored += 1
+        else:
+            # What has no length is no contact: here round-off alone tells a graze from a miss.
+            state.touchdowns -= 1
+        state.mode = FREE
+        state.phase = RELEASED
+        state.level = run.propagator.rule.fresh_level
+
+
+@inner_kernel
+def _open_contact(run: Run, refinement: int) -> None:
+    """Start a contact at the present state, some levels below that of the contact step."""
+    state, contact = run.state, run.state.contact
+    _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    contact.start_time, contact.approach_velocity = state.time, rate
+    contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
+    contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
+    contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
+    contact.separation_velocity = 0.0
+    state.normal_before, state.friction_before = 0.0, 0.0
+    state.phase = TOUCHING
+    state.impact_speed = max(-rate, 0.0)
+    state.internal = 0.0
+    state.mode = SLIP if slip != 0.0 or state.friction_kind == RATE_DEPENDENT else STICK
+    state.sign = 1 if slip > 0.0 else -1
+    state.level = run.propagator.rule.contact_level + refinement
+    state.touchdowns += 1
+    count_event(state)

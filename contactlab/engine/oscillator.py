@@ -36,8 +36,7 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
     """Fill out[i] = I_(i-1)(s) for i = 0 .. top + 1.
 
     Args:
-        k: stiffness over mass [1/s^2], not negative.
-        c: damping over mass [1/s], not negative.
+        k, c: stiffness and damping over mass [1/s^2], [1/s], not negative.
         s: time [s].
         top: highest integral, at least 1.
         out: result, I_m in s^(m+1), shape (at least top + 2,).
@@ -61,19 +60,15 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
 
     I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable downwards while (c + sqrt k) d is small.
     """
-    factorial = 1.0
-    power = 1.0
+    factorial, power = 1.0, 1.0
     for i in range(1, top + 1):
         factorial *= i
         power *= d
-    cd = c * d
-    kdd = k * d * d
-    before = 0.0
-    now = 1.0
+    cd, kdd = c * d, k * d * d
+    before, now = 0.0, 1.0
     lower = 1.0 / factorial
     upper = lower / (top + 1)
-    highest = 0.0
-    second = 0.0
+    highest, second = 0.0, 0.0
     for n in range(1, TERMS):
         second += now * lower
         highest += now * upper
@@ -93,8 +88,7 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
 @part_kernel
 def _double(k: float, c: float, d: float, top: int, out: Array) -> None:
     """Go from I(d) to I(2 d): flow the answer of the first half, add that of the second."""
-    w = out[1]
-    rate = out[0]
+    rate, w = out[0], out[1]
     keep = rate + c * w
     for m in range(top, 0, -1):
         # The force (d + s)^(m-1) / (m-1)! of the second half, expanded about its start.
@@ -124,13 +118,8 @@ def answer_from_rest(
     with the impulse response w(u) = exp(-sigma u) sin(nu u) / nu. The first term is the beat that grows,
     and it does so without cancellation however slow the beat is.
 
-    Args:
-        k, c: stiffness and damping over mass [1/s^2], [1/s], c^2 < 4 k.
-        omega: of the tone [rad/s].
-        s: time [s].
-
-    Returns:
-        Re R, Im R [s^2], Re and Im of its rate [s].
+    for c^2 < 4 k [1/s^2], a tone of omega [rad/s] and time s. Returns Re R, Im R [s^2], Re and Im of its
+    rate [s].
     """
     sigma = 0.5 * c
     nu = sqrt(k - sigma * sigma)

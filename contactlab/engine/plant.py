@@ -11,14 +11,15 @@ matrix, and a huge inertia turns it into a belt. Reading the rows gives u, th an
 the rates); the contact force acts through the same rows.
 """
 
+from functools import cache
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.engine.state import PLACES, one, record, table
+from contactlab.engine.state import PLACES, one, record
 from contactlab.motor.motor import Motor
 
 RESONANCE_MARGIN = 1e-9
@@ -28,37 +29,58 @@ NEARLY_RESONANT = 1e-2
 """The same number below which a steady state is not split off: it would be fifty times and more what moves
 a mode that rests, and its round-off that of the gap."""
 
+MODES, TONES = 64, 4
+"""Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
+
 GEOMETRY = record(real="tip_length radius clearance")
 MODE = record(
     ("q", float, PLACES),
     ("v", float, PLACES),
-    real="stiffness damping constant row_u row_th row_r free_q free_v",
+    real="stiffness damping constant row_u row_th row_r free_q free_v saved_q saved_v",
+    whole="near",
 )
 TONE = record(("cosine", float, PLACES), ("sine", float, PLACES), real="omega steady_u steady_th")
-PHASOR = record(real="force_re force_im steady_re steady_im")
-NEAR = record(whole="mode tone")
+PHASOR = record(real="force_re force_im steady_re steady_im", whole="near")
+
+Plant = Any
+"""A motor and where it is, a record; j runs over coordinates, k over tones.
+
+geometry: tip_length, radius, clearance [m]; mode_count, tone_count.
+modes[j]: k_j [1/s^2], c_j [1/s], constant force a_j, contact rows; displacement q and rate v at every place
+of a step; free_q, free_v, those of its start without the steady state, and saved_q, saved_v, those before the
+step that reaches the end; near, whether a tone is nearly resonant.
+tones[k]: omega [rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of omega t at
+every place.
+phasors[j, k]: of force and of steady-state displacement, the latter zero where mode and tone are `near`ly
+resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
+"""
 
 
-class Plant(NamedTuple):
-    """A motor and where it is; j runs over coordinates, k over tones.
+@cache
+def plant_record(modes: int, tones: int) -> np.dtype[Any]:
+    """Declare the record of a plant with room for so many coordinates and tones."""
+    return record(
+        ("geometry", GEOMETRY),
+        ("modes", MODE, modes),
+        ("tones", TONE, tones),
+        ("phasors", PHASOR, (modes, tones)),
+        whole="mode_count tone_count",
+    )
 
-    Args:
-        geometry: tip_length, radius, clearance [m].
-        modes: k_j [1/s^2], c_j [1/s], constant force a_j, contact rows; displacement q and rate v at every
-            place of a step, and free_q, free_v: those of its start without the steady state; shape (j,).
-        tones: omega [rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of
-            omega t at every place; shape (k,).
-        phasors: of force and of steady-state displacement, the latter zero where mode and tone are nearly
-            resonant; shape (j, k). Real and imaginary parts stand apart because complex products are slow
-            in compiled loops this short.
-        near: every nearly resonant pair of mode and tone.
-    """
 
-    geometry: Any
-    modes: Any
-    tones: Any
-    phasors: Any
-    near: Any
+def room_for(count: int, least: int) -> int:
+    """Give the room for a number of things: `least`, doubled until they fit."""
+    return least if count <= least else room_for(count, 2 * least)
+
+
+def modes_of(plant: Plant) -> Any:
+    """Give the coordinates that a plant has, their fields as attributes."""
+    return plant.modes[: plant.mode_count].view(np.recarray)
+
+
+def tones_of(plant: Plant) -> Any:
+    """Give the tones that a plant has, their fields as attributes."""
+    return plant.tones[: plant.tone_count].view(np.recarray)
 
 
 def plant_of(motor: Motor) -> Plant:
@@ -70,8 +92,13 @@ def plant_of(motor: Motor) -> Plant:
     modes, rotor, geometry = motor.modes, motor.rotor, motor.geometry
     root = sqrt(rotor.inertia)
     omega = motor.drive.angular_frequency
-    count = modes.stiffness.size
-    made, tones = table(MODE, count + 1), table(TONE, omega.size)
+    count = modes.stiffness.size + 1
+    plant = one(plant_record(room_for(count, MODES), room_for(omega.size, TONES)))
+    plant.mode_count, plant.tone_count = count, omega.size
+    lengths = plant.geometry
+    lengths.tip_length, lengths.radius = geometry.tip_length, geometry.rotor_radius
+    lengths.clearance = geometry.clearance
+    made, tones = modes_of(plant), tones_of(plant)
     made.stiffness[:-1], made.damping[:-1] = modes.stiffness, modes.damping
     made.damping[-1] = rotor.damping / rotor.inertia
     made.constant[:-1] = 0.0 if motor.preload is None else motor.preload
@@ -91,27 +118,22 @@ def plant_of(motor: Motor) -> Plant:
     pairs = np.argwhere(margin < NEARLY_RESONANT)
     steady = force / dynamic
     steady[pairs[:, 0], pairs[:, 1]] = 0.0
-    near = table(NEAR, len(pairs))
-    near.mode, near.tone = pairs[:, 0], pairs[:, 1]
+    made.near[pairs[:, 0]] = 1
     tones.omega = omega
     tones.steady_u = np.abs(made.row_u @ steady)
     tones.steady_th = np.abs(made.row_th @ steady)
-    phasors = table(PHASOR, *force.shape)
+    phasors = plant.phasors[:count, : omega.size].view(np.recarray)
     phasors.force_re, phasors.force_im = force.real, force.imag
     phasors.steady_re, phasors.steady_im = steady.real, steady.imag
-    lengths = one(
-        GEOMETRY,
-        tip_length=geometry.tip_length,
-        radius=geometry.rotor_radius,
-        clearance=geometry.clearance,
-    )
-    return Plant(lengths, made, tones, phasors, near)
+    phasors.near[pairs[:, 0], pairs[:, 1]] = 1
+    return plant
 
 
 def resolved_rate(plant: Plant) -> float:
     """Give the fastest rate that persists [rad/s] of tones and modes; zero where nothing vibrates."""
-    rates = persisting_rates(plant.modes.stiffness[:-1], plant.modes.damping[:-1])
-    return float(max(rates.max(initial=0.0), plant.tones.omega.max(initial=0.0)))
+    modes = modes_of(plant)[:-1]
+    rates = persisting_rates(modes.stiffness, modes.damping)
+    return float(max(rates.max(initial=0.0), plant.tones["omega"].max()))
 
 
 def persisting_rates(stiffness: Array, damping: Array) -> Array:
@@ -126,15 +148,16 @@ def motion_rate(plant: Plant) -> float:
 
     The faster of the two. A tone without amplitude moves nothing. Zero where nothing vibrates.
     """
-    loud = np.any((plant.phasors.force_re != 0.0) | (plant.phasors.force_im != 0.0), axis=0)
-    rates = np.sqrt(plant.modes.stiffness[plant.modes.stiffness > 0.0])
-    slowest = float(rates.min(initial=np.inf))
-    return max(float(plant.tones.omega[loud].max(initial=0.0)), slowest if rates.size else 0.0)
+    loud = np.any((plant.phasors["force_re"] != 0.0) | (plant.phasors["force_im"] != 0.0), axis=0)
+    stiffness = plant.modes["stiffness"]
+    rates = np.sqrt(stiffness[stiffness > 0.0])
+    slowest = float(rates.min()) if rates.size else 0.0
+    return max(float(plant.tones["omega"][loud].max(initial=0.0)), slowest)
 
 
 def fastest_rate(plant: Plant) -> float:
     """Give the fastest rate of any transient [1/s]."""
-    return float((plant.modes.damping + np.sqrt(plant.modes.stiffness)).max())
+    return float((plant.modes["damping"] + np.sqrt(plant.modes["stiffness"])).max())
 
 
 @kernel
@@ -142,10 +165,8 @@ def delassus(
     plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float
 ) -> tuple[float, float, float]:
     """Give D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
-    nn = 0.0
-    nt = 0.0
-    tt = 0.0
-    for j in range(plant.modes.size):
+    nn, nt, tt = 0.0, 0.0, 0.0
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r

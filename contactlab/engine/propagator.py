@@ -8,22 +8,23 @@ the state, built once per level that is used.
 
 from functools import cache
 from math import ceil, cos, floor, log2, sin
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
-from contactlab.engine.state import NODES, one, record, table
+from contactlab.engine.state import NODES, one, record
 
 RESOLUTION = 0.5
 """Longest step times the fastest rate that persists in flight."""
 
-LEVELS = 44
-"""Levels of a ladder, if its contact step leaves the room below."""
+LEVELS, MOST_LEVELS = 44, 84
+"""Levels of a ladder, if its contact step leaves the room below, and the most: OUTLASTING over the smallest
+step takes 60."""
 
 ROOM = 24
 """Levels below that of the contact step: a contact begins six finer, and its error halves steps further."""
@@ -36,7 +37,7 @@ RULE = record(
     *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
     ("integrals", float, NODES + 2),
     real="longest",
-    whole="contact_level fresh_level",
+    whole="contact_level fresh_level level_count",
 )
 LEVEL = record(
     ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), whole="built"
@@ -50,33 +51,40 @@ RESPONSE = record(
 TURN = record(("cosine", float, NODES), ("sine", float, NODES))
 ANSWER = record(("part", float, (NODES, 4)))
 
+Propagator = Any
+"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone.
 
-class Propagator(NamedTuple):
-    """Step responses; i node of evaluation, m node of force, j coordinate, k tone.
-
-    Args:
-        rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d]
-            x^d; derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the
-            nodes; longest, length of level 0 [s]; contact_level, of the longest step in contact; fresh_level,
-            of the first step after a release; integrals, scratch of the oscillator.
-        levels: whether a level is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v, their
-            rates, and the rotor's row: uu, uth, thth, rr; shape (level,).
-        responses: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
-            force; answer_q and answer_v, q and v from l_m; shape (level, j).
-        turns: cosine and sine of omega_k c_i h, shape (level, k).
-        driven: answers from rest of the nearly resonant pairs, see `answer_from_rest`, shape (level, pair).
-    """
-
-    rule: Any
-    levels: Any
-    responses: Any
-    turns: Any
-    driven: Any
+rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
+derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,
+length of level 0 [s]; contact_level, of the longest step in contact; fresh_level, of the first step after a
+release; level_count; integrals, scratch of the oscillator.
+levels[level]: whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v, their rates, and
+the rotor's row: uu, uth, thth, rr.
+responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
+force; answer_q and answer_v, q and v from l_m.
+turns[level, k]: cosine and sine of omega_k c_i h.
+driven[level, j, k]: answers from rest of the nearly resonant pairs, see `answer_from_rest`.
+"""
 
 
 @cache
-def radau_rule(count: int) -> tuple[Array, Array, Array]:
-    """Give nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1]."""
+def propagator_record(modes: int, tones: int) -> np.dtype[Any]:
+    """Declare the record of a propagator with room for so many coordinates and tones."""
+    return record(
+        ("rule", RULE),
+        ("levels", LEVEL, MOST_LEVELS),
+        ("responses", RESPONSE, (MOST_LEVELS, modes)),
+        ("turns", TURN, (MOST_LEVELS, tones)),
+        ("driven", ANSWER, (MOST_LEVELS, modes, tones)),
+    )
+
+
+@cache
+def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
+    """Give nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1], and its derivative.
+
+    The derivative is the inverse of the collocation matrix a_im = int_0^c_i l_m dx.
+    """
     difference = Legendre.basis(count) - Legendre.basis(count - 1)
     nodes = np.sort(0.5 * (difference.roots().real + 1.0))
     nodes[-1] = 1.0
@@ -84,16 +92,9 @@ def radau_rule(count: int) -> tuple[Array, Array, Array]:
     for m in range(count):
         others = np.delete(nodes, m)
         lagrange[m] = (Polynomial.fromroots(others) / np.prod(nodes[m] - others)).coef
-    weights = lagrange @ (1.0 / np.arange(1, count + 1))
-    return nodes, weights, lagrange
-
-
-@cache
-def derivative_rule(count: int) -> Array:
-    """Give the inverse of the collocation matrix a_im = int_0^c_i l_m dx."""
-    nodes, _, lagrange = radau_rule(count)
     powers = np.arange(1, count + 1)
-    return np.asarray(np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T), np.float64)
+    derivative = np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T)
+    return nodes, lagrange @ (1.0 / powers), lagrange, np.asarray(derivative, np.float64)
 
 
 def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
@@ -108,7 +109,6 @@ def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bo
         duration: of the run [s], the longest step where nothing vibrates.
         exact: whether steps in contact must have this length, not only at most this length.
     """
-    nodes, weights, lagrange = radau_rule(NODES)
     # Steps may outlast a run, so that a longer one begins like it, but not for ever.
     rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
     rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
@@ -119,23 +119,13 @@ def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bo
     longest = contact_step * 2.0**doublings
     turns = max(longest * fastest_rate(plant), 1.0)
     levels = max(LEVELS, contact_level + ROOM)
-    rule = one(
-        RULE,
-        nodes=nodes,
-        weights=weights,
-        lagrange=lagrange,
-        derivative=derivative_rule(NODES),
-        longest=longest,
-        contact_level=contact_level,
-        fresh_level=min(max(6, ceil(log2(turns)) + 2), levels - 8),
-    )
-    return Propagator(
-        rule,
-        table(LEVEL, levels),
-        table(RESPONSE, levels, plant.modes.size),
-        table(TURN, levels, plant.tones.size),
-        table(ANSWER, levels, plant.near.size),
-    )
+    propagator = one(propagator_record(*plant.phasors.shape))
+    rule = propagator.rule
+    rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
+    rule.longest = longest
+    rule.contact_level, rule.level_count = contact_level, levels
+    rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), levels - 8)
+    return propagator
 
 
 @final
@@ -158,7 +148,7 @@ class Workspace:
         names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
         key = (
             *(plant.modes[name].tobytes() for name in names),
-            plant.tones.omega.tobytes(),
+            plant.tones["omega"].tobytes(),
             contact_step,
             duration,
             exact,
@@ -175,7 +165,7 @@ def step_length(propagator: Propagator, level: int) -> float:
     return float(propagator.rule.longest * 0.5**level)
 
 
-@kernel
+@inner_kernel
 def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
     """Fill one level; a second call does nothing."""
     if propagator.levels[level].built == 1:
@@ -185,17 +175,19 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
     rule = propagator.rule
     for i in range(NODES):
         s = rule.nodes[i] * h
-        for k in range(plant.tones.size):
+        for k in range(plant.tone_count):
             turn = propagator.turns[level, k]
             turn.cosine[i] = cos(plant.tones[k].omega * s)
             turn.sine[i] = sin(plant.tones[k].omega * s)
-        for p in range(plant.near.size):
-            mode, tone = plant.modes[plant.near[p].mode], plant.tones[plant.near[p].tone]
-            answer = answer_from_rest(mode.stiffness, mode.damping, tone.omega, s)
-            for part in range(4):
-                propagator.driven[level, p].part[i, part] = answer[part]
-        for j in range(plant.modes.size):
-            _fill(rule, plant.modes[j], propagator.responses[level, j], i, h)
+        for j in range(plant.mode_count):
+            mode = plant.modes[j]
+            _fill(rule, mode, propagator.responses[level, j], i, h)
+            for k in range(plant.tone_count):
+                if plant.phasors[j, k].near != 0:
+                    omega = plant.tones[k].omega
+                    answer = answer_from_rest(mode.stiffness, mode.damping, omega, s)
+                    for part in range(4):
+                        propagator.driven[level, j, k].part[i, part] = answer[part]
     _reduce(plant, propagator, level)
 
 
@@ -212,17 +204,14 @@ def _fill(rule: Any, mode: Any, response: Any, i: int, h: float) -> None:
     response.hold[i, 0] = integrals[2]
     response.hold[i, 1] = w
     for m in range(NODES):
-        q = 0.0
-        v = 0.0
-        scale = 1.0
+        q, v, scale = 0.0, 0.0, 1.0
         for d in range(NODES):
             # (s/h)^d = d!/h^d times s^d/d!, whose answers are I_(d+1) and I_d.
             if d > 0:
                 scale *= d / h
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
-        response.answer_q[i, m] = q
-        response.answer_v[i, m] = v
+        response.answer_q[i, m], response.answer_v[i, m] = q, v
 
 
 @inner_kernel
@@ -231,15 +220,10 @@ def _reduce(plant: Plant, propagator: Propagator, level: int) -> None:
     tip_q, tip_v = propagator.levels[level].tip_q, propagator.levels[level].tip_v
     for i in range(NODES):
         for m in range(NODES):
-            for row in range(3):
-                tip_q[row, i, m] = 0.0
-            for row in range(4):
-                tip_v[row, i, m] = 0.0
-            for j in range(plant.modes.size):
+            for j in range(plant.mode_count):
                 mode, response = plant.modes[j], propagator.responses[level, j]
                 u, th, r = mode.row_u, mode.row_th, mode.row_r
-                q = response.answer_q[i, m]
-                v = response.answer_v[i, m]
+                q, v = response.answer_q[i, m], response.answer_v[i, m]
                 tip_q[0, i, m] += u * u * q
                 tip_q[1, i, m] += u * th * q
                 tip_q[2, i, m] += th * th * q

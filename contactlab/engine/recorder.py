@@ -1,19 +1,18 @@
 """What every committed step does to a run, time, state, ledger, records and contacts, and how it is read."""
 
 from math import ceil, pi, sin
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.contacts import EVENT_LIMIT
 from contactlab.engine.kinematics import Law, Run, contact_at, contact_of, tip_motion
 from contactlab.engine.ledger import (
     add,
     energy_of_motion,
-    increments_of_step,
-    increments_until,
+    increments,
     weigh,
 )
 from contactlab.engine.plant import Plant, motion_rate
@@ -23,10 +22,10 @@ from contactlab.engine.state import (
     CHATTERED,
     COLLOCATED,
     DIVERGED,
+    EVENT_LIMIT,
     LAST,
     STALLED,
     START,
-    Records,
     internal_at,
 )
 from contactlab.laws.base import FREE, SET_VALUED, STICK
@@ -47,28 +46,30 @@ of twice those of the contact step, see `pace_of`; healthy runs take some 300, o
 
 
 @part_kernel
-def commit(run: Run, law: Law, records: Records) -> None:
+def commit(run: Run, law: Law, series: Any) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, step, plant = run.state, run.step, run.plant
     s = state.taken
-    place = LAST
-    if s == state.length:
-        increments_of_step(run, step.step_terms)
-    else:
-        increments_until(run, law, s, step.step_terms)
-        for j in range(plant.modes.size):
+    whole = s == state.length
+    increments(run, law, s, whole, step.step_terms)
+    if not whole:
+        # The records below leave another state there.
+        for j in range(plant.mode_count):
             mode = plant.modes[j]
             mode.q[LAST], mode.v[LAST] = mode.q[BETWEEN], mode.v[BETWEEN]
     start = state.time
     # The step that reaches the end of the run must land on it, whatever start + s rounds to.
     now = state.end if state.end - start <= s else start + s
-    while state.recorded < records.series.size:
-        due = _record_time(run, records)
+    while state.recorded < series.size:
+        # The last record lies at the end of the run.
+        due = state.end
+        if state.recorded < series.size - 1:
+            due = state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
-        increments_until(run, law, at, step.record_terms)
-        _write_record(run, law, records, at)
+        increments(run, law, at, False, step.record_terms)
+        _write_record(run, law, series, at)
     add(state.total, step.step_terms)
     if state.mode != FREE:
         contact, terms = state.contact, step.step_terms
@@ -81,24 +82,15 @@ def commit(run: Run, law: Law, records: Records) -> None:
     _watch_pace(run, s)
     if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
         state.internal = internal_at(state, s / state.length)
-    for j in range(plant.modes.size):
+    for j in range(plant.mode_count):
         mode = plant.modes[j]
-        mode.q[START], mode.v[START] = mode.q[place], mode.v[place]
+        mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
     _watch(run)
     weigh(run)
 
 
-@part_kernel
-def _record_time(run: Run, records: Records) -> float:
-    """Give the time of the next record [s]; the last one lies at the end of the run."""
-    state = run.state
-    if state.recorded >= records.series.size - 1:
-        return float(state.end)
-    return float(state.origin + (state.first + state.recorded) * state.interval)
-
-
 @inner_kernel
-def _write_record(run: Run, law: Law, records: Records, s: float) -> None:
+def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
     """Write the next record, at time s of the step.
 
     The state there is BETWEEN, the ledger terms since the step's start in record_terms.
@@ -116,9 +108,9 @@ def _write_record(run: Run, law: Law, records: Records, s: float) -> None:
             internal = internal_at(state, s / state.length)
             held = law.friction(gap, rate, slip, normal, internal, law.parameters)[2]
     angle = 0.0
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
-    row = records.series[state.recorded]
+    row = series[state.recorded]
     row.tip_normal_displacement = u
     row.tip_tangential_displacement = -lengths.tip_length * sin(th)
     row.tip_slope = th
@@ -182,11 +174,11 @@ def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> t
     return window, STEP_LIMIT + 2 * ceil(window / contact_step)
 
 
-def record_times(run: Run, records: Records) -> Array:
+def record_times(run: Run, series: Any) -> Array:
     """Give the times of the records [s], as the recorder took them."""
     state = run.state
     time = state.origin + (state.first + np.arange(state.recorded)) * state.interval
-    if state.recorded == records.series.size:
+    if state.recorded == series.size:
         time[-1] = state.end
     return np.asarray(time, dtype=np.float64)
 
@@ -196,15 +188,13 @@ def energy_of(series: dict[str, Array]) -> Array:
     return series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
 
 
-def take_series(
-    run: Run, records: Records, time: Array
-) -> tuple[dict[str, Array], NDArray[np.int8]]:
+def take_series(run: Run, table: Any, time: Array) -> tuple[dict[str, Array], NDArray[np.int8]]:
     """Take the records out of a run, by name: its memory, of which a long run has no second one.
 
     Impulses become mean forces, and the ledger has its residual. A run that goes on from a state begins
     with that state's mean forces, and its residual is that since t = 0.
     """
-    state, table = run.state, records.series[: time.size]
+    state, table = run.state, table[: time.size]
     series: dict[str, Array] = {v.name: table[v.name] for v in SERIES}
     interval = np.diff(time)
     for name in ("normal_force", "friction_force"):

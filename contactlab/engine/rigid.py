@@ -16,16 +16,15 @@ impulse until the gap is open.
 from math import inf
 
 from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import (
     Law,
     Run,
     add_held,
+    checked,
     contact_at,
-    contact_of,
-    frame_of,
     free_response,
     rates_in_frame,
-    tip_motion,
 )
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
@@ -57,7 +56,7 @@ def step_rigid(run: Run, law: Law) -> int:
     impact = contact.duration == 0.0
     p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
     # Over a long step a graze seems to open by itself; the approach it began with must still be met.
-    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < run.propagator.levels.size - 1:
+    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < run.propagator.rule.level_count - 1:
         level += 1
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
     if count == NONE:
@@ -68,8 +67,7 @@ def step_rigid(run: Run, law: Law) -> int:
     state.wedged_steps += 1 if count == SEVERAL else 0
     h = state.length
     if p_n <= 0.0 and (projects or gap > 0.0):
-        _shorten_to_release(run, p_n / h)
-        return RELEASE
+        return checked(run, _shorten_to_release(run, p_n / h))
     if p_n <= 0.0:
         # The gap is closed still and opens by itself.
         p_n, p_t, mode = 0.0, 0.0, SLIP
@@ -84,17 +82,15 @@ def step_rigid(run: Run, law: Law) -> int:
     state.normal_before = p_n / h if lasts else 0.0
     state.friction_before = p_t / h if lasts else 0.0
     state.contact_steps += 1
-    return NOTHING
+    return checked(run, NOTHING)
 
 
 @inner_kernel
 def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
     """Predict and correct a step of a level; gives the law's answer at the corrected place.
 
-    Args:
-        run, law, level: the step; its displacements end corrected, where the law projects, its rates
-            without contact.
-        gap_rate, slip: of its start [m/s].
+    The step's displacements end corrected, where the law projects, its rates without contact; gap rate and
+    slip are those of its start [m/s].
     """
     state = run.state
     build_level(run.plant, run.propagator, level)
@@ -106,7 +102,15 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
         p_n, p_t, _, _ = _answer(run, law, level, gap_rate, slip)
         _hold_forces(run, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
         add_held(run, level, True, False)
-        _project(run)
+        # Onto the closed gap along its gradient, by the masses (eq. 57).
+        gap = _turn_frame(run, LAST)
+        n_u, n_th, gradient = run.step.n_u[0], run.step.n_th[0], 0.0
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            gradient += (n_u * mode.row_u + n_th * mode.row_th) ** 2
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            mode.q[LAST] -= gap / gradient * (n_u * mode.row_u + n_th * mode.row_th)
     _turn_frame(run, LAST)
     return _answer(run, law, level, gap_rate, slip)
 
@@ -114,10 +118,8 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
 @part_kernel
 def _turn_frame(run: Run, place: int) -> float:
     """Set the directions of the step's contact from the displacements at a place; gives the gap [m]."""
-    u, th, _, _, _ = tip_motion(run.plant, place)
-    gap, _, _, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, 0.0, 0.0, 0.0))
-    frame = run.step.frame
-    frame[0], frame[1], frame[2], frame[3] = n_u, n_th, t_u, t_th
+    step = run.step
+    gap, _, _, step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0] = contact_at(run.plant, place)
     return gap
 
 
@@ -125,17 +127,14 @@ def _turn_frame(run: Run, place: int) -> float:
 def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
     """Give the law's impulses in the step's directions, their mode, and whether they are the only ones.
 
-    The Delassus matrix is that of a force held over the step: int w(s) ds / h in place of 1/m.
-
-    Args:
-        run, law, level: the step, whose end has the rates without contact.
-        gap_rate, slip: of its start [m/s].
+    The step's end has the rates without contact. The Delassus matrix is that of a force held over the step:
+    int w(s) ds / h in place of 1/m.
     """
-    state = run.state
-    n_u, n_th, t_u, t_th = frame_of(run.step)
+    state, step = run.state, run.step
+    n_u, n_th, t_u, t_th = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
     h = step_length(run.propagator, level)
     nn, nt, tt = 0.0, 0.0, 0.0
-    for j in range(run.plant.modes.size):
+    for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
@@ -160,34 +159,18 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
 @part_kernel
 def _hold_forces(run: Run, normal: float, friction: float) -> None:
     """Hold forces [N] along the step's directions."""
-    n_u, n_th, t_u, t_th = frame_of(run.step)
     hold(run.state.normal, normal)
     hold(run.state.friction, friction)
-    hold(run.step.push_u, normal * n_u + friction * t_u)
-    hold(run.step.push_th, normal * n_th + friction * t_th)
+    push_node(run, 0)
+    hold(run.step.push_u, run.step.push_u.node[0])
+    hold(run.step.push_th, run.step.push_th.node[0])
 
 
 @part_kernel
-def _project(run: Run) -> None:
-    """Move the end's displacements onto the closed gap along its gradient, by the masses (eq. 57)."""
-    gap = _turn_frame(run, LAST)
-    n_u, n_th, _, _ = frame_of(run.step)
-    gradient = 0.0
-    for j in range(run.plant.modes.size):
-        mode = run.plant.modes[j]
-        gradient += (n_u * mode.row_u + n_th * mode.row_th) ** 2
-    for j in range(run.plant.modes.size):
-        mode = run.plant.modes[j]
-        mode.q[LAST] -= gap / gradient * (n_u * mode.row_u + n_th * mode.row_th)
-
-
-@part_kernel
-def _shorten_to_release(run: Run, normal: float) -> None:
+def _shorten_to_release(run: Run, normal: float) -> int:
     """Shorten a step to where the normal force, linear from the step before, reaches zero.
 
-    Args:
-        run: the step that would have to pull.
-        normal: the force it would pull with [N], not positive.
+    `normal` is the force that the step would have to pull with [N], not positive.
     """
     state = run.state
     before = state.normal_before
@@ -195,3 +178,4 @@ def _shorten_to_release(run: Run, normal: float) -> None:
     state.taken = min(s, state.end - state.time)
     state.mode = SLIP
     _hold_forces(run, 0.5 * before, 0.5 * state.friction_before)
+    return RELEASE

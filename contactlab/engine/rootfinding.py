@@ -19,7 +19,6 @@ from contactlab.laws.base import RATE_DEPENDENT, STICK
 TIME_DIGIT = 1e-14
 """Length of the bracket over that of the step at which a search ends."""
 
-
 CONE_ROUND_OFF = 1e-9
 """Relative excess of friction over its bound that still sticks: the bound is reached, not left."""
 
@@ -40,15 +39,10 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
 
 @inner_kernel
 def locate(run: Run, law: Law, event: int, left: float, right: float, digit: float) -> float:
-    """Find the time of an event between left and right, where its function has different signs.
+    """Find the time of an event between left and right [s], where its function has different signs.
 
-    Regula falsi that halves the value of an end that stays twice (the Illinois rule).
-
-    Args:
-        run, law: the step.
-        event: which.
-        left, right: ends of the bracket [s].
-        digit: value of the function that counts as zero.
+    Regula falsi that halves the value of an end that stays twice (the Illinois rule); a value of at most
+    `digit` counts as zero.
     """
     at_left = event_value(run, law, left, event)
     at_right = event_value(run, law, right, event)
@@ -83,9 +77,7 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
 def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length.
 
-    Args:
-        run, law: the step.
-        rate: gap rate at its start [m/s].
+    `rate` is the gap rate at its start [m/s].
     """
     state, step = run.state, run.step
     left = 0.0
@@ -147,9 +139,7 @@ def _highest(run: Run, left: float, right: float, before: float, after: float) -
 def track_extremes(run: Run, law: Law, gap: float, rate: float, normal: float) -> None:
     """Note largest normal force and penetration of the contact so far, between the nodes as well.
 
-    Args:
-        run, law: the step.
-        gap, rate, normal: gap [m], its rate [m/s] and normal force [N] at its start.
+    Gap [m], its rate [m/s] and normal force [N] are those at the step's start.
     """
     state, step, contact = run.state, run.step, run.state.contact
     s, h = state.taken, state.length

@@ -16,11 +16,10 @@ from contactlab.engine.arguments import (
 )
 from contactlab.engine.callback import law_errors
 from contactlab.engine.compilation import kernels_of, loop_for
-from contactlab.engine.diagnosis import Witness
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.kinematics import Run, contact_from
 from contactlab.engine.loop import TOUCH_REFINEMENT
-from contactlab.engine.plant import plant_of
+from contactlab.engine.plant import modes_of, plant_of
 from contactlab.engine.propagator import Workspace
 from contactlab.engine.recorder import pace_of, record_times, take_series
 from contactlab.engine.state import (
@@ -29,16 +28,16 @@ from contactlab.engine.state import (
     PRESSED,
     RELEASED,
     RUNNING,
+    SAMPLE,
     START,
     STATE,
     STEP,
     TOUCHING,
-    Records,
     State,
     one,
-    records_for,
     state_as_value,
     state_from_value,
+    table,
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
@@ -83,9 +82,10 @@ def simulate(
     the length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
     stands then goes on under the new ones.
 
+    A trajectory that is not complete says why and holds what it had.
+
     Args:
-        motor: what moves.
-        law: what acts between tip and rotor.
+        motor, law: what moves, and what acts between tip and rotor.
         duration: [s], positive; of a run that goes on, how much longer it runs.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
@@ -94,9 +94,6 @@ def simulate(
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
         workspace: what runs that follow each other can share; it changes no bit of any.
         start: the state of a run to go on from.
-
-    Returns:
-        The trajectory; one that is not complete says why and holds what it had.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -124,8 +121,10 @@ def simulate(
     _set_up(law, run, duration, record_interval, contact_step)
     state = run.state
     state.tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    records = records_for(_count_records(duration, record_interval), plant.modes.size)
-    loop = loop_for(law, run, records)
+    # The records at 0, interval, 2 interval, ... and at the end.
+    intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
+    records = table(SAMPLE, intervals + 1)
+    loop = loop_for(law, run)
 
     if progress is not None:
         progress(0.0)
@@ -135,17 +134,21 @@ def simulate(
         while state.time < state.end and state.ending == RUNNING:
             with errors():
                 loop(run, records, *kernels, parameters, STEPS_PER_CALL)
-            finished.append(_collect(state, records))
+            finished.append(_finished_contacts(run))
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
     if state.ending != RUNNING:
         with errors():
-            ending, message = explain(run, Witness(run, kernels, parameters), contact_step)
-    finished.append(_collect(state, records))
+            ending, message = explain(run, kernels, parameters, contact_step)
+    finished.append(_finished_contacts(run))
     if state.phase == TOUCHING:
-        finished.append(_cut(state))
+        # The end of the run cut it: it has no separation.
+        cut = state.contact.copy().reshape(1)
+        cut["separation_velocity"] = np.nan
+        cut["energy_loss"] -= state.held_energy
+        finished.append(cut)
     time = record_times(run, records)
     series, modes = take_series(run, records, time)
     if ending is Ending.COMPLETE:
@@ -164,7 +167,7 @@ def simulate(
         statistics={name: int(state[name]) for name in COUNTS},
         ending=ending,
         message=message,
-        state=_state_to_go_on(run, records, series, ending),
+        state=_state_to_go_on(run, series, ending),
     )
 
 
@@ -175,7 +178,7 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
         plant, law.default_contact_step, 1.0, isinstance(law, MultiplierLaw)
     )
     run = Run(plant, propagator, one(STATE), one(STEP))
-    loop_for(law, run, records_for(2, plant.modes.size))
+    loop_for(law, run)
     kernels_of(law)
 
 
@@ -196,41 +199,37 @@ def take_in(
     return guarded(parameters), kernels, errors
 
 
-def _count_records(duration: float, interval: float) -> int:
-    """Count the records at 0, interval, 2 interval, ... and at the end."""
-    return max(int(np.ceil(duration / interval - ON_GRID)), 1) + 1
-
-
 def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
     """Set the initial state and phase."""
-    plant, state = run.plant, run.state
-    q, v = plant.modes.q[:, START], plant.modes.v[:, START]
-    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / plant.modes.row_r[-1]
+    plant, state, rule = run.plant, run.state, run.propagator.rule
+    modes = modes_of(plant)
+    q, v = modes.q[:, START], modes.v[:, START]
+    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / modes.row_r[-1]
     if motor.start is not None:
-        q[:-1] = motor.start.displacement
-        v[:-1] = motor.start.velocity
+        q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
     gap, rate, _ = contact_from(plant, q, v)
     if gap < 0.0 and not isinstance(law, PenaltyLaw):
         raise ValueError(
             f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
             "rotor would overlap."
         )
+    state.phase = OPEN if gap > 0.0 else RELEASED
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
         state.phase = PRESSED
-    else:
-        state.phase = OPEN if gap > 0.0 else RELEASED
     # A first step continues a polynomial of zeros, of some length.
     state.length = 1.0
-    state.level = run.propagator.rule.fresh_level
-    state.longest = run.propagator.rule.longest
-    state.contact_level = run.propagator.rule.contact_level
+    state.level, state.longest, state.contact_level = (
+        rule.fresh_level,
+        rule.longest,
+        rule.contact_level,
+    )
     state.least_open, state.most_open, state.initial_energy = np.inf, -np.inf, np.nan
 
 
 def _resume(run: Run, start: State) -> Run:
     """Set the state of a run that goes on; on another ladder its next step is the first of its kind."""
-    state, motion = state_from_value(start)
-    run.plant.modes.q[:, START], run.plant.modes.v[:, START] = motion.q, motion.v
+    state, modes = state_from_value(start), modes_of(run.plant)
+    modes.q[:, START], modes.v[:, START] = start["q"], start["v"]
     rule = run.propagator.rule
     if (state.longest, state.contact_level) != (rule.longest, rule.contact_level):
         touching = state.phase == TOUCHING
@@ -247,10 +246,8 @@ def _set_up(
     """Set the clock, the grid of records, the pace, and what the kernels know of a law beside its own."""
     state, compliant = run.state, isinstance(law, PenaltyLaw)
     begins = float(state.end)
-    number = round((begins - state.origin) / interval)
-    if abs(begins - (state.origin + number * interval)) <= ON_GRID * interval:
-        state.first = number
-    else:
+    state.first = round((begins - state.origin) / interval)
+    if abs(begins - (state.origin + state.first * interval)) > ON_GRID * interval:
         state.origin, state.first = begins, 0
     state.end, state.interval = begins + duration, interval
     state.recorded = state.stored = 0
@@ -264,30 +261,22 @@ def _set_up(
         state.projects = law.projects
 
 
-def _cut(state: Any) -> Any:
-    """Give the contact that the end of the run cut: it has no separation."""
-    contact = state.contact.copy().reshape(1)
-    contact["separation_velocity"] = np.nan
-    contact["energy_loss"] -= state.held_energy
-    return contact
-
-
-def _collect(state: Any, records: Records) -> Any:
+def _finished_contacts(run: Run) -> Any:
     """Take the finished contacts out of the run's storage."""
-    rows = records.contacts[: state.stored].copy()
-    state.stored = 0
+    rows = run.step.contacts[: run.state.stored].copy()
+    run.state.stored = 0
     return rows
 
 
-def _state_to_go_on(run: Run, records: Records, series: dict[str, Array], ending: Ending) -> State:
+def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:
     """Give the state as a value: before the step that the end cut, else where the run stopped."""
-    state = run.state
+    state, modes = run.state, modes_of(run.plant)
     initial_energy, end = state.initial_energy, state.end if ending.reached_end else state.time
-    motion = {"q": run.plant.modes.q[:, START], "v": run.plant.modes.v[:, START]}
+    q, v = modes.q[:, START], modes.v[:, START]
     if ending.reached_end:
-        state, motion = records.saved[0], records.saved_motion
+        state, q, v = run.step.saved[0], modes.saved_q, modes.saved_v
     for name in ("normal_force", "friction_force"):
         if series[name].size:
             state[name] = series[name][-1]
     state.initial_energy, state.end = initial_energy, end
-    return state_as_value(state, motion)
+    return state_as_value(state, q, v)

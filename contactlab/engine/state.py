@@ -1,11 +1,12 @@
 """The memory of the engine, by name: records that kernels and Python read and write alike.
 
 A record is one pointer to a kernel, whatever it holds: few and cheap arguments are what lets the engine
-be many small kernels that compile soon. What has a size of its own (modes, tones, levels, records) is an
-array of records.
+be many small kernels that compile soon. What has a size of its own (modes, tones, levels) is an array in a
+record, with room for more than most motors have, so that the code is the same for all of them.
 """
 
-from typing import Any, Final, NamedTuple
+from collections.abc import Iterator
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -13,20 +14,26 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.variables import CONTACTS, SERIES
 
-NODES: Final = 5
+
+def _number(value: int) -> int:
+    """Give a number that is no Python int: of each of those a kernel is asked with, it gets a copy."""
+    return cast(int, np.int64(value))
+
+
+NODES: Final = _number(5)
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
 
 LAST, START, BETWEEN, PLACES = NODES - 1, NODES, NODES + 1, NODES + 2
 """Places of a motion beside the nodes 0 ... LAST: the start of a step and a time in between."""
 
-RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = range(5)
+RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = map(_number, range(5))
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
 start in contact, or on the point of it."""
 
-FLIGHT, HELD, COLLOCATED = -1, 0, NODES - 1
+FLIGHT, HELD, COLLOCATED = _number(-1), _number(0), NODES - 1
 """Kinds of a step: the degree of its force polynomial. FLIGHT has no force, HELD a constant one."""
 
-NOTHING, TOUCH, RELEASE, REVERSAL, CONE, PEAK = range(6)
+NOTHING, TOUCH, RELEASE, REVERSAL, CONE, PEAK = map(_number, range(6))
 """What ends a step: no event; the gap closes; the gap opens or the contact would pull; slip changes sign;
 friction that sticks reaches its bound. A PEAK of the normal force ends none."""
 
@@ -34,6 +41,9 @@ RUNNING, DIVERGED, UNSOLVED, CHATTERED, UNFOLLOWED, STALLED, NOT_FINITE, INCONSI
 """Endings as the kernels know them: no motor's state any more, no step that satisfies the law, too many
 events, a touch-down that cannot be searched, too many steps, a law that answered with no number, and one
 that has no impulse for a contact that closes."""
+
+EVENT_LIMIT = 1000
+"""Touch-downs and friction switches within one window that count as chattering."""
 
 COUNTS: Final = (
     "flight_steps",
@@ -81,9 +91,6 @@ CONTACT: Final = record(real=" ".join(variable.name for variable in CONTACTS))
 SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for each in SERIES))
 """A record of the series; the forces are impulses since the start until the run is read."""
 
-PLACE: Final = record(real="q v")
-"""Displacement and rate of one coordinate."""
-
 STATE: Final = record(
     *((name, FORCE) for name in ("normal", "friction", "bound", "internal_rate")),
     ("contact", CONTACT),
@@ -119,16 +126,17 @@ STEP: Final = record(
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal")),
     *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
-    ("frame", float, 4),
-    ("stick", float, (NODES, NODES + 1)),
-    ("coupled", float, (2 * NODES, 2 * NODES + 1)),
+    ("system", float, (2 * NODES, 2 * NODES + 1)),
     *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate")),
+    ("contacts", CONTACT, 512),
+    ("saved", STATE, (1,)),
     whole="kind",
 )
 """Scratch of one step: generalised forces along u and th [N, N m]; the contact at the nodes [m, m/s, W], of
 which `sliding` is what must keep its sign in slip: the slip, less what a spring of the friction takes of it
-[m/s]; the tip's motion there without contact, and the directions; `frame`, directions that a HELD step
-keeps; linear systems; the stretches of a flight that wait to be searched."""
+[m/s]; the tip's motion there without contact, and the directions, of which a HELD step keeps the first;
+linear systems; stretches of a flight that wait to be searched, contacts that wait to be collected; the state
+before the step that reaches the end."""
 
 
 @part_kernel
@@ -186,67 +194,34 @@ def largest(values: Array) -> float:
     return float(most)
 
 
-class Records(NamedTuple):
-    """What a run leaves: its series, contacts that are finished, and the state to go on from.
-
-    Args:
-        series: records, shape (record,) of SAMPLE.
-        contacts: finished ones that are not yet collected, shape (row,) of CONTACT.
-        saved, saved_motion: the state before the step that reaches the end, shapes (1,) and (j,).
-    """
-
-    series: Any
-    contacts: Any
-    saved: Any
-    saved_motion: Any
-
-
-def records_for(count: int, coordinates: int, rows: int = 512) -> Records:
-    """Make room for a number of records, and for the contacts between two calls of the loop."""
-    return Records(
-        table(SAMPLE, count), table(CONTACT, rows), table(STATE, 1), table(PLACE, coordinates)
-    )
-
-
 State = dict[str, Any]
 """A state as a value: NumPy arrays and numbers by name."""
 
 
-def state_as_value(state: Any, motion: Any) -> State:
+def state_as_value(state: Any, q: Array, v: Array) -> State:
     """Give a state as a plain dict of arrays and numbers, those of sub-records by dotted names."""
-    value: State = {"q": motion["q"].copy(), "v": motion["v"].copy()}
-    value.update(_flat(state, ""))
-    return value
+    leaves = {name: part[field] for name, part, field in _leaves(state)}
+    numbers = {name: each.copy() if each.ndim else each.item() for name, each in leaves.items()}
+    return {"q": q.copy(), "v": v.copy(), **numbers}
 
 
-def state_from_value(value: State) -> tuple[Any, Any]:
-    """Give the state record and the motion of a value."""
+def state_from_value(value: State) -> Any:
+    """Give the state record of a value."""
     state = one(STATE)
-    _fill(state, value, "")
-    motion = table(PLACE, np.size(value["q"]))
-    motion["q"], motion["v"] = value["q"], value["v"]
-    return state, motion
-
-
-def _flat(part: Any, prefix: str) -> State:
-    found: State = {}
-    for name in part.dtype.names:
-        item = part[name]
-        if item.dtype.names:
-            found |= _flat(item, f"{prefix}{name}.")
-        else:
-            found[prefix + name] = item.copy() if item.ndim else item.item()
-    return found
-
-
-def _fill(part: Any, value: State, prefix: str) -> None:
-    for name in part.dtype.names:
-        if part[name].dtype.names:
-            _fill(part[name], value, f"{prefix}{name}.")
-        else:
-            part[name] = value[prefix + name]
+    for name, part, field in _leaves(state):
+        part[field] = value[name]
+    return state
 
 
 def state_names() -> set[str]:
     """Give the names that a state as a value has."""
-    return {"q", "v", *_flat(one(STATE), "")}
+    return {"q", "v", *(name for name, _, _ in _leaves(one(STATE)))}
+
+
+def _leaves(part: Any, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
+    """Give every field that is no record itself: dotted name, the record that holds it, its name there."""
+    for name in part.dtype.names:
+        if part[name].dtype.names:
+            yield from _leaves(part[name], f"{prefix}{name}.")
+        else:
+            yield prefix + name, part, name

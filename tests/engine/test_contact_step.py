@@ -136,8 +136,8 @@ def test_the_ladder_has_room_below_the_step_in_contact(step: float, exact: bool)
     for duration in (step, 1e3 * step, step / SMALLEST_STEP):
         for motor in (case_a(), block()):
             propagator = propagator_for(plant_of(motor), step, duration, exact)
-            assert propagator.rule.contact_level + ROOM <= propagator.levels.size <= 70
-            assert propagator.rule.fresh_level < propagator.levels.size
+            assert propagator.rule.contact_level + ROOM <= propagator.rule.level_count <= 70
+            assert propagator.rule.fresh_level < propagator.rule.level_count
             assert propagator.rule.longest * 0.5**propagator.rule.contact_level <= step
 
 

@@ -8,7 +8,7 @@ import pytest
 from support.motors import case_a, default_motor, hertz, run, total
 
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
-from contactlab.engine.plant import NEARLY_RESONANT, plant_of
+from contactlab.engine.plant import NEARLY_RESONANT, modes_of, plant_of
 from contactlab.laws import LagrangeStick
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
@@ -58,17 +58,18 @@ def test_the_answer_from_rest_is_that_of_the_power_series(
 
 
 def test_only_a_nearly_resonant_pair_has_no_steady_state_split_off() -> None:
-    assert plant_of(case_a()).near.size == 0
+    assert not plant_of(case_a()).phasors["near"].any()
     plant = plant_of(resonant(10.0))
-    assert plant.near.tolist() == [(0, 0)]
-    assert plant.phasors.steady_re[0, 0] == plant.phasors.steady_im[0, 0] == 0.0
-    assert np.all(np.hypot(plant.phasors.steady_re, plant.phasors.steady_im)[1:-1] > 0.0)
+    assert np.argwhere(plant.phasors["near"]).tolist() == [[0, 0]]
+    steady = np.hypot(plant.phasors["steady_re"], plant.phasors["steady_im"])
+    assert steady[0, 0] == 0.0
+    assert np.all(steady[1 : plant.mode_count - 1, : plant.tone_count] > 0.0)
     # Just outside of the margin the steady state is split off as ever.
     rate = float(resonant(10.0).modes.natural_frequency[0])
     shifted = default_motor(
         mass_damping=10.0, stiffness_damping=0.0, frequency=rate * (1.0 + 1.1 * NEARLY_RESONANT)
     )
-    assert plant_of(shifted).near.size == 0
+    assert not plant_of(shifted).phasors["near"].any()
 
 
 @pytest.mark.parametrize("voltage", [100.0, 600.0])
@@ -109,14 +110,13 @@ def test_the_vibration_grows_as_the_beat_does() -> None:
     )
     trajectory = run(motor, hertz(), 5e-3, 1e-4)
     plant = plant_of(motor)
+    modes, omega = modes_of(plant), plant.tones["omega"][0]
     for index in (1, 17, 50):
         time = float(trajectory.time[index])
         expected = 0.0
-        for j in range(plant.modes.stiffness.size - 1):
-            re, im, _, _ = answer_from_rest(
-                plant.modes.stiffness[j], plant.modes.damping[j], plant.tones.omega[0], time
-            )
-            force = complex(plant.phasors.force_re[j, 0], plant.phasors.force_im[j, 0])
-            expected += plant.modes.row_u[j] * (force * complex(re, im)).real
+        for mode, phasor in zip(modes[:-1], plant.phasors[:, 0], strict=False):
+            re, im, _, _ = answer_from_rest(mode.stiffness, mode.damping, omega, time)
+            force = complex(phasor["force_re"], phasor["force_im"])
+            expected += mode.row_u * (force * complex(re, im)).real
         found = float(trajectory.series["tip_normal_displacement"][index])
         assert found == pytest.approx(expected, rel=1e-10, abs=1e-18)

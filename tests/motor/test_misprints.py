@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.motors import case_a, default_motor, run
 
-from contactlab.engine.plant import delassus, plant_of
+from contactlab.engine.plant import delassus, modes_of, plant_of
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
@@ -24,8 +24,9 @@ def contact_rows(motor: Motor, u: float, th: float) -> tuple[Array, Array]:
     _, n_u, n_th, t_u, t_th = contact_frame(
         u, th, plant.geometry.tip_length, plant.geometry.radius, plant.geometry.clearance
     )
-    normal = n_u * plant.modes.row_u + n_th * plant.modes.row_th
-    return normal, t_u * plant.modes.row_u + t_th * plant.modes.row_th + plant.modes.row_r
+    modes = modes_of(plant)
+    normal = n_u * modes.row_u + n_th * modes.row_th
+    return normal, t_u * modes.row_u + t_th * modes.row_th + modes.row_r
 
 
 def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
