@@ -62,14 +62,14 @@ class _Palette:
     def __init__(self, animation: Animation) -> None:
         packed = np.concatenate([_packed(animation.frame(n)).ravel() for n in animation.samples])
         colours, counts = np.unique(packed, return_counts=True)
-        self._colours = _apart(colours[np.argsort(-counts, kind="stable")[:256]])
+        self._colours = _parts(colours[np.argsort(-counts, kind="stable")[:256]])
         self._nearest = np.full(1 << 24, -1, dtype=np.int16)
 
     def image(self, pixels: Pixels) -> Image.Image:
         """Give a frame in these colours."""
         packed = _packed(pixels)
         new = np.unique(packed[self._nearest[packed] < 0])
-        distances = ((_apart(new)[:, None, :] - self._colours) ** 2).sum(axis=2)
+        distances = ((_parts(new)[:, None, :] - self._colours) ** 2).sum(axis=2)
         self._nearest[new] = distances.argmin(axis=1)
         image = Image.fromarray(self._nearest[packed].astype(np.uint8))
         image.putpalette(self._colours.ravel().tolist())
@@ -78,13 +78,12 @@ class _Palette:
 
 def _packed(pixels: Pixels) -> NDArray[np.int64]:
     """Give every colour as one number."""
-    red, green, blue = np.moveaxis(pixels.astype(np.int64), -1, 0)
-    return np.asarray(red << 16 | green << 8 | blue)
+    return np.asarray(pixels.view("<u4")[:, :, 0] & 0xFFFFFF, dtype=np.int64)
 
 
-def _apart(packed: NDArray[np.int64]) -> NDArray[np.int64]:
+def _parts(packed: NDArray[np.int64]) -> NDArray[np.int64]:
     """Give red, green and blue of such numbers, shape (colour, 3)."""
-    return np.column_stack([packed >> shift & 255 for shift in (16, 8, 0)])
+    return packed.astype("<u4")[:, None].view(np.uint8)[:, :3].astype(np.int64)
 
 
 def encoder() -> str:
@@ -114,7 +113,7 @@ def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter)
     """
     height, width, _ = animation.frame(0).shape
     options = (
-        f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps:g} -i pipe:0 "
+        f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgba -s {width}x{height} -r {fps:g} -i pipe:0 "
         "-an -c:v libx264 -pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact "
         "-movflags +faststart -f mp4"
     )
