@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw
-from contactlab.motor.motor import Motor
+from contactlab.motor.motor import ModalState, Motor
 
 
 class Ending(IntEnum):
@@ -49,6 +49,7 @@ class Trajectory:
         statistics: counts of the solver's work.
         ending: how the run ended; a run that is not complete holds what it had until then.
         message: the ending in a sentence, empty for a complete run.
+        final: normal coordinates of the resonator at the end.
         state: everything from which another run goes on, arrays and numbers by name; see
             `contactlab.engine.simulate`.
     """
@@ -65,6 +66,7 @@ class Trajectory:
     statistics: dict[str, int]
     ending: Ending
     message: str
+    final: ModalState
     state: dict[str, Any] = field(default_factory=dict)
 
     @property

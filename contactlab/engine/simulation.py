@@ -41,7 +41,7 @@ from contactlab.engine.state import (
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
-from contactlab.motor.motor import Motor
+from contactlab.motor.motor import ModalState, Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
 
@@ -167,6 +167,7 @@ def simulate(
         statistics={name: int(state[name]) for name in COUNTS},
         ending=ending,
         message=message,
+        final=ModalState(*(modes_of(run.plant)[k][:-1, START].copy() for k in ("q", "v"))),
         state=_state_to_go_on(run, series, ending),
     )
 
