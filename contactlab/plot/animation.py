@@ -1,7 +1,6 @@
 """The frames of an animation: tip, rotor and force in true geometry, and traces with a cursor.
 
-What stands still is drawn once, and every frame adds to it what moves; the frames are the same
-whatever order they are asked for in. The arrow is the force on the rotor.
+What stands still is drawn once, and every frame adds to it what moves.
 """
 
 from typing import Any, Final, cast
@@ -56,12 +55,7 @@ _HEIGHT: Final = 2.0 * _HALF_WIDTH * _SCENE[3] / _SCENE[2] * PIXELS[1] / PIXELS[
 
 
 class Animation:
-    """Draws the frames of a film.
-
-    Args:
-        film: what they show.
-        film_time: how long the animation lasts [s], to say how slow the motion is.
-    """
+    """Draws the frames of a film that lasts some time [s]."""
 
     def __init__(self, film: Film, film_time: float) -> None:
         self.film = film
@@ -239,14 +233,9 @@ def _steady(values: Array, number: int) -> str:
 
 
 def arrow_outline(vector: Array, width: float) -> Array:
-    """Give an arrow from the origin; its apex, the fourth of seven corners, lies at the vector itself.
+    """Give the corners of an arrow from the origin, shape (7, 2); the fourth, its apex, is the vector itself.
 
-    Args:
-        vector: shape (2,).
-        width: of the shaft; an arrow shorter than its head is a smaller head.
-
-    Returns:
-        Corners, shape (7, 2).
+    One that is shorter than its head is a smaller head.
     """
     length = float(np.hypot(*vector))
     if not length > 0.0:
