@@ -26,7 +26,6 @@ from contactlab.cli.checking import (
     announce,
     announce_series,
     misplaced,
-    sentences,
     sets_friction,
 )
 from contactlab.cli.collect import collect_swept
@@ -34,6 +33,7 @@ from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
+from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.rules import idle_friction
 from contactlab.results.files import LOG, told

@@ -1,30 +1,45 @@
 """Configurations from overrides, by Hydra: files of `conf/`, and behind them what the classes declare."""
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, Final, final
 
 import hydra
+from hydra.conf import HydraConf
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
-from hydra.errors import HydraException
+from hydra.errors import (
+    HydraException,
+    MissingConfigException,
+    OverrideParseException,
+    SearchPathException,
+)
 from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.plugins.search_path_plugin import SearchPathPlugin
-from omegaconf import OmegaConf
+from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.groups import content, groups, help_on_keys
+from contactlab.config.faults import ConfigurationError, one_line, unknown_key
+from contactlab.config.groups import content, groups, help_on_keys, known_keys
+from contactlab.config.nesting import flat
+from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
 VERSION_BASE: Final = "1.3"
 """Of Hydra's behaviour."""
 
 SCHEME: Final = "contactlab"
+
+SEVERAL: Final = (
+    "{} gives several values; a single run takes one. Add -m to run every combination; "
+    "in Python, contactlab.sweep does."
+)
+"""What is wrong with an override that is swept."""
 
 _folder: ContextVar[Path | None] = ContextVar("folder", default=None)
 """A folder of more options, while Hydra starts."""
@@ -49,10 +64,75 @@ def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None)
     """
     try:
         with started(config_dir):
-            found = hydra.compose(CONFIG_NAME, overrides=list(overrides))
-        return OmegaConf.to_container(found, resolve=True)  # type: ignore[return-value]
-    except (HydraException, OmegaConfBaseException) as error:
-        raise ConfigurationError([one_line(error)]) from error
+            composed = hydra.compose(CONFIG_NAME, overrides=list(overrides))
+    # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
+    except Exception as error:
+        raise ConfigurationError(sentences(error, overrides)) from error
+    return resolved(composed)
+
+
+def resolved(config: DictConfig) -> dict[str, Any]:
+    """Give a composed configuration without Hydra's part, values in the place of references to them.
+
+    Raises:
+        ConfigurationError: a reference leads nowhere.
+    """
+    mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+    try:
+        return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
+    except OmegaConfBaseException as error:
+        words = f"{one_line(error)} Correct the reference in ${{...}}."
+        raise ConfigurationError([words]) from error
+
+
+def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
+    """Say in our words what ended a composition, or what is around it.
+
+    Args:
+        error: of Hydra's, or of what it calls.
+        lines: the overrides as typed.
+    """
+    match error:
+        case ConfigurationError():
+            return error.faults
+        case OverrideParseException():
+            return [
+                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or "
+                "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
+                "too if it has special characters, \"KEY='1 µm'\". A verb stands first."
+            ]
+        case MissingConfigException() if error.options and error.missing_cfg_file:
+            group, _, option = error.missing_cfg_file.rpartition("/")
+            hint = suggestion(option, error.options, "Choose one of them.")
+            return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
+        case SearchPathException():
+            return [f"{one_line(error)} It must be a folder; create it."]
+        case RecursionError():
+            return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
+    said = str(error)
+    # What Hydra says of a key that is not there; the schema does not get to see it.
+    if unknown := re.search(r"Could not override '([^']+)'", said):
+        return [unknown_override(unknown[1], lines)]
+    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
+        return [SEVERAL.format(several[1])]
+    if said.startswith("Config group override must be"):
+        choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
+        return [
+            f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
+            "contactlab --help lists the options of every group."
+        ]
+    if isinstance(error, HydraException | OmegaConfBaseException | UserWarning):
+        return [one_line(error)]
+    return [f"The run could not be started: {one_line(error)}"]
+
+
+def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
+    """Say that there is no such key, or none with what the overrides choose."""
+    path = key.replace("/", ".")
+    group = path.rpartition(".")[0].replace(".", "/")
+    chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
+    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
+    return unknown_key(path, next(chosen, "the default"), [*known_keys(), *hydras])
 
 
 def options_of(group: str) -> list[str]:

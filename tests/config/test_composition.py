@@ -1,5 +1,6 @@
 """Configurations come from overrides wherever one is: in a script, in a notebook, inside a Hydra job."""
 
+import re
 from pathlib import Path
 
 import hydra
@@ -33,9 +34,30 @@ def test_a_text_is_no_list_of_overrides() -> None:
         build("law=newton")
 
 
-def test_faults_of_composition_are_sentences() -> None:
-    with pytest.raises(ConfigurationError, match="Could not find 'law/rubber'"):
-        build(["law=rubber"])
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("law=rubber", "law is 'rubber'; it must be one of composed, "),
+        ("law=newtn", "Did you mean newton?"),
+        ("rotor.inertai=1", "rotor.inertai is not a known key. Did you mean rotor.inertia?"),
+        ("law.stifness=1", "law.stifness is not a known key. Did you mean law.stiffness?"),
+        ("um", "um cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."),
+        ("solver.duration=[1", "solver.duration=[1 cannot be read; "),
+        (
+            "solver.duration=1,2",
+            "solver.duration=1,2 gives several values; a single run takes one.",
+        ),
+        ("law=null", "law=null names no option; it must have the form GROUP=OPTION."),
+        ("rotor.inertia=${nothing}", "Correct the reference in ${...}."),
+    ],
+)
+def test_faults_of_composition_are_sentences(override: str, words: str) -> None:
+    with pytest.raises(ConfigurationError, match=re.escape(words)) as caught:
+        build([override])
+    assert len(caught.value.faults) == 1
+
+
+def test_a_folder_of_options_that_is_not_there_is_refused() -> None:
     with pytest.raises(ConfigurationError, match="nowhere', which is not a directory"):
         compose(config_dir="nowhere")
 
