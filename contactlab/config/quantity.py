@@ -25,44 +25,19 @@ _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>[^\W\d_°%][\w\s*/^().-]*|[°%])\s*"
 )
 
-_EXAMPLES = {
-    "1/m": "1 um^-1",
-    "1/s": "7.5 Hz",
-    "C/m^2": "9.2 C/m**2",
-    "F/m": "6.2 nF/m",
-    "Hz": "3.2 kHz",
-    "N m": "2 mN m",
-    "N m s/rad": "1 uN m s/rad",
-    "N/m": "20 kN/mm",
-    "N/m^1.5": "1e10 N/m**1.5",
-    "Pa": "210 GPa",
-    "V": "100 V",
-    "kg": "1.2 g",
-    "kg m^2": "480 g cm**2",
-    "kg/m^3": "7.85 g/cm**3",
-    "m": "1 um",
-    "rad": "-36 deg",
-    "rad/s": "10 rpm",
-    "s": "5 ms",
-}
-
 
 class UnitError(ValueError):
     """What is wrong with a value, in a sentence that lacks its subject."""
 
 
 def number_of(field: DeclaredField, value: object) -> float | None:
-    """Give the number in SI that a value of a configuration stands for.
-
-    Raises:
-        UnitError: what is wrong with it: "is ...".
-    """
+    """Give the number in SI that a value stands for; a UnitError says what is wrong with it: "is ..."."""
     if value is None and NoneType in field.kinds:
         return None
     said, whole = field.parameter, int in field.kinds
     assert said is not None
     try:
-        number = to_si(value, said.unit) if isinstance(value, str) else _plain(value)
+        number = _plain(value, said.unit)
     except UnitError as error:
         wrong = "missing" if value == MISSING else f"{describe(value)}, {error}"
     else:
@@ -77,14 +52,17 @@ def number_of(field: DeclaredField, value: object) -> float | None:
             return int(number) if whole else number
         else:
             raise UnitError(f"is {shown}; it must be {said.range}. {field.hint}".rstrip())
-    unit = f" in {said.unit}" if said.label and not said.range else ""
-    bounds = f"{' that is ' if said.range else ''}{said.range}"
-    example = f", for example '{_EXAMPLES[said.unit]}'" if said.unit in _EXAMPLES else ""
-    expected = f"a{' whole' if whole else ''} number{unit}{bounds}{example}"
+    bounds = f" that is {said.range}" if said.range else f" in {said.unit}" if said.label else ""
+    # No prefix goes before a kilogram or a number.
+    scaled = f"g{said.unit[2:]}" if said.unit.startswith("kg") else f"m{said.unit}"
+    example = f", for example '2 {scaled}'" if said.unit[0] != "1" else ""
+    expected = f"a{' whole' if whole else ''} number{bounds}{example}"
     raise UnitError(f"is {wrong}; it must be {expected}. {field.hint}".rstrip())
 
 
-def _plain(value: object) -> float:
+def _plain(value: object, unit: str) -> float:
+    if isinstance(value, str):
+        return to_si(value, unit)
     if isinstance(value, bool) or not isinstance(value, Real):
         raise UnitError("which is not a number")
     try:
@@ -95,15 +73,16 @@ def _plain(value: object) -> float:
 
 def describe(value: object) -> str:
     """Write a value of a configuration as a sentence shows it."""
-    if isinstance(value, str):
-        return f"'{value}'"
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, list | tuple):
-        return f"the list {list(value)}"
-    return (
-        str(value).lower() if isinstance(value, bool) else "null" if value is None else str(value)
-    )
+    match value:
+        case str():
+            return f"'{value}'"
+        case dict():
+            return "a mapping"
+        case list() | tuple():
+            return f"the list {list(value)}"
+        case bool():
+            return str(value).lower()
+    return "null" if value is None else str(value)
 
 
 def to_si(text: str, unit: str) -> float:

@@ -64,16 +64,6 @@ def _elastic_tensor_is_stable(c11: float, c12: float, c13: float, c33: float) ->
         )
 
 
-@_binds("resonator.mass_damping", "resonator.stiffness_damping", "drive.frequency")
-def _resonance_is_damped(alpha: float, beta: float, frequency: float | None) -> Iterator[str]:
-    if alpha == beta == 0.0 and frequency is None:
-        yield (
-            "drive.frequency is null, that is the first natural frequency, where a resonator with "
-            "resonator.mass_damping = resonator.stiffness_damping = 0 responds without bound; "
-            "it must be a number in Hz. Give one, or give the resonator damping."
-        )
-
-
 @_binds("contact.clearance", "resonator.beam_thickness")
 def _clearance_can_be_bridged(clearance: float, thickness: float) -> Iterator[str]:
     if clearance > thickness:
@@ -105,16 +95,17 @@ def _tolerance_is_for_compliant_laws(tolerance: float | None, law: str) -> Itera
 
 @_binds("record.interval", "solver.duration")
 def _records_fit(interval: float, duration: float) -> Iterator[str]:
+    said = f"record.interval is {interval:.12g} s"
     if interval > duration:
         yield (
-            f"record.interval is {interval:.12g} s; it must be at most {duration:.12g} s, the "
-            "solver.duration. Record more often or run longer."
+            f"{said}; it must be at most {duration:.12g} s, the solver.duration. Record more often or run "
+            "longer."
         )
     elif duration / interval > MOST_RECORDS:
         yield (
-            f"record.interval is {interval:.12g} s, which makes {duration / interval:.3g} records; "
-            f"it must be at least {duration / MOST_RECORDS:.3g} s, for {MOST_RECORDS} records that "
-            "fit into memory. Record less often; the records do not change the motion."
+            f"{said}, which makes {duration / interval:.3g} records; it must be at least "
+            f"{duration / MOST_RECORDS:.3g} s, for {MOST_RECORDS} records that fit into memory. Record less "
+            "often; the records do not change the motion."
         )
 
 
@@ -129,12 +120,9 @@ def _processes_are_for_metrics(keep: str, chunk: int | None, workers: int | None
 
 
 def idle_friction(laws: Iterable[Values]) -> str:
-    """Tell which laws, of the sections `law` of what is to run, the shared friction coefficient is none of.
+    """Tell which of the laws to run, by their sections, the shared friction coefficient is none of.
 
-    Empty where every law has it.
-
-    Raises:
-        ConfigurationError: none has it, so that nothing depends on what was set.
+    A ConfigurationError says that it is none of any, so that nothing depends on what was set.
     """
     takes: dict[str, bool] = {}
     for law in laws:

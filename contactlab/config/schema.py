@@ -9,8 +9,8 @@ from contactlab.config.faults import unknown_key
 from contactlab.config.groups import (
     GROUPS,
     NOT_OF_A_RUN,
-    Choice,
     Keys,
+    Section,
     keys_of_law,
     known_keys,
     laws,
@@ -31,77 +31,78 @@ class Examination:
         faults: a sentence each.
     """
 
-    def __init__(self, configuration: object) -> None:
-        given = configuration.get("law") if isinstance(configuration, Mapping) else None
-        self.law = str(given.get("name") if isinstance(given, Mapping) else None)
+    def __init__(self, configuration: Any) -> None:
+        self.values: dict[str, Any] = {}
         self.sound: dict[str, Any] = {}
         self.declared: dict[str, DeclaredField] = {}
         self.faults: list[str] = []
-        others = [self.law] if self.law in law_names() and self.law not in LAWS else []
-        self.values = self._section({"law": laws(*others), **GROUPS}, configuration, "")
+        if not isinstance(configuration, Mapping):
+            said = f"The configuration is {describe(configuration)}"
+            self.faults.append(f"{said}; it must be a mapping of groups of keys.")
+            return
+        law = configuration.get("law")
+        self._law = str(law.get("name") if isinstance(law, Mapping) else None)
+        others = [self._law] if self._law in law_names() and self._law not in LAWS else []
+        self.values = self._values({"law": laws(*others), **GROUPS}, configuration)
 
-    def _section(self, found: Keys | Choice, given: Any, path: str) -> dict[str, Any]:
-        try:
-            option, keys = _chosen(found, given, path)
-        except UnitError as fault:
-            self.faults.append(str(fault))
-            return {}
+    def _values(
+        self, keys: Keys, given: Mapping[str, Any], before: str = "", option: str = ""
+    ) -> dict[str, Any]:
         values: dict[str, Any] = {}
-        before = f"{path}." if path else ""
         for name, below in keys.items():
             key = f"{before}{name}"
             try:
                 if name not in given:
                     if key not in NOT_OF_A_RUN:
                         raise UnitError(
-                            "is missing; it must be given. Add it to the configuration."
+                            f"{key} is missing; it must be given. Add it to the configuration."
                         )
-                elif isinstance(below, DeclaredField):
-                    values[name] = self.sound[key] = _value_of(below, given[name])
-                    self.declared[key] = below
+                elif isinstance(below, Section):
+                    values[name] = {}
+                    chosen = _chosen(below, given[name], key)
+                    values[name] = self._values(
+                        below.options[chosen], given[name], f"{key}.", chosen
+                    )
                 else:
-                    values[name] = self._section(below, given[name], key)
+                    values[name] = self.sound[key] = _value_of(below, given[name], key)
+                    self.declared[key] = below
             except UnitError as fault:
-                self.faults.append(f"{key} {fault}")
+                self.faults.append(str(fault))
         unknown = [f"{before}{name}" for name in given if name not in keys]
-        self.faults += [unknown_key(key, option, known_keys(self.law)) for key in unknown]
+        self.faults += [unknown_key(key, option, known_keys(self._law)) for key in unknown]
         return values
 
 
-def _chosen(found: Keys | Choice, given: Any, path: str) -> tuple[str, Keys]:
-    """Give the option that a section is, empty where it is no choice, and its keys.
-
-    Raises:
-        UnitError: it is no section, or of no option that there is; a whole sentence.
-    """
+def _chosen(section: Section, given: Any, path: str) -> str:
+    """Give the option that a section is, or say by a UnitError why it is none."""
     group = path.replace(".", "/")
-    if not isinstance(given, Mapping) and not path:
-        said = f"The configuration is {describe(given)}"
-        raise UnitError(f"{said}; it must be a mapping of groups of keys.")
     if not isinstance(given, Mapping):
         raise UnitError(
             f"{path} is {describe(given)}; it must be a group of keys. "
             f"Set a single one by {path}.KEY=VALUE or choose a file by {group}=NAME."
         )
-    if not isinstance(found, Choice):
-        return "", found
-    if not found.told_by:
-        return next(iter(found.options.items()))
-    key, way_out = f"{path}.{found.told_by}", f"Choose one by {group}=NAME."
-    if found.told_by not in given:
+    told_by = section.told_by
+    if not told_by:
+        return next(iter(section.options))
+    key, way_out = f"{path}.{told_by}", f"Choose one by {group}=NAME."
+    if told_by not in given:
         raise UnitError(f"{key} is missing; it must be given. {way_out}")
-    name, options = given[found.told_by], [*found.told]
-    if name in options:
-        return found.told[name]
-    if path == "law":
-        options = law_names()
+    word = given[told_by]
+    words = {
+        told.default: option
+        for option, keys in section.options.items()
+        if isinstance(told := keys[told_by], DeclaredField)
+    }
+    if isinstance(word, str) and word in words:
+        return words[word]
+    known = law_names() if path == "law" else [*words]
+    if path == "law" and word in known:
         try:
-            if name in options:
-                keys_of_law(law_class(name))
+            keys_of_law(law_class(word))
         except ValueError as error:
-            raise UnitError(f"{key} is '{name}', which cannot run. {error}") from error
-    expected = ", ".join(map(repr, options))
-    raise UnitError(f"{key} is {describe(name)}; it must be one of {expected}. {way_out}")
+            raise UnitError(f"{key} is '{word}', which cannot run. {error}") from error
+    expected = ", ".join(map(repr, known))
+    raise UnitError(f"{key} is {describe(word)}; it must be one of {expected}. {way_out}")
 
 
 def declared_in(configuration: Mapping[str, Any]) -> dict[str, Parameter]:
@@ -110,16 +111,15 @@ def declared_in(configuration: Mapping[str, Any]) -> dict[str, Parameter]:
     return {key: field.parameter for key, field in found if field.parameter and field.is_number}
 
 
-def _value_of(found: DeclaredField, value: Any) -> Any:
-    """Give a value as it runs.
-
-    Raises:
-        UnitError: what is wrong with it.
-    """
-    if found.is_number:
-        return value if found.is_sound_float(value) else number_of(found, value)
-    if any(is_kind(value, kind) for kind in found.kinds):
+def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
+    """Give a value as it runs, or say by a UnitError what is wrong with it."""
+    if field.is_number:
+        try:
+            return value if field.is_sound_float(value) else number_of(field, value)
+        except UnitError as fault:
+            raise UnitError(f"{key} {fault}") from fault
+    if any(is_kind(value, kind) for kind in field.kinds):
         return value
-    words = [_WORDS.get(k) or " or ".join(map(repr, get_args(k))) for k in found.kinds]
-    way_out = " Leave it out for the default." if bool in found.kinds or str in found.kinds else ""
-    raise UnitError(f"is {describe(value)}; it must be {' or '.join(words)}.{way_out}")
+    words = [_WORDS.get(k) or " or ".join(map(repr, get_args(k))) for k in field.kinds]
+    way_out = " Leave it out for the default." if bool in field.kinds or str in field.kinds else ""
+    raise UnitError(f"{key} is {describe(value)}; it must be {' or '.join(words)}.{way_out}")

@@ -26,7 +26,6 @@ from contactlab.motor import (
     Drive,
     Motor,
     NormalModes,
-    PatchedBeam,
     Piezoceramic,
     PiezoceramicDatasheet,
     Rotor,
@@ -35,8 +34,6 @@ from contactlab.motor import (
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
-
-_OF_RESONATOR = ("resonator", "piezoceramic", "placement")
 
 Values = Mapping[str, Any]
 
@@ -83,20 +80,18 @@ def build(
         )
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration, config_dir)
-    resolved, law = _checked(configuration)
-    resolved = {group: keys for group, keys in resolved.items() if group not in NOT_OF_A_RUN}
-    drive, solver, record = resolved["drive"], resolved["solver"], resolved["record"]
-    contact, rotor = resolved["contact"], dict(resolved["rotor"])
+    found, law = _checked(configuration)
+    resolved = {group: keys for group, keys in found.items() if group not in NOT_OF_A_RUN}
+    drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
+    rotor = dict(resolved["rotor"])
     geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
-    try:
-        modes = _modes(tuple(flat({group: resolved[group] for group in _OF_RESONATOR}).items()))
-    except ValueError as error:
-        words = "resonator, piezoceramic and placement make no resonator"
-        raise ConfigurationError([f"{words}: {error}"]) from error
-    if drive["frequency"] is None:
+    resonator = {group: resolved[group] for group in ("resonator", "piezoceramic", "placement")}
+    modes = _modes(tuple(flat(resonator).items()))
+    first = drive["frequency"]
+    if first is None:
         drive["frequency"] = float(modes.natural_frequency[0])
     tones = _two_mode(**drive)
-    _refuse_undamped_resonance(tones, modes)
+    _refuse_undamped_resonance(first, tones, modes)
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -105,7 +100,8 @@ def build(
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
     motor = Motor(modes, tones, geometry, Rotor(**rotor))
-    return Setup(motor, law, record_interval=record["interval"], **solver, configuration=resolved)
+    interval = resolved["record"]["interval"]
+    return Setup(motor, law, record_interval=interval, **solver, configuration=resolved)
 
 
 def validate(configuration: Values) -> dict[str, Any]:
@@ -138,18 +134,20 @@ _two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 
 @lru_cache(maxsize=256)
 def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
+    """Give the modes that the sections of the resonator, flat, describe."""
     given, constants, placement = nested(dict(values)).values()
     if constants.pop("constants") == "bending":
         piezoceramic = Piezoceramic(**constants)
     else:
         piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
-    resonator: PatchedBeam = BASES[given.pop("basis")](
-        **given | {"steel": Steel(**given["steel"])},
-        piezoceramic=piezoceramic,
-        patch_start=placement["start"],
-        patch_end=placement["end"],
-    )
-    return resonator.modes
+    given |= {"steel": Steel(**given["steel"]), "piezoceramic": piezoceramic}
+    given |= {f"patch_{edge}": place for edge, place in placement.items()}
+    try:
+        modes: NormalModes = BASES[given.pop("basis")](**given).modes
+    except ValueError as error:
+        words = "resonator, piezoceramic and placement make no resonator"
+        raise ConfigurationError([f"{words}: {error}"]) from error
+    return modes
 
 
 def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
@@ -170,16 +168,19 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
         raise ConfigurationError([sentence]) from error
 
 
-def _refuse_undamped_resonance(drive: Drive, modes: NormalModes) -> None:
+def _refuse_undamped_resonance(given: float | None, drive: Drive, modes: NormalModes) -> None:
     """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    undamped = modes.natural_frequency[modes.damping == 0.0].tolist()
-    keys = ("drive.frequency", "drive.frequency times drive.frequency_ratio")
+    null = "drive.frequency is null, that is the first natural frequency,"
+    said = (
+        null if given is None else "drive.frequency is",
+        "drive.frequency times drive.frequency_ratio is",
+    )
     faults = [
-        f"{key} is {tone:.12g} Hz, a natural frequency of a resonator without damping; "
-        f"it must differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
+        f"{words} {tone:.12g} Hz, where a resonator without damping responds without bound; it must "
+        f"differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
         "Shift it or give resonator.stiffness_damping a number greater than 0 s."
-        for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
-        for natural in undamped
+        for words, tone in zip(said, drive.frequency.tolist(), strict=True)
+        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
         if abs(tone - natural) <= RESONANCE * natural
     ]
     if faults:
