@@ -31,8 +31,6 @@ from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
 VERSION_BASE: Final = "1.3"
-"""Of Hydra's behaviour."""
-
 SCHEME: Final = "contactlab"
 
 SEVERAL: Final = (
@@ -41,27 +39,17 @@ SEVERAL: Final = (
 )
 """What is wrong with an override that is swept."""
 
-_folder: ContextVar[Path | None] = ContextVar("folder", default=None)
-"""A folder of more options, while Hydra starts."""
+_folder: ContextVar[Path | None] = ContextVar("folder of more options", default=None)
 
 
 def conf_directory() -> Path:
     """Give the folder of the configuration files: inside the package in a wheel, beside it in a checkout."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "conf"
-    return inside if inside.is_dir() else package.parent / "conf"
+    inside = Path(__file__).resolve().parents[1] / "conf"
+    return inside if inside.is_dir() else inside.parents[1] / "conf"
 
 
 def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None) -> dict[str, Any]:
-    """Compose a configuration, not yet checked.
-
-    Args:
-        overrides: as on the command line: ["law=newton", "drive.phase=0"].
-        config_dir: folder of more options.
-
-    Raises:
-        ConfigurationError: with Hydra's fault.
-    """
+    """Compose a configuration, not yet checked; arguments and errors are those of `contactlab.build`."""
     try:
         with started(config_dir):
             composed = hydra.compose(CONFIG_NAME, overrides=list(overrides))
@@ -72,11 +60,7 @@ def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None)
 
 
 def resolved(config: DictConfig) -> dict[str, Any]:
-    """Give a composed configuration without Hydra's part, values in the place of references to them.
-
-    Raises:
-        ConfigurationError: a reference leads nowhere.
-    """
+    """Give a composed configuration without Hydra's part, values in the place of references to them."""
     mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
     try:
         return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
@@ -86,12 +70,7 @@ def resolved(config: DictConfig) -> dict[str, Any]:
 
 
 def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
-    """Say in our words what ended a composition, or what is around it.
-
-    Args:
-        error: of Hydra's, or of what it calls.
-        lines: the overrides as typed.
-    """
+    """Say in our words what ended a composition of these overrides, or what is around it."""
     match error:
         case ConfigurationError():
             return error.faults
@@ -143,11 +122,7 @@ def options_of(group: str) -> list[str]:
 
 @contextmanager
 def started(config_dir: str | Path | None = None) -> Iterator[None]:
-    """Start Hydra for compositions until the end of the context; one that runs already goes on after it.
-
-    Raises:
-        ConfigurationError: the folder of more options is not there.
-    """
+    """Start Hydra for compositions until the end of the context; one that runs already goes on after it."""
     extra = None if config_dir is None else Path(config_dir).absolute()
     if extra and not extra.is_dir():
         words = f"--config-dir is '{extra}', which is not a directory; it must be one. Create it."
@@ -166,46 +141,41 @@ def started(config_dir: str | Path | None = None) -> Iterator[None]:
 
 
 @final
-class DeclaredSource(ConfigSource):
+class _DeclaredSource(ConfigSource):
     """Options as the classes declare them, each made when it is chosen."""
 
     @staticmethod
     def scheme() -> str:
-        """See `ConfigSource.scheme`."""
         return SCHEME
 
     def load_config(self, config_path: str) -> ConfigResult:
-        """See `ConfigSource.load_config`."""
         config = OmegaConf.create(content(*_split(config_path)))
         return ConfigResult(self.provider, f"{SCHEME}://", config, header={"package": None})
 
     def available(self) -> bool:
-        """See `ConfigSource.available`."""
         return True
 
     def is_group(self, config_path: str) -> bool:
-        """See `ConfigSource.is_group`."""
         return config_path.strip("/") in {"", *groups()}
 
     def is_config(self, config_path: str) -> bool:
-        """See `ConfigSource.is_config`."""
         group, option = _split(config_path)
         return option in groups().get(group, ())
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
-        """See `ConfigSource.list`."""
-        group = config_path.strip("/")
-        options = groups().get(group, []) if results_filter is not ObjectType.GROUP else []
-        below = groups() if results_filter is not ObjectType.CONFIG else ()
-        return sorted({*options, *(leaf for parent, leaf in map(_split, below) if parent == group)})
+        group, found = config_path.strip("/"), set()
+        if results_filter is not ObjectType.GROUP:
+            found.update(groups().get(group, ()))
+        if results_filter is not ObjectType.CONFIG:
+            found.update(leaf for parent, leaf in map(_split, groups()) if parent == group)
+        return sorted(found)
 
 
 @final
-class DeclaredSearchPath(SearchPathPlugin):
+class _DeclaredSearchPath(SearchPathPlugin):
     """Puts the source behind every folder, so that a file of the same name has precedence."""
 
     def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
-        """See `SearchPathPlugin.manipulate_search_path`."""
         if folder := _folder.get():
             search_path.append("command-line", f"file://{folder}")
         # Hydra puts the folder of --config-dir before the first provider of this name.
@@ -219,6 +189,6 @@ def _split(path: str) -> tuple[str, str]:
 
 
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
-for plugin in (DeclaredSource, DeclaredSearchPath):
+for plugin in (_DeclaredSource, _DeclaredSearchPath):
     Plugins.instance().register(plugin)
 OmegaConf.register_new_resolver("help_on_keys", help_on_keys, replace=True)
