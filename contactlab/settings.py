@@ -18,6 +18,8 @@ _TOLERANCE = Parameter(
     at_most=1e-2,
     hint="Leave it out for the solver's own default.",
 )
+_SAMPLES = _said("table whose columns are keys and whose rows are runs")
+_CHUNK = _said("runs kept together as they are finished", at_least=1)
 
 
 @final
@@ -47,10 +49,6 @@ class Sweep(Checked):
     keep: Annotated[Literal["runs", "metrics"], _said("a folder a run, or numbers alone")] = "runs"
     metrics: Annotated[_Names, _said("names of metrics that are kept, or all")] = None
     series: Annotated[_Names, _said("names of time series that are kept as well")] = None
-    samples: Annotated[
-        str | None, _said("table whose columns are keys and whose rows are runs")
-    ] = None
-    chunk: Annotated[int | None, _said("runs kept together as they are finished", at_least=1)] = (
-        None
-    )
+    samples: Annotated[str | None, _SAMPLES] = None
+    chunk: Annotated[int | None, _CHUNK] = None
     workers: Annotated[int | None, _said("processes at work", at_least=1)] = None

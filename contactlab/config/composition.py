@@ -163,7 +163,8 @@ class _DeclaredSource(ConfigSource):
         return option in groups().get(group, ())
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
-        group, found = config_path.strip("/"), set()
+        group = config_path.strip("/")
+        found: set[str] = set()
         if results_filter is not ObjectType.GROUP:
             found.update(groups().get(group, ()))
         if results_filter is not ObjectType.CONFIG:

@@ -18,6 +18,10 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 """F/m, CODATA 2018."""
 
 _DENSITY = positive("rho_p", "kg m-3", "density")
+_POISSON = Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
+_STRAIN_RATIO = Parameter(
+    "nu_p", "1", "ratio of the strains through the thickness and along the beam"
+)
 _PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
 
 
@@ -32,9 +36,7 @@ class Steel(Checked):
     """An isotropic beam material."""
 
     youngs_modulus: Annotated[float, positive("E", "Pa", "Young's modulus")] = 210e9
-    poisson_ratio: Annotated[
-        float, Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
-    ] = 0.3
+    poisson_ratio: Annotated[float, _POISSON] = 0.3
     density: Annotated[float, positive("rho_s", "kg m-3", "density")] = 7850.0
 
     @property
@@ -70,8 +72,7 @@ class Piezoceramic(Checked):
 class PiezoceramicDatasheet(Checked):
     """The constants of a piezoceramic, transversely isotropic about x3, in which it is poled; those of PZ26.
 
-    c12 enters no bending quantity of a beam that is free to strain across its width; it is part of
-    the tensor and kept with it.
+    c12 enters no bending quantity of a beam that is free to strain across its width.
     """
 
     c11: Annotated[float, positive("c11^E", "Pa", "elastic constant")] = 168e9
@@ -80,10 +81,7 @@ class PiezoceramicDatasheet(Checked):
     c33: Annotated[float, positive("c33^E", "Pa", "elastic constant")] = 123e9
     e31: Annotated[float, Parameter("e31", "C m-2", "piezoelectric constant")] = -2.8
     e33: Annotated[float, Parameter("e33", "C m-2", "piezoelectric constant")] = 14.7
-    poisson_ratio: Annotated[
-        float,
-        Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam"),
-    ] = 0.334
+    poisson_ratio: Annotated[float, _STRAIN_RATIO] = 0.334
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
 
@@ -92,6 +90,5 @@ class PiezoceramicDatasheet(Checked):
         c11, c12, c13 = self.c11, self.c12, self.c13
         normal = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, self.c33]])
         b = bending_vector(self.poisson_ratio)[:3]
-        coupling = b @ np.array([self.e31, self.e31, self.e33])
-        modulus = float(b @ normal @ b)
-        return Piezoceramic(modulus, float(coupling), self.density, self.permittivity)
+        modulus, coupling = b @ normal @ b, b @ np.array([self.e31, self.e31, self.e33])
+        return Piezoceramic(float(modulus), float(coupling), self.density, self.permittivity)

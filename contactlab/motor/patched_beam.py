@@ -38,8 +38,7 @@ UNRESOLVED = (
 def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tuple[Array, Array]:
     """Solve a x = lambda b x for symmetric matrices by `scipy.linalg.eigh`, eigenvalues ascending.
 
-    Raises:
-        ValueError: the smallest eigenvalue is the round-off of the largest, or a number is not finite.
+    Raises a ValueError where the smallest is the round-off of the largest, or a number is not finite.
     """
     if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
         raise ValueError(UNRESOLVED)
@@ -48,6 +47,9 @@ def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tup
     if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
         raise ValueError(UNRESOLVED)
     return eigenvalues, vectors
+
+
+_TIP_INERTIA = not_negative("I_tip", "kg m2", "inertia of the tip about its foot")
 
 
 @dataclass(frozen=True)
@@ -65,9 +67,7 @@ class PatchedBeam(Checked, ABC):
     patch_start: Annotated[float, not_negative("a_11", "m", "where the patches begin")] = 0.914e-3
     patch_end: Annotated[float, positive("a_12", "m", "where the patches end")] = 10.146e-3
     tip_mass: Annotated[float, not_negative("M_tip", "kg", "mass of the tip")] = 1.181e-3
-    tip_inertia: Annotated[
-        float, not_negative("I_tip", "kg m2", "inertia of the tip about its foot")
-    ] = 1.321e-7
+    tip_inertia: Annotated[float, _TIP_INERTIA] = 1.321e-7
     steel: Steel = field(default_factory=Steel)
     piezoceramic: Piezoceramic = field(default_factory=Piezoceramic)
     mass_damping: Annotated[float, not_negative("alpha", "s-1", "damping per mass")] = 7.5
@@ -84,16 +84,10 @@ class PatchedBeam(Checked, ABC):
 
     @cached_property
     def modes(self) -> NormalModes:
-        """The normal modes in the basis of the subclass.
-
-        One thread computes them: matrices of this size gain nothing from more, which wait for each
-        other on a busy machine and round otherwise.
-
-        Raises:
-            ValueError: where double precision does not resolve them.
-        """
+        """The normal modes in the basis of the subclass; a ValueError where double precision has none."""
         try:
-            # Numbers far from any motor may overflow on the way; the result says so.
+            # More threads gain nothing for matrices of this size, wait for each other on a busy machine and
+            # round otherwise. Numbers far from any motor may overflow on the way; the result says so.
             with threadpool_limits(1, user_api="blas"), np.errstate(all="ignore"):
                 modes = self._solve()
         except (np.linalg.LinAlgError, ArithmeticError) as error:
@@ -111,7 +105,7 @@ class PatchedBeam(Checked, ABC):
     def patches(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Start and end of both patch sets [m]: the given one (electrode 0) and its mirror (electrode 1)."""
         start, end = self.patch_start, self.patch_end
-        return ((start, end), (self.length - end, self.length - start))
+        return (start, end), (self.length - end, self.length - start)
 
     @property
     def steel_mass(self) -> float:
