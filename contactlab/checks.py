@@ -17,13 +17,9 @@ _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False", Non
 
 
 def check_fields(owner: Any, title: str = "") -> None:
-    """Refuse an object of a dataclass with a field that is of another kind or out of its range.
+    """Refuse an object of a dataclass by the fields of numbers and of classes that are not as declared.
 
-    Looks at fields of numbers and of classes; what else an annotation says is left to the owner.
-
-    Args:
-        owner: what is checked.
-        title: how sentences begin; the name of its class by default.
+    Sentences begin with the title, or the name of the class.
 
     Raises:
         TypeError: with a sentence for each field that is of another kind.
@@ -72,16 +68,9 @@ check_number = partial(check_kind, kind=float)
 def check_shape(
     words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf"
 ) -> None:
-    """Refuse what is no array of finite numbers, or one of another shape.
+    """Refuse what is no array of numbers (TypeError), or not finite or of another shape (ValueError).
 
-    Args:
-        words, values: what it is, and as given.
-        shape, meaning: -1 stands for any number.
-        kinds: of numbers, as NumPy's `dtype.kind` has them.
-
-    Raises:
-        TypeError: it is no array of numbers.
-        ValueError: it has another shape, or a number that is not finite.
+    In the shape, -1 stands for any number; the kinds are those of NumPy's `dtype.kind`.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         raise TypeError(f"{words} is {shown(values)}; it must be a NumPy array of numbers.")

@@ -24,8 +24,7 @@ class Parameter:
         units: SI, in the words of the CF conventions: "N m-1.5"; "1" for a pure number, or no number.
         meaning: a few words.
         above, at_least, at_most, below: the range; above and below are not admitted themselves.
-        hint: a sentence that helps somebody who has run into the range where the default does not:
-            "0 is a beam without tip."
+        hint: a sentence that helps who has run into the range more than the default: "0 is no tip."
     """
 
     symbol: str

@@ -24,7 +24,7 @@ from contactlab.config.composition import SEVERAL, resolved, unknown_override
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import group_told_by
 from contactlab.config.nesting import flat
-from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
+from contactlab.config.schema import BYTES_A_RECORD, FRICTION, idle_friction
 from contactlab.results.files import STATE
 from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE
 from contactlab.sweeps.state import REFUSED as REFUSED_STATE

@@ -8,17 +8,12 @@ from pathlib import Path
 from typing import Any, Final, final
 
 import hydra
+from hydra import errors
 from hydra.conf import HydraConf
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
-from hydra.errors import (
-    HydraException,
-    MissingConfigException,
-    OverrideParseException,
-    SearchPathException,
-)
 from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import DictConfig, OmegaConf
@@ -74,17 +69,17 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     match error:
         case ConfigurationError():
             return error.faults
-        case OverrideParseException():
+        case errors.OverrideParseException():
             return [
                 f"{error.override} cannot be read; an argument must have the form KEY=VALUE or "
                 "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
                 "too if it has special characters, \"KEY='1 µm'\". A verb stands first."
             ]
-        case MissingConfigException() if error.options and error.missing_cfg_file:
+        case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
             hint = suggestion(option, error.options, "Choose one of them.")
             return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
-        case SearchPathException():
+        case errors.SearchPathException():
             return [f"{one_line(error)} It must be a folder; create it."]
         case RecursionError():
             return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
@@ -100,7 +95,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
             f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
             "contactlab --help lists the options of every group."
         ]
-    if isinstance(error, HydraException | OmegaConfBaseException | UserWarning):
+    if isinstance(error, errors.HydraException | OmegaConfBaseException | UserWarning):
         return [one_line(error)]
     return [f"The run could not be started: {one_line(error)}"]
 

@@ -1,32 +1,70 @@
 """The groups of the configuration, as the classes declare them: options, keys, units, ranges, defaults.
 
 To add a group is to add a line to `GROUPS`; what binds several keys together is in
-`contactlab.config.rules`. Options that differ from the declared defaults are files in `conf/`.
+`contactlab.config.schema`. Options that differ from the declared defaults are files in `conf/`.
 """
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
-from functools import cache
+from functools import cache, partial
 from types import NoneType
-from typing import Any, Final, Literal, TypeAlias, final
+from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
+from contactlab import motor
+from contactlab.checks import Checked
 from contactlab.config import quantity
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
-from contactlab.motor import (
-    ContactGeometry,
-    FiniteElementResonator,
-    PatchedBeam,
-    Piezoceramic,
-    PiezoceramicDatasheet,
-    RitzResonator,
-    Rotor,
-    TwoMode,
+from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
+
+_Names = list[str] | str | None
+_said = partial(Parameter, "", "1")
+_STEP = positive(
+    "h", "s", "largest step in contact", hint="Leave it out for the law's own default."
 )
-from contactlab.parameter import DeclaredField, declared_fields
-from contactlab.settings import Record, Solver, Sweep
+_TOLERANCE = Parameter(
+    *("", "1", "relative tolerance in contact, compliant laws only"),
+    at_least=1e-14,
+    at_most=1e-2,
+    hint="Leave it out for the solver's own default.",
+)
+_SAMPLES = _said("table whose columns are keys and whose rows are runs")
+_CHUNK = _said("runs kept together as they are finished", at_least=1)
+
+
+@final
+@dataclass(frozen=True)
+class Solver(Checked):
+    """How long and how finely to integrate."""
+
+    duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
+    contact_step: Annotated[float | None, _STEP] = None
+    tolerance: Annotated[float | None, _TOLERANCE] = None
+
+
+@final
+@dataclass(frozen=True)
+class Record(Checked):
+    """What is kept; it does not change the motion."""
+
+    interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
+    picture: Annotated[bool, _said("whether run.png is drawn; it takes long")] = True
+
+
+@final
+@dataclass(frozen=True)
+class Sweep(Checked):
+    """How the runs of a sweep are made, and what is kept of them: no part of a run's own configuration."""
+
+    keep: Annotated[Literal["runs", "metrics"], _said("a folder a run, or numbers alone")] = "runs"
+    metrics: Annotated[_Names, _said("names of metrics that are kept, or all")] = None
+    series: Annotated[_Names, _said("names of time series that are kept as well")] = None
+    samples: Annotated[str | None, _SAMPLES] = None
+    chunk: Annotated[int | None, _CHUNK] = None
+    workers: Annotated[int | None, _said("processes at work", at_least=1)] = None
+
 
 Keys: TypeAlias = dict[str, "DeclaredField | Section"]
 """What is declared, by key."""
@@ -64,10 +102,10 @@ def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
     return replace(field, parameter=replace(field.parameter, **changes))
 
 
-BASES: Final = {"ritz": RitzResonator, "finite_element": FiniteElementResonator}
+BASES: Final = {"ritz": motor.RitzResonator, "finite_element": motor.FiniteElementResonator}
 
-_BEAM: Final = declared_fields(PatchedBeam)
-_CONTACT: Final = declared_fields(ContactGeometry)
+_BEAM: Final = declared_fields(motor.PatchedBeam)
+_CONTACT: Final = declared_fields(motor.ContactGeometry)
 _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
 GROUPS: Final[dict[str, Section]] = {
@@ -77,15 +115,15 @@ GROUPS: Final[dict[str, Section]] = {
     ),
     "piezoceramic": Section(
         {
-            "pz26_identified": _named("constants", "bending", keys_of(Piezoceramic)),
-            "pz26_datasheet": _named("constants", "tensor", keys_of(PiezoceramicDatasheet)),
+            "pz26_identified": _named("constants", "bending", keys_of(motor.Piezoceramic)),
+            "pz26_datasheet": _named("constants", "tensor", keys_of(motor.PiezoceramicDatasheet)),
         },
         "constants",
     ),
     "placement": Section(
         {"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}
     ),
-    "drive": Section({"two_mode": keys_of(TwoMode)}),
+    "drive": Section({"two_mode": keys_of(motor.TwoMode)}),
     "contact": Section(
         {
             "default": {
@@ -103,7 +141,7 @@ GROUPS: Final[dict[str, Section]] = {
             }
         }
     ),
-    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(Rotor)}}),
+    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor)}}),
     "solver": Section({"default": keys_of(Solver)}),
     "record": Section({"default": keys_of(Record)}),
     "sweep": Section({"default": keys_of(Sweep)}),

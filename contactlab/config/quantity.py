@@ -1,7 +1,6 @@
 """A declared number as the configuration takes it: a number in SI, or a text with a unit ('1 um').
 
-Angles are told apart from pure numbers, which most unit libraries do not do: '20 krad/s' is no
-frequency in Hz, and '2 Hz' is no angular velocity. Either would be wrong by 2 pi without a word.
+Angles are told apart from pure numbers: taken as 2 Hz, '2 rad/s' would be wrong by 2 pi without a word.
 """
 
 import re

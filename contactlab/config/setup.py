@@ -1,7 +1,7 @@
 """From a configuration to the objects that run.
 
 Everything a configuration may get wrong is found here, all at once, and told in a sentence each; see
-`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.rules` for what binds keys.
+`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.schema` for what binds keys.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,8 +14,7 @@ from contactlab.config.composition import compose
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
-from contactlab.config.rules import FRICTION, broken_rules
-from contactlab.config.schema import Examination
+from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
 from contactlab.fingerprint import is_own
@@ -116,7 +115,7 @@ def validate(configuration: Values) -> dict[str, Any]:
 def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     found = Examination(configuration)
     law, sound = None, found.sound
-    faults = found.faults + broken_rules(sound)
+    faults = found.faults
     if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
         try:
             law = _law(found.values["law"], sound[FRICTION], sound["rotor.radius"])

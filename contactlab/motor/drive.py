@@ -69,7 +69,8 @@ class Drive:
         U_B = U1 sin(w1 t + phase) - U2 sin(w2 t)
         """
         TwoMode(voltage_1, voltage_2, frequency, frequency_ratio, phase)
-        first, second = -1j * voltage_1 * np.exp(1j * phase), -1j * voltage_2
+        first = -1j * voltage_1 * np.exp(1j * phase)
+        second = -1j * voltage_2
         tones = np.array([frequency, frequency_ratio * frequency])
         return cls(tones, np.array([[first, second], [first, -second]], dtype=np.complex128))
 

@@ -1,9 +1,8 @@
 """The converged resonator: Hermite cubic elements, reduced to normal modes with static correction.
 
-The curvature of the beam jumps at a patch edge and under the tip; with nodes there, cubic elements
-follow it and the frequencies converge with the fourth power of the element. Loads of the tip and
-of the electrodes (moments at the patch edges, eq. 31) act on nodes, where cubic elements are exact
-in statics on any mesh.
+The curvature jumps at a patch edge and under the tip; with nodes there, the frequencies converge with
+the fourth power of the element. Loads of the tip and of the electrodes (moments at the patch edges,
+eq. 31) act on nodes, where cubic elements are exact in statics on any mesh.
 
 Modes that are left out carry flexibility that the contact feels. The static correction keeps it
 (MacNeal 1971, Rubin 1975): the responses K^-1 b to unit loads b of tip force, tip moment and both
@@ -19,8 +18,6 @@ once more. Its at most four pseudo-modes are oscillators like the others, with
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from math import ceil
 from typing import Annotated, NamedTuple, final
 
 import numpy as np
@@ -62,9 +59,8 @@ class HermiteBeam:
 
         K^-1 = T T',    K phi = omega^2 M phi  <=>  (T' M T) y = y / omega^2,  phi = omega T y.
 
-    It is the same space as assembled elements span, without their stiffness matrix, whose condition
-    number grows like the fourth power of length over element: a short element beside a long one costs
-    no digit here, and low frequencies keep all of theirs on fine meshes.
+    It is the space of assembled elements without their stiffness matrix, whose condition number grows
+    like the fourth power of length over element: no short element costs a digit here.
 
     Args:
         size: h of every element from the left clamp on [m], shape (element,).
@@ -202,36 +198,31 @@ class FiniteElementResonator(PatchedBeam):
 
         A frequency on a coarse mesh lies above the true one, so elements that suit it are small enough.
         """
-        share = 4 * self.kept_modes
-        coarse = tuple(ceil(share * size / self.length) + 1 for size, _, _ in self._sections)
-        highest = self.discretise(coarse).lowest(self.kept_modes)[0][-1]
-        counts = tuple(
-            max(1, ceil((highest * mass / rigidity) ** 0.25 * size / PHASE))
-            for size, rigidity, mass in self._sections
-        )
-        if 2 * sum(counts) > MOST_ELEMENTS:
+        size, rigidity, mass = self._sections
+        coarse = np.ceil(4 * self.kept_modes * size / self.length) + 1.0
+        highest = self.discretise(tuple(map(int, coarse))).lowest(self.kept_modes)[0][-1]
+        fine = np.maximum(1.0, np.ceil((highest * mass / rigidity) ** 0.25 * size / PHASE))
+        if (elements := 2.0 * fine.sum()) > MOST_ELEMENTS:
             raise ValueError(
-                f"{self.kept_modes} kept modes need {2 * sum(counts)} elements; there may be "
+                f"{self.kept_modes} kept modes need {elements:.0f} elements; there may be "
                 f"{MOST_ELEMENTS} at most. The paper's motor needs 610 for forty modes: check the "
                 "orders of magnitude of the materials or keep fewer modes."
             )
-        return counts
+        return tuple(map(int, fine))
 
     @property
-    def _sections(self) -> list[tuple[float, float, float]]:
+    def _sections(self) -> tuple[Array, Array, Array]:
         """Length [m], bending rigidity [N m^2] and mass per length [kg/m] from the clamp to the centre."""
-        bare = (self.steel_rigidity, self.steel_mass)
-        patched = (self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass)
-        edges = (0.0, self.patch_start, self.patch_end, 0.5 * self.length)
-        sections = zip(pairwise(edges), (bare, patched, bare), strict=True)
-        return [(end - start, *section) for (start, end), section in sections if end > start]
+        size = np.diff([0.0, self.patch_start, self.patch_end, 0.5 * self.length])
+        layers = np.array([0.0, 1.0, 0.0])[size > 0.0]
+        rigidity = self.steel_rigidity + layers * self.layer_rigidity
+        return size[size > 0.0], rigidity, self.steel_mass + layers * self.layer_mass
 
     def discretise(self, mesh: tuple[int, ...]) -> Discretisation:
         """Mesh the beam by `mesh[i]` equal elements in section i of its left half, and their mirrors."""
-        half: list[tuple[float, float, float]] = []
-        for (size, rigidity, mass), count in zip(self._sections, mesh, strict=True):
-            half += [(size / count, rigidity, mass)] * count
-        sizes, rigidities, masses = map(np.array, zip(*half, *half[::-1], strict=True))
+        size, rigidity, mass = self._sections
+        halves = (np.repeat(values, mesh) for values in (size / mesh, rigidity, mass))
+        sizes, rigidities, masses = (np.concatenate([half, half[::-1]]) for half in halves)
         beam = HermiteBeam(sizes, rigidities)
         matrix = beam.mass_matrix(masses)
         tip = beam.node_at(0.5 * self.length)

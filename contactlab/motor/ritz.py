@@ -35,9 +35,8 @@ def _characteristic(z: float) -> float:
 class ClampedBeam(Checked):
     """The first eigenshapes of a clamped-clamped Bernoulli-Euler beam, in a form that does not cancel.
 
-    The textbook form psi = cosh z - cos z - s (sinh z - sin z), z = b x, subtracts numbers of size
-    exp(b x) from each other and has lost every digit by the twelfth shape. With the small number 1 - s
-    written as 2 eta exp(-b L),
+    The textbook form psi = cosh z - cos z - s (sinh z - sin z), z = b x, subtracts numbers of size exp(b x)
+    and has lost every digit by the twelfth shape. With the small number 1 - s written as 2 eta exp(-b L),
 
         psi = exp(-z) + eta [exp(-(b L - z)) - exp(-(b L + z))] - cos z + s sin z,
         eta = (cos b L - sin b L - exp(-b L)) / (1 - exp(-2 b L) - 2 exp(-b L) sin b L),

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
 
 from contactlab.motor import NormalModes, RitzMatrices, RitzResonator
-from contactlab.motor.materials import PiezoceramicDatasheet
+from contactlab.motor.patched_beam import PiezoceramicDatasheet
 from contactlab.motor.ritz import ClampedBeam
 from contactlab.testing import references
 
