@@ -21,9 +21,7 @@ from contactlab.parameter import DeclaredField, Parameter, declared_fields, posi
 
 _Names = list[str] | str | None
 _said = partial(Parameter, "", "1")
-_STEP = positive(
-    "h", "s", "largest step in contact", hint="Leave it out for the law's own default."
-)
+_STEP = positive("h", "s", "largest step in contact", hint="Leave it out for that of the law.")
 _TOLERANCE = Parameter(
     *("", "1", "relative tolerance in contact, compliant laws only"),
     at_least=1e-14,
@@ -67,16 +65,12 @@ class Sweep(Checked):
 
 
 Keys: TypeAlias = dict[str, "DeclaredField | Section"]
-"""What is declared, by key."""
 
 
 @final
 @dataclass(frozen=True)
 class Section:
-    """A section of a configuration: the keys of each of its options, and the key that tells which it is.
-
-    That is the first key; there is none where there is one option only.
-    """
+    """A section of a configuration: the keys of each option, and which of them tells it from others."""
 
     options: Mapping[str, Keys]
     told_by: str = ""

@@ -36,7 +36,11 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     said, whole = field.parameter, int in field.kinds
     assert said is not None
     try:
-        number = _plain(value, said.unit)
+        if isinstance(value, bool) or not isinstance(value, str | Real):
+            raise UnitError("which is not a number")
+        number = to_si(value, said.unit) if isinstance(value, str) else float(value)
+    except OverflowError:
+        wrong = f"{describe(value)}, which is too large"
     except UnitError as error:
         wrong = "missing" if value == MISSING else f"{describe(value)}, {error}"
     else:
@@ -59,29 +63,15 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     raise UnitError(f"is {wrong}; it must be {expected}. {field.hint}".rstrip())
 
 
-def _plain(value: object, unit: str) -> float:
-    if isinstance(value, str):
-        return to_si(value, unit)
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise UnitError("which is not a number")
-    try:
-        return float(value)
-    except OverflowError:
-        raise UnitError("which is too large") from None
-
-
 def describe(value: object) -> str:
     """Write a value of a configuration as a sentence shows it."""
-    match value:
-        case str():
-            return f"'{value}'"
-        case dict():
-            return "a mapping"
-        case list() | tuple():
-            return f"the list {list(value)}"
-        case bool():
-            return str(value).lower()
-    return "null" if value is None else str(value)
+    if isinstance(value, list | tuple):
+        return f"the list {list(value)}"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, str):
+        return f"'{value}'"
+    return "null" if value is None else str(value).lower()
 
 
 def to_si(text: str, unit: str) -> float:

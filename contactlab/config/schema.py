@@ -19,6 +19,7 @@ from contactlab.config.groups import (
     known_keys,
     laws,
 )
+from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
@@ -45,14 +46,13 @@ class Examination:
     """What is found in a configuration.
 
     Attributes:
-        values: of every section that there is, as they run.
-        sound, declared: those that are sound in themselves, by full key, and what is declared of them.
+        values: those that are sound in themselves, as they run.
+        declared: what is declared of them, by full key.
         faults: a sentence each.
     """
 
     def __init__(self, configuration: Any) -> None:
         self.values: dict[str, Any] = {}
-        self.sound: dict[str, Any] = {}
         self.declared: dict[str, DeclaredField] = {}
         self.faults: list[str] = []
         if not isinstance(configuration, Mapping):
@@ -63,9 +63,10 @@ class Examination:
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
         others = [self._law] if self._law in law_names() and self._law not in LAWS else []
         self.values = self._values({"law": laws(*others), **GROUPS}, configuration)
+        sound = flat(self.values)
         for keys, rule in _RULES.items():
-            if all(key in self.sound for key in keys):
-                self.faults += rule(*(self.sound[key] for key in keys))
+            if sound.keys() >= {*keys}:
+                self.faults += rule(*(sound[key] for key in keys))
 
     def _values(
         self, keys: Keys, given: Mapping[str, Any], before: str = "", option: str = ""
@@ -86,7 +87,7 @@ class Examination:
                         below.options[chosen], given[name], f"{key}.", chosen
                     )
                 else:
-                    values[name] = self.sound[key] = _value_of(below, given[name], key)
+                    values[name] = _value_of(below, given[name], key)
                     self.declared[key] = below
             except UnitError as fault:
                 self.faults.append(str(fault))

@@ -73,10 +73,8 @@ def build(
         ConfigurationError: with every fault that was found.
     """
     if isinstance(configuration, str):
-        raise TypeError(
-            f"The configuration is the text {configuration!r}; it must be a list of overrides or a mapping. "
-            f"Write [{configuration!r}]."
-        )
+        words = f"The configuration is the text {configuration!r}; it must be a list or a mapping."
+        raise TypeError(f"{words} Write [{configuration!r}].")
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration, config_dir)
     found, law = _checked(configuration)
@@ -114,8 +112,7 @@ def validate(configuration: Values) -> dict[str, Any]:
 
 def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     found = Examination(configuration)
-    law, sound = None, found.sound
-    faults = found.faults
+    law, sound, faults = None, flat(found.values), found.faults
     if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
         try:
             law = _law(found.values["law"], sound[FRICTION], sound["rotor.radius"])
