@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, final
 from contactlab import motor
 from contactlab.checks import Checked
 from contactlab.config import quantity
+from contactlab.config.nesting import nested
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange_slip import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
@@ -193,28 +194,25 @@ def content(group: str, option: str) -> dict[str, Any]:
         for name, member in members.items()
         if (family := family_of(member)) and member.default is not MISSING
     ]
-    return {"defaults": [*entries, "_self_"], **_defaults(keys)} if entries else _defaults(keys)
+    own = nested(
+        {
+            key: quantity.MISSING if field.default is MISSING else field.default
+            for key, field in full_keys(keys, told=False)
+        }
+    )
+    return {"defaults": [*entries, "_self_"], **own} if entries else own
 
 
-def _defaults(keys: Keys) -> dict[str, Any]:
-    """The keys with their defaults, but those of sections that have to be chosen."""
-    found: dict[str, Any] = {}
-    for name, below in keys.items():
-        if isinstance(below, DeclaredField):
-            found[name] = quantity.MISSING if below.default is MISSING else below.default
-        elif not below.told_by:
-            found[name] = _defaults(below.options[name])
-    return found
-
-
-def full_keys(keys: Keys, before: str = "") -> Iterator[tuple[str, DeclaredField]]:
-    """Give what is declared of every full key, of every option."""
+def full_keys(
+    keys: Keys, before: str = "", *, told: bool = True
+) -> Iterator[tuple[str, DeclaredField]]:
+    """Give what is declared of every full key, without those of sections whose option is told, if asked."""
     for name, below in keys.items():
         if isinstance(below, DeclaredField):
             yield f"{before}{name}", below
-        else:
+        elif told or not below.told_by:
             for option in below.options.values():
-                yield from full_keys(option, f"{before}{name}.")
+                yield from full_keys(option, f"{before}{name}.", told=told)
 
 
 @cache

@@ -102,11 +102,7 @@ def build(
 
 
 def validate(configuration: Values) -> dict[str, Any]:
-    """Check a configuration without building anything but its law, and give it with every number in SI.
-
-    Raises:
-        ConfigurationError: with every fault that was found.
-    """
+    """Check a configuration, building nothing but its law, and give it in SI; errors as of `build`."""
     return _checked(configuration)[0]
 
 
@@ -166,11 +162,8 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
 
 def _refuse_undamped_resonance(given: float | None, drive: Drive, modes: NormalModes) -> None:
     """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    null = "drive.frequency is null, that is the first natural frequency,"
-    said = (
-        null if given is None else "drive.frequency is",
-        "drive.frequency times drive.frequency_ratio is",
-    )
+    null = " null, that is the first natural frequency," if given is None else ""
+    said = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
     faults = [
         f"{words} {tone:.12g} Hz, where a resonator without damping responds without bound; it must "
         f"differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "

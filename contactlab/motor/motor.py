@@ -91,10 +91,7 @@ class Motor(Checked):
     is a belt: `contactlab.testing.plants` builds point masses, blocks and oscillators so.
 
     Args:
-        modes: normal modes of the resonator, from any basis.
-        drive: electrode voltages.
-        geometry: tip, rotor radius and clearance.
-        rotor: rotor inertia and load.
+        modes, drive, geometry, rotor: the resonator in any basis, and what acts on it.
         preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
         start: state at t = 0; None is at rest without displacement.
     """
