@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -34,8 +33,6 @@ SEVERAL: Final = (
 )
 """What is wrong with an override that is swept."""
 
-_folder: ContextVar[Path | None] = ContextVar("folder of more options", default=None)
-
 
 def conf_directory() -> Path:
     """Give the folder of the configuration files: inside the package in a wheel, beside it in a checkout."""
@@ -43,10 +40,10 @@ def conf_directory() -> Path:
     return inside if inside.is_dir() else inside.parents[1] / "conf"
 
 
-def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None) -> dict[str, Any]:
-    """Compose a configuration, not yet checked; arguments and errors are those of `contactlab.build`."""
+def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
     try:
-        with started(config_dir):
+        with started():
             composed = hydra.compose(CONFIG_NAME, overrides=list(overrides))
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
@@ -116,21 +113,15 @@ def options_of(group: str) -> list[str]:
 
 
 @contextmanager
-def started(config_dir: str | Path | None = None) -> Iterator[None]:
+def started() -> Iterator[None]:
     """Start Hydra for compositions until the end of the context; one that runs already goes on after it."""
-    extra = None if config_dir is None else Path(config_dir).absolute()
-    if extra and not extra.is_dir():
-        words = f"--config-dir is '{extra}', which is not a directory; it must be one. Create it."
-        raise ConfigurationError([words])
     running = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()
-    folder = _folder.set(extra)
     conf = str(conf_directory())
     try:
         with hydra.initialize_config_dir(conf, job_name=SCHEME, version_base=VERSION_BASE):
             yield
     finally:
-        _folder.reset(folder)
         if running is not None:
             GlobalHydra.instance().initialize(running)
 
@@ -172,8 +163,6 @@ class _DeclaredSearchPath(SearchPathPlugin):
     """Puts the source behind every folder, so that a file of the same name has precedence."""
 
     def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
-        if folder := _folder.get():
-            search_path.append("command-line", f"file://{folder}")
         # Hydra puts the folder of --config-dir before the first provider of this name.
         search_path.append("schema", f"{SCHEME}://")
 

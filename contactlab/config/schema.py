@@ -23,7 +23,7 @@ from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
-from contactlab.laws.registry import LAWS, law_class, law_names, takes_shared
+from contactlab.laws.registry import law_class, law_names, takes_shared
 from contactlab.parameter import DeclaredField, Parameter
 
 BYTES_A_RECORD = 350
@@ -61,8 +61,7 @@ class Examination:
             return
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
-        others = [self._law] if self._law in law_names() and self._law not in LAWS else []
-        self.values = self._values({"law": laws(*others), **GROUPS}, configuration)
+        self.values = self._values({"law": laws(self._law), **GROUPS}, configuration)
         sound = flat(self.values)
         for keys, rule in _RULES.items():
             if sound.keys() >= {*keys}:

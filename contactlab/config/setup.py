@@ -7,7 +7,6 @@ Everything a configuration may get wrong is found here, all at once, and told in
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, final
 
 from contactlab.config.composition import compose
@@ -59,15 +58,12 @@ class Setup:
     configuration: dict[str, Any]
 
 
-def build(
-    configuration: Values | Sequence[str] = (), config_dir: str | Path | None = None
-) -> Setup:
+def build(configuration: Values | Sequence[str] = ()) -> Setup:
     """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
     Args:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
             configuration: a mapping of groups of keys, with numbers in SI or texts with units.
-        config_dir: folder of more options, for overrides.
 
     Raises:
         ConfigurationError: with every fault that was found.
@@ -76,7 +72,7 @@ def build(
         words = f"The configuration is the text {configuration!r}; it must be a list or a mapping."
         raise TypeError(f"{words} Write [{configuration!r}].")
     if not isinstance(configuration, Mapping):
-        configuration = compose(configuration, config_dir)
+        configuration = compose(configuration)
     found, law = _checked(configuration)
     resolved = {group: keys for group, keys in found.items() if group not in NOT_OF_A_RUN}
     drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import hydra
 import pytest
+import yaml
 from hydra.core.global_hydra import GlobalHydra
+from support.command_line import Command
 from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
@@ -57,11 +59,6 @@ def test_faults_of_composition_are_sentences(override: str, words: str) -> None:
     assert len(caught.value.faults) == 1
 
 
-def test_a_folder_of_options_that_is_not_there_is_refused() -> None:
-    with pytest.raises(ConfigurationError, match="nowhere', which is not a directory"):
-        compose(config_dir="nowhere")
-
-
 def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
     with hydra.initialize_config_dir(str(conf_directory()), version_base="1.3"):
         outer = GlobalHydra.instance().hydra
@@ -77,13 +74,16 @@ def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
     assert not GlobalHydra.instance().is_initialized()
 
 
-def test_a_file_has_precedence_over_what_is_declared(tmp_path: Path) -> None:
+def test_a_file_has_precedence_over_what_is_declared(command: Command, tmp_path: Path) -> None:
     for option in ("rotor/default", "law/mine"):
         (tmp_path / option).parent.mkdir()
     (tmp_path / "rotor/default.yaml").write_text("radius: 0.05\ninertia: 2e-5\n", encoding="utf-8")
     (tmp_path / "law/mine.yaml").write_text("name: newton\nrestitution: 0.4\n", encoding="utf-8")
-    assert compose(config_dir=tmp_path)["rotor"] == {"radius": 0.05, "inertia": 2e-5}
-    assert compose(["law=mine"], tmp_path)["law"] == {"name": "newton", "restitution": 0.4}
+    status, out, err = command("--config-dir", str(tmp_path), "law=mine", "--cfg", "job")
+    assert status == 0, err
+    found = yaml.safe_load(out)
+    assert found["rotor"] == {"radius": 0.05, "inertia": 2e-5}
+    assert found["law"] == {"name": "newton", "restitution": 0.4}
     assert compose()["rotor"] == composed()["rotor"]
 
 
