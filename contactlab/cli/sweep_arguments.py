@@ -14,8 +14,8 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.app import choices_of
 from contactlab.cli.arguments import quoted
-from contactlab.cli.checking import sentences
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
 from contactlab.sweeps.plan import Configuration, Plan

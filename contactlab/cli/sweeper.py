@@ -26,7 +26,6 @@ from contactlab.cli.checking import (
     announce,
     announce_series,
     misplaced,
-    sentences,
     sets_friction,
 )
 from contactlab.cli.collect import collect_swept
@@ -34,10 +33,11 @@ from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
+from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
-from contactlab.config.rules import idle_friction
+from contactlab.config.groups import Sweep
+from contactlab.config.schema import idle_friction
 from contactlab.results.files import LOG, told
-from contactlab.settings import Sweep
 from contactlab.sweeps.batch import Batch, WorkerError, processors
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.plan import Outputs, Plan, code_digest_of

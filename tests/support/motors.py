@@ -14,8 +14,8 @@ from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStic
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Piezoceramic, Steel
 from contactlab.motor.motor import Motor, Rotor
+from contactlab.motor.patched_beam import Piezoceramic, Steel
 from contactlab.trajectory import Trajectory
 
 DEFAULTS: dict[str, float] = {
