@@ -22,26 +22,15 @@ from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.summary import prefixed_unit
 
-WIDTH: Final = 5.2
-"""Inches; the words are still read where a phone makes it its own width."""
+WIDTH: Final = 5.2  # inches; the words are still read where a phone makes it its own width
+LINE: Final = 0.13  # height of a line of a legend [in]
+LONGEST_LABEL: Final = 30  # letters in a line of a label
+IMPACT: Final = 0.1  # share of a contact in which a rigid law's impact is over
 
 DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Lines of the laws in turn, so that a print without colours tells them apart."""
 
-MOST_SPIKES: Final = 3
-"""Peaks off the scale that are named one by one."""
-
-LONGEST_LABEL: Final = 30
-"""Letters in a line of a label."""
-
-LINE: Final = 0.13
-"""Height of a line of a legend [in]."""
-
-IMPACT: Final = 0.1
-"""Share of a contact in which a rigid law's impact is over."""
-
-THIN: Final = {"linewidth": 0.6, "zorder": 0}
-"""Of a line to go by."""
+THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}  # of a line to go by
 
 # Without dates and versions the same runs give the same bytes.
 METADATA: Final[dict[str, dict[str, Any]]] = {
@@ -73,14 +62,10 @@ def _figure(rows: int, columns: int, height: float, **arguments: Any) -> tuple[F
     return figure, figure.subplots(rows, columns, squeeze=False, **arguments).ravel()
 
 
-def _colour(number: int) -> Any:
-    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
-    return colours[number % len(colours)]
-
-
 def _style(number: int) -> dict[str, Any]:
     """Give colour and line of a law."""
-    return {"color": _colour(number), "linestyle": DASHES[number % len(DASHES)]}
+    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    return {"color": colours[number % len(colours)], "linestyle": DASHES[number % len(DASHES)]}
 
 
 def _holding(laws: Sequence[Refined], *names: str) -> list[tuple[int, Refined]]:
@@ -91,23 +76,21 @@ def _holding(laws: Sequence[Refined], *names: str) -> list[tuple[int, Refined]]:
 def _legend(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
     """Put the legend above the panels, where it covers nothing."""
     handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        columns = 3 if max(map(len, labels)) < LONGEST_LABEL else 2
-        labels = [fill(label, LONGEST_LABEL) for label in labels]
-        # The panels keep their size, however many laws there are.
-        lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)
-        figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
-        columns = min(len(labels), columns)
-        figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
+    columns = min(len(labels), 3 if max(map(len, labels)) < LONGEST_LABEL else 2)
+    labels = [fill(label, LONGEST_LABEL) for label in labels]
+    # The panels keep their size, however many laws there are.
+    lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)
+    figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
     figure.align_ylabels()
     return figure
 
 
-def _remark(axes: Axes, words: str, height: float, lift: float, colour: str = "black") -> None:
+def _remark(axes: Axes, words: str, height: float, lift: float) -> None:
     """Write a few words at the right end of a line across the axes."""
     axes.annotate(
         words, (1.0, height), (-2.0, lift), ("axes fraction", "data"), "offset points",
-        ha="right", fontsize=7, color=colour,
+        ha="right", fontsize=7,
     )  # fmt: skip
 
 
@@ -116,38 +99,25 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     found = curves.one_contact_each(laws)
     if not found:
         return None
-    contacts = list(found.values())
     # An impact of a rigid law is a spike as high as the record interval is short, beside which all other
     # forces would be a line at zero: the axes hold what each law exerts after it.
-    after = [contact.forces[:, contact.time > IMPACT * contact.duration] for contact in contacts]
+    after = [c.forces[:, c.time > IMPACT * c.duration] for c in found.values()]
     normal, friction = np.concatenate([np.zeros((2, 1)), *after], axis=1)
-    top = 1.5 * float(normal.max())
+    top, room = 1.5 * float(normal.max()), 0.2 * float(np.ptp(friction))
     figure, (above, below) = _figure(2, 1, 4.0, sharex=True)
-    unit, scale = prefixed_unit(max(contact.duration for contact in contacts), "s")
-    spikes = []
+    unit, scale = prefixed_unit(max(contact.duration for contact in found.values()), "s")
     for i, contact in found.items():
-        time, label = contact.time / scale, laws[i].run.label
-        above.plot(time, contact.forces[0], label=label, **_style(i))
-        below.plot(time, contact.forces[1], **_style(i))
-        if contact.peak > top > 0.0:
-            spikes.append((f"{label}: peak {contact.peak:.4g} N, off scale", _colour(i)))
-    if len(spikes) > MOST_SPIKES:
-        peaks = [contact.peak for contact in contacts if contact.peak > top]
-        span = f"{min(peaks):.4g} to {max(peaks):.4g} N"
-        spikes = [(f"peaks of {len(peaks)} laws, {span}, off scale", "black")]
-    for line, (words, colour) in enumerate(spikes):
-        above.annotate(
-            words, (0.99, 0.97 - 0.085 * line), xycoords="axes fraction", ha="right", va="top",
-            fontsize=7, color=colour,
-        )  # fmt: skip
+        spike = f", peak {contact.peak:.4g} N off scale" if contact.peak > top > 0.0 else ""
+        label = laws[i].run.label + spike
+        above.plot(contact.time / scale, contact.forces[0], label=label, **_style(i))
+        below.plot(contact.time / scale, contact.forces[1], **_style(i))
     if top > 0.0:
-        above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * len(spikes)))
-    room = 0.2 * float(np.ptp(friction))
+        above.set_ylim(-0.04 * top, top)
     if room > 0.0:
         below.set_ylim(friction.min() - room, friction.max() + room)
     above.set_ylabel("normal force (N)")
     below.set(xlabel=f"time from touch-down ({unit})", ylabel="friction force (N)")
-    below.axhline(0.0, color="0.7", **THIN)
+    below.axhline(0.0, **THIN)
     return _legend(figure, above)
 
 
@@ -163,9 +133,9 @@ def draw_paths(laws: Sequence[Refined]) -> Figure | None:
         x, y = (drawable(law.best.columns[name][span]) * 1e6 for name in names)
         axes.plot(x, y, label=law.run.label, **_style(i))
     with suppress(NotApplicableError):
-        clearance = 1e6 * drawn[0][1].run.setting("contact", "clearance")
-        axes.axhline(clearance, color="0.5", **THIN)
-        _remark(axes, "rotor", clearance, 2.0, "0.35")
+        clearance = 1e6 * drawn[0][1].run.setting("contact.clearance")
+        axes.axhline(clearance, **THIN)
+        _remark(axes, "rotor", clearance, 2.0)
     axes.set_xlabel("tangential displacement of the tip (\u00b5m)")
     axes.set_ylabel("normal displacement (\u00b5m)")
     return _legend(figure, axes)
@@ -189,8 +159,8 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
         time, values = law.best.time / scale, drawable(law.best.columns[name])
         axes.plot(*envelope(time, values), label=law.run.label, **_style(i))
         if judged and i in smooth:
-            band = (values - errors[i], values + errors[i])
-            axes.fill_between(time, *band, color=_colour(i), alpha=0.3, linewidth=0.0)
+            band = {"color": _style(i)["color"], "alpha": 0.3, "linewidth": 0.0}
+            axes.fill_between(time, values - errors[i], values + errors[i], **band)
             last.plot(*envelope(time, smooth[i]), **_style(i))
     if judged:
         first = drawn[0][1]
@@ -218,19 +188,14 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
     place = np.arange(len(labels))
     energy = data["energy"].transpose("term", "law").values / scale
     gained, given_back = (part.cumsum(axis=0) for part in (energy.clip(min=0), energy.clip(max=0)))
-    ends = np.where(energy >= 0.0, gained, given_back)
-    for number, ((term, words), part, end) in enumerate(
-        zip(ENERGY_TERMS.items(), energy, ends, strict=True)
-    ):
+    starts = np.where(energy >= 0.0, gained, given_back) - energy
+    bar = {"height": 0.62, "edgecolor": "white", "linewidth": 0.5}
+    for number, words in enumerate(ENERGY_TERMS.values()):
+        part, colour = energy[number], _style(number)["color"]
         if np.any(np.abs(part) > 1e-3 * np.abs(work) / scale):
-            axes.barh(
-                place, part, left=end - part, height=0.62, label=words, color=_colour(number),
-                edgecolor="white", linewidth=0.5, gid=term,
-            )  # fmt: skip
-    axes.plot(
-        work / scale, place, linestyle="", marker="|", markersize=16.0, markeredgewidth=1.4,
-        color="black", label="work of the drive",
-    )  # fmt: skip
+            axes.barh(place, part, left=starts[number], label=words, color=colour, **bar)
+    mark = {"marker": "|", "markersize": 16.0, "markeredgewidth": 1.4, "color": "black"}
+    axes.plot(work / scale, place, linestyle="", label="work of the drive", **mark)
     axes.set_yticks(place, labels)
     axes.invert_yaxis()
     axes.set_xlabel(f"energy from the start to the end ({unit})")
@@ -251,7 +216,7 @@ def draw_phases(laws: Sequence[Refined]) -> Figure | None:
         normal.plot(1e6 * middle, drawable(rate), label=law.run.label, **_style(i))
         tangential.plot(1e6 * gap, slip, **_style(i))
     for axes, words in ((normal, "gap rate (m/s)"), (tangential, "slip velocity (m/s)")):
-        axes.axvline(0.0, color="0.5", **THIN)
+        axes.axvline(0.0, **THIN)
         axes.set(xlabel="gap (\u00b5m)", ylabel=words)
-    tangential.axhline(0.0, color="0.5", **THIN)
+    tangential.axhline(0.0, **THIN)
     return _legend(figure, normal)

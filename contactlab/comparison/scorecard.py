@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, nan
 from typing import Final, final
@@ -21,18 +21,18 @@ from contactlab.metrics import (
     STEP_METRICS,
     VERDICTS,
     Metric,
+    NotApplicableError,
     Run,
     assess,
     assess_steps,
     assess_variants,
 )
+from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.provenance import checkout_state, versions
 
-EVERY: Final = METRICS | STEP_METRICS | SENSITIVITIES
-"""All that a law is judged by."""
+EVERY: Final = METRICS | STEP_METRICS | SENSITIVITIES  # all that a law is judged by
 
-FLAGS: Final = ("not_applicable", "pass", "fail", "reported")
-"""`VERDICTS` as words of the CF conventions."""
+FLAGS: Final = "not_applicable pass fail reported"  # `VERDICTS` as words of the CF conventions
 
 ENERGY_TERMS: Final = {
     "damping_loss": "viscous damping",
@@ -46,16 +46,12 @@ ENERGY_TERMS: Final = {
 
 MINUS, PLUS_MINUS = "\u2212", "\u00b1"
 
-_NAMES: Final = ("backslash", "asciitilde", "asciicircum", "less", "greater", "bar", "mu")
-
 LATEX: Final = str.maketrans(
-    {sign: rf"\text{name}{{}}" for sign, name in zip("\\~^<>|\u00b5", _NAMES, strict=True)}
-    | {sign: rf"\{sign}" for sign in "_%&#{}$"}
+    {sign: rf"\{sign}" for sign in "_%&#{}$"}
+    | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    | {"<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}", "\u00b5": r"\textmu{}"}
 )
 """Plain text for LaTeX, by `str.translate`."""
-
-_STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
-_UNITS: Final = {"comment": "units differ by metric and stand in the coordinate `units`"}
 
 
 def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Dataset:
@@ -66,49 +62,48 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         energy flow).
     """
     metrics = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
-    values, errors = (
-        [[numbers.get(metric.key, nan) for metric in metrics] for numbers in found]
-        for found in zip(*map(_judged, laws), strict=True)
-    )
+    keys = [metric.key for metric in metrics]
+    judged = zip(*map(_judged, laws), strict=True)
+    values, errors = ([[one.get(key, nan) for key in keys] for one in each] for each in judged)
     verdicts = [
         [VERDICTS.index(m.verdict(value)) for m, value in zip(metrics, row, strict=True)]
         for row in values
     ]
-    flags = {"flag_values": np.arange(len(FLAGS), dtype=np.int8), "flag_meanings": " ".join(FLAGS)}
+    flows = pandas.DataFrame([energy_flow(law.best) for law in laws])
+    attributes = [law.run.attributes for law in laws]
+    labels = [law.run.label for law in laws]
+    recorded_by = [str(given.get("contactlab_version", "unknown")) for given in attributes]
+    configurations = [dict(law.run.configuration) for law in laws]
+    code, (revision, dirty) = versions(), checkout_state()
+    flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
+    units = {"comment": "units differ by metric and stand in the coordinate `units`"}
+    error = {"long_name": "error of the value by Richardson's estimate", **units}
     gone = {"units": "J", "long_name": "where the work of the drive has gone"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
-    error = {"long_name": "error of the value by Richardson's estimate", **_UNITS}
-    energy = [list(energy_flow(law.best).values()) for law in laws]
     both = ("law", "metric")
-    labels = [law.run.label for law in laws]
-    attributes = [law.run.attributes for law in laws]
-    recorded_by = [str(given.get("contactlab_version", "unknown")) for given in attributes]
-    code = versions()
-    revision, dirty = checkout_state()
+    of_metrics = {
+        name: [getattr(metric, name) for metric in metrics]
+        for name in ("symbol", "units", "meaning", "threshold", "reason", "source")
+    }
+    of_metrics["metric_source"] = of_metrics.pop("source")
+    of_laws = {
+        "run": [law.run.source for law in laws],
+        "refined": [_refinement(law) for law in laws],
+        "configuration": [yaml.safe_dump(given, sort_keys=False) for given in configurations],
+        "law_parameters": [str(given.get("law_parameters", "")) for given in attributes],
+    }
     return xarray.Dataset(
         {
-            "value": (both, values, {"long_name": "value of the metric", **_UNITS}),
+            "value": (both, values, {"long_name": "value of the metric", **units}),
             "numerical_error": (both, errors, error),
             "verdict": (both, np.array(verdicts, dtype=np.int8), flags),
-            "energy": (("law", "term"), energy, gone),
-            "drive_work": ("law", [_gain(law.best, "drive_work") for law in laws], work),
+            "energy": (("law", "term"), flows[list(ENERGY_TERMS)].to_numpy(), gone),
+            "drive_work": ("law", flows["drive_work"].to_numpy(), work),
         },
         coords={
-            "law": labels,
-            "metric": [metric.key for metric in metrics],
-            "term": list(ENERGY_TERMS),
-            **{
-                name: ("metric", [getattr(metric, name) for metric in metrics])
-                for name in ("symbol", "units", "meaning", "threshold", "reason")
-            },
-            "metric_source": ("metric", [metric.source for metric in metrics]),
-            "run": ("law", [law.run.source for law in laws]),
-            "refined": ("law", [_refinement(law) for law in laws]),
-            "configuration": (
-                "law",
-                [yaml.safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
-            ),
-            "law_parameters": ("law", [str(a.get("law_parameters", "")) for a in attributes]),
+            **{"law": labels, "metric": keys, "term": list(ENERGY_TERMS)},
+            **{name: ("metric", each) for name, each in of_metrics.items()},
+            **{name: ("law", each) for name, each in of_laws.items()},
         },
         attrs={
             "Conventions": "CF-1.11",
@@ -123,32 +118,13 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
     )
 
 
-def _judged(law: Refined) -> tuple[Mapping[str, float], Mapping[str, float]]:
+def _judged(law: Refined) -> tuple[dict[str, float], dict[str, float]]:
     """Give values and numerical errors by metric."""
+    if not law.steps:
+        return assess(law.run), {}
     steps = [assess(run) for _, run in law.steps]
-    found = steps[-1] if steps else assess(law.run)
-    errors = {key: float(law.error([each[key] for each in steps])) for key in found if steps}
-    found = found | (assess_steps(law.steps) if steps else {})
-    return found | assess_variants(law.base, law.basis, law.friction), errors
-
-
-def energy_flow(run: Run) -> dict[str, float]:
-    """Give where the work of the drive has gone by the end of a run [J]; the terms add up to it.
-
-    The ledger is E(t) - E(0) = drive_work - losses - load_work + energy_residual, so that the residual
-    counts as energy that has gone nowhere with its sign turned. A run that lacks a series of the ledger
-    has no flow: NaN.
-    """
-    terms = {name: _gain(run, name) for name in ENERGY_TERMS}
-    terms["stored_energy"] = sum(_gain(run, name) for name in _STORED)
-    terms["unaccounted"] = -_gain(run, "energy_residual")
-    whole = np.isfinite([*terms.values(), _gain(run, "drive_work")]).all()
-    return terms if whole else dict.fromkeys(terms, nan)
-
-
-def _gain(run: Run, name: str) -> float:
-    values = run.columns.get(name, np.array([nan]))
-    return float(values[-1]) - float(values[0])
+    errors = {key: float(law.error([each[key] for each in steps])) for key in METRICS}
+    return steps[-1] | assess_steps(law.steps) | assess_variants(law.base, **law.variants), errors
 
 
 def _refinement(law: Refined) -> str:
@@ -157,6 +133,23 @@ def _refinement(law: Refined) -> str:
         return "as recorded"
     units = " s" if law.control == "contact_step" else ""
     return f"{law.control} {', '.join(f'{value:.3g}' for value, _ in law.steps)}{units}"
+
+
+def energy_flow(run: Run) -> dict[str, float]:
+    """Give the work of the drive and where it has gone by the end of a run [J]; the terms add up to it.
+
+    The ledger is E(t) - E(0) = drive_work - losses - load_work + energy_residual, so that the residual
+    counts as energy that has gone nowhere with its sign turned. A run that lacks a series of the ledger
+    has no flow: NaN.
+    """
+    names = ("drive_work", "energy_residual", *STORED, *SPENT)
+    try:
+        gain = {name: float(run.series(name)[-1]) - float(run.series(name)[0]) for name in names}
+    except NotApplicableError:
+        return dict.fromkeys(("drive_work", *ENERGY_TERMS), nan)
+    flow = {name: gain[name] for name in ("drive_work", *SPENT)}
+    stored = sum(gain[name] for name in STORED)
+    return flow | {"stored_energy": stored, "unaccounted": -gain["energy_residual"]}
 
 
 @final
@@ -184,32 +177,27 @@ class Cell:
 
 def rows(data: xarray.Dataset) -> list[tuple[Metric, dict[str, Cell]]]:
     """Take a scorecard apart: every metric with a cell for every law."""
-    names = ("value", "numerical_error", "verdict")
-    lines = zip(*(data[name].transpose("metric", "law").values for name in names), strict=True)
+    names, laws = ("value", "numerical_error", "verdict"), list(map(str, data["law"].values))
+    table = zip(data["metric"].values, *(data[name].values.T for name in names), strict=True)
     return [
         (
             EVERY[str(key)],
-            {
-                str(label): Cell(value, error, VERDICTS[flag])
-                for label, value, error, flag in zip(data["law"].values, *line, strict=True)
-            },
+            {law: Cell(x, e, VERDICTS[v]) for law, x, e, v in zip(laws, *line, strict=True)},
         )
-        for key, line in zip(data["metric"].values, lines, strict=True)
+        for key, *line in table
     ]
 
 
 def as_text(data: xarray.Dataset) -> str:
     """Write the table for a terminal, plain ASCII."""
-    table = rows(data)
-    width = max(len(metric.threshold) for metric, _ in table)
+    width = max(len(threshold) for threshold in data["threshold"].values)
     lines = {
         metric.key + metric.bracketed: {"must be": metric.threshold.ljust(width)}
         | {label: f"{cell.number} {cell.word}".rstrip() for label, cell in cells.items()}
-        for metric, cells in table
+        for metric, cells in rows(data)
     }
-    frame = pandas.DataFrame.from_dict(lines, orient="index")
-    frame = frame.replace({MINUS: "-", PLUS_MINUS: "+-"}, regex=True)
-    return str(frame.rename_axis(columns="metric").to_string())
+    frame = pandas.DataFrame.from_dict(lines, orient="index").rename_axis(columns="metric")
+    return str(frame.replace({MINUS: "-", PLUS_MINUS: "+-"}, regex=True).to_string())
 
 
 def as_csv(data: xarray.Dataset) -> str:
@@ -228,31 +216,23 @@ def as_csv(data: xarray.Dataset) -> str:
 def as_latex(data: xarray.Dataset) -> str:
     """Write a tabular that stands in any document that loads booktabs."""
     labels = [str(label).translate(LATEX) for label in data["law"].values]
-    lines = [["", "must be", *labels], *(_latex_row(*row) for row in rows(data))]
+    lines = [["", "must be", *labels]]
+    for metric, cells in rows(data):
+        # CF units such as N m-1.
+        units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", metric.units.translate(LATEX)).replace(
+            " ", r"\,"
+        )
+        name = metric.brief.translate(LATEX) + (f" [{units}]" if metric.unit else "")
+        limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
+        numbers = (
+            NOT_APPLICABLE if isnan(c.value) else f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
+            for c in cells.values()
+        )
+        lines.append([name, limit, *numbers])
     head, *body = (" & ".join(line) + r" \\" for line in lines)
-    return "\n".join(
-        [
-            r"% \usepackage{booktabs} in the preamble.",
-            rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}",
-            r"\toprule",
-            head,
-            r"\midrule",
-            *body,
-            r"\bottomrule",
-            "\\end{tabular}\n",
-        ]
-    )
-
-
-def _latex_row(metric: Metric, cells: dict[str, Cell]) -> list[str]:
-    # CF units such as N m-1.
-    units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", metric.units.translate(LATEX)).replace(" ", r"\,")
-    limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
-    numbers = (
-        NOT_APPLICABLE if isnan(c.value) else f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
-        for c in cells.values()
-    )
-    return [metric.brief.translate(LATEX) + (f" [{units}]" if metric.unit else ""), limit, *numbers]
+    start = rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}"
+    rules = (r"% \usepackage{booktabs} in the preamble.", start, r"\toprule", head, r"\midrule")
+    return "\n".join([*rules, *body, r"\bottomrule", "\\end{tabular}\n"])
 
 
 def _power(number: str) -> str:

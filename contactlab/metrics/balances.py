@@ -7,18 +7,17 @@ from typing import Final
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
 from contactlab.metrics.run import Run, needed, positive
 from contactlab.motor.geometry import contact_frame
 
-RESOLVED: Final = 1e-12
-"""Share of the motor's energy below which a contact is a graze that round-off decides."""
+RESOLVED: Final = 1e-12  # share of the motor's energy below which round-off decides a graze
+CLOCK: Final = 8.0  # units in the last place of the time, within which two instants are one
 
-CLOCK: Final = 8.0
-"""Units in the last place of the time that two instants may differ by and still be one."""
+STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
+SPENT: Final = ("damping_loss", "friction_loss", "contact_loss", "load_work")
 
 
 @invariant(
@@ -32,17 +31,12 @@ CLOCK: Final = 8.0
 )
 def energy_residual(run: Run) -> float:
     # From the terms, not from the recorded residual: the metric judges the numbers that are shown.
-    stored = _sum(run, "kinetic_energy", "strain_energy", "contact_energy")
-    spent = _sum(run, "damping_loss", "friction_loss", "contact_loss", "load_work")
+    stored, spent = (np.sum([run.series(n) for n in names], axis=0) for names in (STORED, SPENT))
     work, load = run.series("drive_work"), run.series("load_work")
     residual = stored - stored[0] - (work - work[0]) + (spent - spent[0])
     by_drive, by_load = (float(np.abs(part - part[0]).max()) for part in (work, load))
     needed(max(by_drive, by_load, float(stored[0])) > 0.0)
     return openness(float(np.abs(residual).max()), by_drive, by_load, float(stored[0]))
-
-
-def _sum(run: Run, *names: str) -> Array:
-    return np.asarray(np.sum([run.series(name) for name in names], axis=0))
 
 
 @invariant(
@@ -56,17 +50,16 @@ def _sum(run: Run, *names: str) -> Array:
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
-    inertia, radius = run.setting("rotor", "inertia"), run.setting("rotor", "radius")
-    damping, torque = run.setting("rotor", "damping"), run.setting("rotor", "load_torque")
+    inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
+    damping, torque = run.setting("rotor.damping"), run.setting("rotor.load_torque")
     velocity, angle = run.series("rotor_velocity"), run.series("rotor_angle")
     push = run.contacts("friction_impulse")
     given = positive(radius * float(np.abs(push).sum()))
     load = float(torque * (run.time[-1] - run.time[0]))
     damped = float(damping * (angle[-1] - angle[0]))
     missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
-    # A rigid law that puts displacements back onto the closed gap at the end of a step h has an angle that
-    # follows the velocity to within h times what friction changes of it, R sum|p_t| / J. What damping
-    # makes of that must stay below what is to be seen.
+    # A rigid law that closes the gap at the end of a step h has an angle that follows the velocity to within
+    # h R sum|p_t| / J. What damping makes of that must stay below what is to be seen.
     projects = getattr(run.law_classes.get(""), "projects", False)
     corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
@@ -197,8 +190,8 @@ def depth_deficit(run: Run) -> float:
     source="paper, eqs. 35-37",
 )
 def gap_mismatch(run: Run) -> float:
-    keys = (("contact", "tip_length"), ("rotor", "radius"), ("contact", "clearance"))
-    lengths = [run.setting(*key) for key in keys]
+    keys = ("contact.tip_length", "rotor.radius", "contact.clearance")
+    lengths = [run.setting(key) for key in keys]
     u, slope = run.series("tip_normal_displacement"), run.series("tip_slope")
     pairs = zip(u.tolist(), slope.tolist(), strict=True)
     expected = np.array([contact_frame(rise, turn, *lengths)[0] for rise, turn in pairs])

@@ -15,10 +15,8 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 Measure = TypeVar("Measure", bound=Callable[[Any], float])
 
-VERDICTS: Final = ("n/a", "pass", "fail", "-")
-"""In the order of their flags in a file; a metric without a threshold is only reported."""
-
-NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS
+VERDICTS: Final = ("n/a", "pass", "fail", "-")  # in the order of their flags in a file
+NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS  # a metric without a threshold is only reported
 
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
@@ -34,8 +32,7 @@ class Metric:
         key: its name everywhere: in files, tables and code.
         units: SI, in the words of the CF conventions; "1" without.
         measure: gives the number, or stops with `NotApplicableError`.
-        bound: the largest value that passes, for the reason given; infinite for a number that is only
-            reported.
+        bound: the largest value that passes, for the reason given; infinite where it is only reported.
         invariant: whether it holds whatever the law: where it fails, the solver or the file is wrong.
         needs_records: whether it takes any record but the last.
         usual: whether it is kept where none is named, as one that costs next to nothing.
@@ -82,17 +79,12 @@ class Metric:
         return PASS if value <= self.bound else FAIL
 
 
-METRICS: Final[dict[str, Metric]] = {}
-"""Metrics of one run."""
+METRICS: Final[dict[str, Metric]] = {}  # of one run
+STEP_METRICS: Final[dict[str, Metric]] = {}  # of a ladder of steps
+SENSITIVITIES: Final[dict[str, Metric]] = {}  # of a run and its variants
 
 INVARIANTS: Final[dict[str, Metric]] = {}
 """Those metrics of one run that hold whatever its law: where one fails, the solver or the file is wrong."""
-
-STEP_METRICS: Final[dict[str, Metric]] = {}
-"""Metrics of a ladder of steps."""
-
-SENSITIVITIES: Final[dict[str, Metric]] = {}
-"""Metrics of a run and its variants."""
 
 
 def metric(
@@ -119,14 +111,9 @@ def metric(
     return register
 
 
-invariant = partial(metric, invariant=True)
-"""Declares a metric that holds whatever the law."""
-
-without_records = partial(metric, needs_records=False)
-"""Declares a metric that takes no record but the last."""
-
+# For metrics that hold whatever the law, that take no record but the last, and of a ladder of steps.
+invariant, without_records = partial(metric, invariant=True), partial(metric, needs_records=False)
 of_steps = partial(metric, catalogue=STEP_METRICS)
-"""Declares a metric of a ladder of steps."""
 
 
 def measured(

@@ -3,7 +3,6 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contactlab.laws.base import ELASTOPLASTIC, STICK
 from contactlab.metrics.catalogue import ROUND_OFF, metric
@@ -72,12 +71,9 @@ def force_at_distance(run: Run) -> float:
 )
 def cone_excess(run: Run) -> float:
     # Static over kinetic coefficient; one where the law knows none.
-    ratios = [
-        value
-        for name, value in run.law_parameters.items()
-        if name.rpartition(".")[2] == "static_ratio" and isinstance(value, int | float)
-    ]
-    limit = run.setting("contact", "friction_coefficient") * float(max(ratios, default=1.0))
+    named = run.law_parameters.items()
+    ratio = max((x for name, x in named if name.endswith("static_ratio")), default=1.0)
+    limit = run.setting("contact.friction_coefficient") * ratio
     normal, friction = run.series("normal_force"), run.series("friction_force")
     # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
     excess = float((np.abs(friction) - limit * (1.0 + ROUND_OFF) * np.abs(normal)).max())
@@ -113,32 +109,23 @@ def _falls(run: Run, name: str) -> float:
 
     All falls together, as the largest would depend on the records and on how long the run is.
     """
-    kept = _between_steps(run)
+    step, time = run.contact_step, run.time
+    starts = np.sort(np.asarray(run.rows.get("start_time", ()), dtype=np.float64))
+    since = time - np.append(starts, -np.inf)[np.searchsorted(starts, time, side="right") - 1]
+    # Within a step a rigid law's force is constant while the velocity changes its sign: only between records
+    # that do not cut the step of an impact, in different steps, is there a work that a law answers for. A
+    # record at the end of a step may lie before it by round-off.
+    whole = np.flatnonzero((since >= step - 1e-9 * step) | (since <= 0.0))
+    needed(whole.size > 1)
+    blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
+    kept = whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
     changes = {loss: np.diff(run.series(loss)[kept]) for loss in ("friction_loss", "contact_loss")}
     scale = positive(sum(float(np.abs(change).sum()) for change in changes.values()))
     # What an impact does is judged by the slip and the energy that it leaves.
-    impacts = np.searchsorted(run.time[kept], run.touch_downs(), side="right") - 1
+    impacts = np.searchsorted(time[kept], starts, side="right") - 1
     lasting = np.ones(kept.size - 1, dtype=bool)
     lasting[impacts[(impacts >= 0) & (impacts < lasting.size)]] = False
     return float(np.maximum(-changes[name][lasting], 0.0).sum()) / scale
-
-
-def _between_steps(run: Run) -> NDArray[np.intp]:
-    """Give the records that do not cut the step of an impact, in different contact steps.
-
-    Within a step a rigid law's force is constant while the velocity changes its sign: only whole
-    steps have a work that a law answers for.
-    """
-    step, time = run.contact_step, run.time
-    # A record at the end of a step may lie before it by round-off.
-    slack = 1e-9 * step
-    starts = run.touch_downs()
-    last = np.searchsorted(starts, time, side="right") - 1
-    since = time - np.append(starts, -np.inf)[last]
-    whole = np.flatnonzero((since >= step - slack) | (since <= 0.0))
-    needed(whole.size > 1)
-    blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
-    return whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
 
 
 @metric(
@@ -170,7 +157,7 @@ def stick_slip(run: Run) -> float:
     needed(ELASTOPLASTIC not in kinds)
     stuck, slip = run.series("contact_mode") == STICK, run.series("slip_velocity")
     # The slip is the tip's own velocity less that of the rotor's surface.
-    tip = slip + run.setting("rotor", "radius") * run.series("rotor_velocity")
+    tip = slip + run.setting("rotor.radius") * run.series("rotor_velocity")
     # A record next to another mode may lie on the switch itself.
     inside = stuck[1:-1] & stuck[:-2] & stuck[2:]
     needed(bool(inside.any()))

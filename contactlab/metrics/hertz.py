@@ -1,9 +1,7 @@
 """Hertz's closed forms: stiffness, tip radius and the duration of an impact."""
 
-from collections.abc import Mapping
 from contextlib import suppress
 from math import sqrt
-from typing import Final
 
 import numpy as np
 
@@ -13,27 +11,24 @@ from contactlab.laws import hertz_stiffness
 from contactlab.metrics.run import NotApplicableError, Run, positive
 from contactlab.parameter import parameters_of
 
-HERTZ_UNITS: Final = "N m-1.5"
-"""Unit of the stiffness of a point contact."""
-
 
 def stiffness(run: Run) -> float:
     """Give K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
     for family, owner in run.law_classes.items():
         for name, parameter in parameters_of(owner).items():
-            value = run.law_parameters.get(f"{family}.{name}".removeprefix("."))
-            if parameter.units == HERTZ_UNITS and isinstance(value, int | float) and value > 0.0:
+            value = run.law_parameters.get(f"{family}.{name}".removeprefix("."), 0.0)
+            if parameter.units == "N m-1.5" and value > 0.0:
                 return float(value)
     raise NotApplicableError
 
 
 def effective_mass(run: Run) -> float:
     """Give the mass that a normal impact meets, 1/D_nn of the undeformed motor [kg]."""
-    solver = run.configuration.get("solver")
-    if not isinstance(solver, Mapping):
-        raise NotApplicableError
     # The mass is the motor's: a law that is not installed here shall not stand in its way, nor a
     # tolerance that belongs to it.
+    solver = run.configuration.get("solver")
+    if not isinstance(solver, dict):
+        raise NotApplicableError
     changes = {"law": {"name": "lagrange_stick"}, "solver": {**solver, "tolerance": None}}
     try:
         modes = build({**run.configuration, **changes}).motor.modes
@@ -59,8 +54,8 @@ def tip_radius(run: Run) -> float:
     K = 4/3 E* sqrt(R_e), R_e = [(1/r) (1/r + 1/R)]^(-1/2), solved for 1/r.
     """
     with suppress(NotApplicableError):
-        return run.setting("law", "tip_radius")
-    radius = run.setting("rotor", "radius")
+        return run.setting("law.tip_radius")
+    radius = run.setting("rotor.radius")
     # K goes with sqrt(R_e): a relative radius of one metre gives the constant.
     flat = hertz_stiffness(1.0, float("inf"))
     product = (flat / stiffness(run)) ** 4

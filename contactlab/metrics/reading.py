@@ -1,6 +1,6 @@
 """A dataset from a file or a tree, checked for its layout before anything is made of it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -30,7 +30,7 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
         ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
     """
     tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
-    if fault := _fault_of(tree):
+    for fault in _faults(tree):
         words = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
         raise ValueError(f"{words} has {fault}")
     return tree
@@ -48,69 +48,60 @@ def _opened(path: Path) -> xarray.DataTree:
             "name, or run contactlab to make one."
         )
     try:
-        damaged = damage(path)
-    except OSError as fault:
-        raise ValueError(
-            f"'{path}' cannot be read ({fault.strerror or fault}); it must be a file that may be read. "
-            "Check its permissions and the disk."
-        ) from fault
-    if damaged:
-        raise ValueError(damaged)
-    try:
-        # Seconds are numbers here, not dates.
-        with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
-            return opened.load()
+        if not (damaged := damage(path)):
+            # Seconds are numbers here, not dates.
+            with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
+                return opened.load()
     except (OSError, ValueError, LookupError, RuntimeError, AttributeError, TypeError) as fault:
         raise ValueError(
-            f"'{path}' cannot be read as netCDF-4; it must be a file in the layout of a run.nc. Check "
-            "that it is one, and whole: `ncdump -h` shows what is in it."
+            f"'{path}' cannot be read as netCDF-4; it must be a file in the layout of a run.nc that may be "
+            f"read. Check its permissions, and that it is one, and whole: `ncdump -h` shows what is in it, "
+            f"here it is told {getattr(fault, 'strerror', None) or fault}."
         ) from fault
+    raise ValueError(damaged)
 
 
-def _fault_of(tree: xarray.DataTree) -> str:
-    """Say what a layout has that the metrics would misread; empty where there is nothing."""
-    root, group = tree.to_dataset(inherit=False), tree.children.get("contacts")
+def _faults(tree: xarray.DataTree) -> Iterator[str]:
+    """Say what a layout has that the metrics would misread, the first fault first."""
+    root = tree.to_dataset(inherit=False)
     if "time" not in root.variables or root["time"].dims != ("time",):
-        return (
+        yield (
             "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds. "
             f"{_WAY_OUT}"
         )
-    if fault := _fault_among(root, (variables.TIME, *_ROOT)):
-        return fault
-    time = np.asarray(root["time"].values, dtype=np.float64)
+    yield from _misread(root, (variables.TIME, *_ROOT))
+    time = root["time"].values
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
-        return (
+        yield (
             f"{time.size} times that do not all increase; there must be at least two, strictly "
             "increasing, in seconds. Sort them and drop repeated ones."
         )
     names = [variable.name for variable in _ROOT]
     if root.variables.keys().isdisjoint(names):
-        return (
+        yield (
             f"none of the time series; it must have at least one of {', '.join(names)}. {_WAY_OUT}"
         )
     said = tree.attrs.get("complete", 1)
     if np.size(said) != 1 or np.asarray(said).dtype.kind not in "biuf" or said not in (0, 1):
-        return (
+        yield (
             f"the attribute complete = {said!r}; it must be 1 for a run that reached its end and 0 for "
             "another. Correct it, or leave it out."
         )
-    return (
-        "" if group is None else _fault_among(group.to_dataset(inherit=False), variables.CONTACTS)
-    )
+    if group := tree.children.get("contacts"):
+        yield from _misread(group.to_dataset(inherit=False), variables.CONTACTS)
 
 
-def _fault_among(found: xarray.Dataset, known: Iterable[Variable]) -> str:
-    """Say which known variable has other dimensions or units, or is no number."""
+def _misread(found: xarray.Dataset, known: Iterable[Variable]) -> Iterator[str]:
+    """Say which known variables have other dimensions or units, or are no numbers."""
     for variable in (variable for variable in known if variable.name in found.variables):
         name, given = variable.name, found[variable.name]
         units = given.attrs.get("units", variable.units)
         if given.dims != variable.dims:
-            return f"'{name}' over {given.dims}; it must be over {variable.dims}. {_WAY_OUT}"
+            yield f"'{name}' over {given.dims}; it must be over {variable.dims}. {_WAY_OUT}"
         if given.dtype.kind not in "fiu":
-            return f"'{name}' as {given.dtype}; it must be real numbers in {variable.units}. Convert it."
+            yield f"'{name}' as {given.dtype}; it must be real numbers in {variable.units}. Convert it."
         if units != variable.units:
-            return (
+            yield (
                 f"'{name}' in {units!r}; it must be in {variable.units!r}. Convert the numbers and the "
                 "attribute 'units'."
             )
-    return ""

@@ -126,7 +126,7 @@ def torque(run: Run) -> float:
     # A mean force stands for the interval that ends at its time.
     force = run.series("friction_force")[span][1:]
     lengths = np.diff(run.time[span])
-    return -run.setting("rotor", "radius") * float(force @ lengths) / float(lengths.sum())
+    return -run.setting("rotor.radius") * float(force @ lengths) / float(lengths.sum())
 
 
 @metric(

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Final, final
@@ -11,6 +12,7 @@ import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
+from contactlab.config.nesting import flat
 from contactlab.laws.registry import PARTS, law_class
 from contactlab.results.netcdf import configuration_of
 from contactlab.trajectory import Trajectory
@@ -24,7 +26,7 @@ class NotApplicableError(Exception):
     """A dataset lacks what a metric needs, or has nothing for it to measure."""
 
 
-def needed(held: bool) -> None:
+def needed(held: object) -> None:
     """Stop a metric by `NotApplicableError` where it has nothing to measure."""
     if not held:
         raise NotApplicableError
@@ -41,16 +43,12 @@ def positive(scale: float) -> float:
 class Run:
     """A run, from its dataset or from memory.
 
-    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns` and
-    `rows` hold what there is, as it is.
+    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns`, of the
+    root, and `rows`, a number a contact, hold what there is, as it is.
 
     Args:
-        columns: `time`, the series over it and what else stands at the root.
-        rows: the contacts, a number each.
-        contact_step: largest step in contact [s]; zero, as all else is empty, where it is not known.
-        attributes: of the dataset; empty for a run in memory.
-        sound: whether its numbers are known to be finite, as those of a run in memory are that reached
-            its end.
+        contact_step: largest step in contact [s]; zero where it is not known.
+        sound: whether its numbers are known to be finite, as those in memory of a run that reached its end.
         source, label: where it is from, and a word for it beside other runs.
     """
 
@@ -71,16 +69,15 @@ class Run:
         if isinstance(source, Run):
             return source
         said, step = source.attrs, source.attrs.get("contact_step", 0.0)
-        try:
-            parameters = json.loads(str(said.get("law_parameters", "")))
-        except ValueError:
-            parameters = {}
+        parameters: dict[str, Any] = {}
+        with suppress(ValueError, TypeError):
+            parameters = dict(json.loads(str(said.get("law_parameters", ""))))
         return cls(
             columns=_values(source),
             rows=_values(source.children.get("contacts", xarray.DataTree())),
             configuration=configuration_of(source),
             law=str(said.get("law", "")),
-            law_parameters=parameters if isinstance(parameters, dict) else {},
+            law_parameters={k: x for k, x in parameters.items() if isinstance(x, int | float)},
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
             attributes=said,
         )
@@ -110,10 +107,15 @@ class Run:
         return np.diff(self.time)
 
     @cached_property
+    def settings(self) -> dict[str, Any]:
+        """The configuration by full key."""
+        return flat(self.configuration)
+
+    @cached_property
     def period(self) -> float:
         """Period of the drive's first tone [s]; zero where it is not known."""
         try:
-            return 1.0 / self.setting("drive", "frequency")
+            return 1.0 / self.setting("drive.frequency")
         except (NotApplicableError, ZeroDivisionError):
             return 0.0
 
@@ -127,30 +129,22 @@ class Run:
 
     def series(self, name: str) -> Array:
         """Give a series over time, all of it finite."""
-        needed(name in self.columns)
-        values = np.asarray(self.columns[name], dtype=np.float64)
-        needed(self.sound or bool(np.isfinite(values).all()))
-        return values
+        needed(self.holds(name))
+        return self._numbers(self.columns[name])
 
     def contacts(self, name: str) -> Array:
         """Give a column of the contacts, of which there is at least one; only a separation may be missing."""
         needed(self.touches(name))
-        column = np.asarray(self.rows[name], dtype=np.float64)
-        may_miss = name == "separation_velocity"
-        needed(self.sound or may_miss or bool(np.isfinite(column).all()))
-        return column
+        return self._numbers(self.rows[name], may_miss=name == "separation_velocity")
 
-    def touch_downs(self) -> Array:
-        """Give the start times of the contacts in order [s]; none where none is known."""
-        try:
-            return np.sort(self.contacts("start_time"))
-        except NotApplicableError:
-            return np.empty(0)
+    def _numbers(self, values: NDArray[Any], *, may_miss: bool = False) -> Array:
+        numbers = np.asarray(values, dtype=np.float64)
+        needed(self.sound or may_miss or np.isfinite(numbers).all())
+        return numbers
 
-    def setting(self, section: str, key: str) -> float:
-        """Give a number of the configuration, SI."""
-        found = self.configuration.get(section)
-        value = found.get(key) if isinstance(found, Mapping) else None
+    def setting(self, key: str) -> float:
+        """Give a number of the configuration by its full key, SI."""
+        value = self.settings.get(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise NotApplicableError
         return float(value)
@@ -162,12 +156,8 @@ class Run:
             classes: dict[str, Any] = {"": law_class(self.law)}
         except ValueError:
             return {}
-        section = self.configuration.get("law")
-        for family, parts in PARTS.items():
-            below = section.get(family) if isinstance(section, dict) else None
-            if isinstance(below, dict) and str(below.get("name")) in parts:
-                classes[family] = parts[below["name"]]
-        return classes
+        chosen = {family: str(self.settings.get(f"law.{family}.name")) for family in PARTS}
+        return classes | {f: PARTS[f][name] for f, name in chosen.items() if name in PARTS[f]}
 
     def last_periods(self) -> slice:
         """Give the records of the last whole drive periods that fit into the last quarter of the run.
