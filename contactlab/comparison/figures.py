@@ -1,6 +1,6 @@
 """The pictures of a comparison: one contact, paths, rotor velocities, energy flow, phase portraits."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from textwrap import fill
@@ -16,7 +16,7 @@ from matplotlib.style import context
 from contactlab.comparison import curves
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.scorecard import ENERGY_TERMS
-from contactlab.metrics import NotApplicableError
+from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.overview_data import drawable, envelope
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
@@ -33,28 +33,27 @@ DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}  # of a line to go by
 
 # Without dates and versions the same runs give the same bytes.
-METADATA: Final[dict[str, dict[str, Any]]] = {
-    "png": {"Software": None},
-    "pdf": {"CreationDate": None},
-}
+METADATA: Final[Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
 
 
 def draw_all(laws: Sequence[Refined], data: xarray.Dataset, folder: Path) -> list[Path]:
     """Write every figure that the runs have the numbers for, as PNG and PDF; gives the PNGs."""
-    with context(STYLE):
-        figures = {
-            "contact_force": draw_contact(laws),
-            "tip_trajectory": draw_paths(laws),
-            "rotor_velocity": draw_velocities(laws),
-            "energy_flow": draw_energy(data),
-            "phase_portrait": draw_phases(laws),
-        }
-        drawn = {name: figure for name, figure in figures.items() if figure is not None}
-        for name, figure in drawn.items():
+    figures: dict[str, tuple[Callable[[Any], Figure], Any]] = {
+        "contact_force": (draw_contact, laws),
+        "tip_trajectory": (draw_paths, laws),
+        "rotor_velocity": (draw_velocities, laws),
+        "energy_flow": (draw_energy, data),
+        "phase_portrait": (draw_phases, laws),
+    }
+    written = []
+    for name, (draw, subject) in figures.items():
+        with context(STYLE), suppress(NotApplicableError):
+            figure = draw(subject)
             for kind, metadata in METADATA.items():
                 with whole_file(folder / f"{name}.{kind}") as partial:
                     figure.savefig(partial, format=kind, metadata=metadata)
-    return [folder / f"{name}.png" for name in drawn]
+            written.append(folder / f"{name}.png")
+    return written
 
 
 def _figure(rows: int, columns: int, height: float, **arguments: Any) -> tuple[Figure, Any]:
@@ -69,8 +68,10 @@ def _style(number: int) -> dict[str, Any]:
 
 
 def _holding(laws: Sequence[Refined], *names: str) -> list[tuple[int, Refined]]:
-    """Give the laws that recorded some series, with their places."""
-    return [(i, law) for i, law in enumerate(laws) if law.best.holds(*names)]
+    """Give the laws that recorded some series, with their places; there is one at least."""
+    holding = [(i, law) for i, law in enumerate(laws) if law.best.holds(*names)]
+    needed(holding)
+    return holding
 
 
 def _legend(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
@@ -94,11 +95,10 @@ def _remark(axes: Axes, words: str, height: float, lift: float) -> None:
     )  # fmt: skip
 
 
-def draw_contact(laws: Sequence[Refined]) -> Figure | None:
+def draw_contact(laws: Sequence[Refined]) -> Figure:
     """Draw the normal force over one contact, friction below."""
     found = curves.one_contact_each(laws)
-    if not found:
-        return None
+    needed(found)
     # An impact of a rigid law is a spike as high as the record interval is short, beside which all other
     # forces would be a line at zero: the axes hold what each law exerts after it.
     after = [c.forces[:, c.time > IMPACT * c.duration] for c in found.values()]
@@ -121,12 +121,10 @@ def draw_contact(laws: Sequence[Refined]) -> Figure | None:
     return _legend(figure, above)
 
 
-def draw_paths(laws: Sequence[Refined]) -> Figure | None:
+def draw_paths(laws: Sequence[Refined]) -> Figure:
     """Draw the path of the tip in the last drive periods."""
     names = ("tip_tangential_displacement", "tip_normal_displacement")
     drawn = _holding(laws, *names)
-    if not drawn:
-        return None
     figure, (axes,) = _figure(1, 1, 3.1)
     for i, law in drawn:
         span = curves.last_periods(law)
@@ -141,12 +139,10 @@ def draw_paths(laws: Sequence[Refined]) -> Figure | None:
     return _legend(figure, axes)
 
 
-def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
+def draw_velocities(laws: Sequence[Refined]) -> Figure:
     """Draw the rotor velocity over the run; below it how far laws differ, against the error of each."""
     name = "rotor_velocity"
     drawn = _holding(laws, name)
-    if not drawn:
-        return None
     series = {i: [run.columns[name] for _, run in law.steps] for i, law in drawn if law.steps}
     errors = {i: laws[i].error(values) for i, values in series.items()}
     smooth = {i: curves.smoothed(laws[i], e) for i, e in errors.items() if np.isfinite(e).all()}
@@ -176,11 +172,10 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
     return _legend(figure, axes)
 
 
-def draw_energy(data: xarray.Dataset) -> Figure | None:
+def draw_energy(data: xarray.Dataset) -> Figure:
     """Draw where the work of the drive has gone, a bar a law; what is given back stands below zero."""
     data = data.dropna("law", subset=["energy"])
-    if not data.sizes["law"]:
-        return None
+    needed(data.sizes["law"])
     work = data["drive_work"].values
     unit, scale = prefixed_unit(float(np.max(np.abs(work))), "J")
     labels = [fill(str(label), LONGEST_LABEL) for label in data["law"].values]
@@ -202,11 +197,9 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
     return _legend(figure, axes, markerscale=0.45)
 
 
-def draw_phases(laws: Sequence[Refined]) -> Figure | None:
+def draw_phases(laws: Sequence[Refined]) -> Figure:
     """Draw gap rate and slip over the gap in the last drive periods."""
     drawn = _holding(laws, "gap", "slip_velocity")
-    if not drawn:
-        return None
     figure, (normal, tangential) = _figure(1, 2, 2.7)
     for i, law in drawn:
         run, span = law.best, curves.last_periods(law)

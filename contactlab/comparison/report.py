@@ -1,6 +1,5 @@
 """Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
 
-import json
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -78,10 +77,8 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
     table = rows(data)
-    versions = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
-    code = [f"{k} {v}" for k, v in (versions | {"revision": data.attrs["git_revision"]}).items()]
-    recorded_by = json.loads(data.attrs["recorded_by"]).items()
-    recorded = [f"{label} recorded by contactlab {version}" for label, version in recorded_by]
+    code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
+    versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
         "conclusion": escape(conclusion(data)),
@@ -93,7 +90,7 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
         "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
         "definitions": "\n".join(_definition(metric) for metric, _ in table),
         "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
-        "versions": escape("; ".join([*code, *recorded])),
+        "versions": escape("; ".join(versions)),
     }
     return Template(PAGE.read_text(encoding="utf-8")).substitute(said).replace("&lt;=", "\u2264")
 
@@ -131,8 +128,9 @@ def _definition(metric: Metric) -> str:
 
 
 def _configuration(law: xarray.Dataset) -> str:
-    name, run, at, keys = (
-        escape(str(law[key].item())) for key in ("law", "run", "refined", "configuration")
+    said = {str(key): escape(str(law[key].item())) for key in law.coords if not law[key].dims}
+    return (
+        f"<h3>{said['law']}</h3><p>{said['run']}, recorded by contactlab {said['contactlab_version']}; "
+        f"values at {said['refined']}.</p><details><summary>Configuration</summary>"
+        f"<pre>{said['configuration']}</pre></details>"
     )
-    shown = f"<details><summary>Configuration</summary><pre>{keys}</pre></details>"
-    return f"<h3>{name}</h3><p>{run}; values at {at}.</p>{shown}"

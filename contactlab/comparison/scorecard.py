@@ -1,6 +1,5 @@
 """The scorecard: every metric of every law with verdict and numerical error, a dataset and its tables."""
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from typing import Final, final
 import numpy as np
 import pandas
 import xarray
-import yaml
+from yaml import safe_dump
 
 from contactlab.comparison.reruns import Refined
 from contactlab.metrics import (
@@ -62,55 +61,54 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         energy flow).
     """
     metrics = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
-    keys = [metric.key for metric in metrics]
-    judged = zip(*map(_judged, laws), strict=True)
-    values, errors = ([[one.get(key, nan) for key in keys] for one in each] for each in judged)
+    runs, judged = [law.run for law in laws], [_judged(law) for law in laws]
+    values = [[found.get(metric.key, nan) for metric in metrics] for found, _ in judged]
+    errors = [[error.get(metric.key, nan) for metric in metrics] for _, error in judged]
     verdicts = [
-        [VERDICTS.index(m.verdict(value)) for m, value in zip(metrics, row, strict=True)]
+        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(metrics, row, strict=True)]
         for row in values
     ]
-    flows = pandas.DataFrame([energy_flow(law.best) for law in laws])
-    attributes = [law.run.attributes for law in laws]
-    labels = [law.run.label for law in laws]
-    recorded_by = [str(given.get("contactlab_version", "unknown")) for given in attributes]
-    configurations = [dict(law.run.configuration) for law in laws]
-    code, (revision, dirty) = versions(), checkout_state()
+    flows = [energy_flow(law.best) for law in laws]
+    gone = [[flow[term] for term in ENERGY_TERMS] for flow in flows]
     flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
-    units = {"comment": "units differ by metric and stand in the coordinate `units`"}
+    both, units = ("law", "metric"), {"comment": "units differ by metric, see `units`"}
     error = {"long_name": "error of the value by Richardson's estimate", **units}
-    gone = {"units": "J", "long_name": "where the work of the drive has gone"}
+    energy = {"units": "J", "long_name": "where the work of the drive has gone"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
-    both = ("law", "metric")
-    of_metrics = {
-        name: [getattr(metric, name) for metric in metrics]
-        for name in ("symbol", "units", "meaning", "threshold", "reason", "source")
-    }
-    of_metrics["metric_source"] = of_metrics.pop("source")
-    of_laws = {
-        "run": [law.run.source for law in laws],
-        "refined": [_refinement(law) for law in laws],
-        "configuration": [yaml.safe_dump(given, sort_keys=False) for given in configurations],
-        "law_parameters": [str(given.get("law_parameters", "")) for given in attributes],
-    }
+    code, (revision, dirty) = versions(), checkout_state()
     return xarray.Dataset(
         {
             "value": (both, values, {"long_name": "value of the metric", **units}),
             "numerical_error": (both, errors, error),
             "verdict": (both, np.array(verdicts, dtype=np.int8), flags),
-            "energy": (("law", "term"), flows[list(ENERGY_TERMS)].to_numpy(), gone),
-            "drive_work": ("law", flows["drive_work"].to_numpy(), work),
+            "energy": (("law", "term"), gone, energy),
+            "drive_work": ("law", [flow["drive_work"] for flow in flows], work),
         },
         coords={
-            **{"law": labels, "metric": keys, "term": list(ENERGY_TERMS)},
-            **{name: ("metric", each) for name, each in of_metrics.items()},
-            **{name: ("law", each) for name, each in of_laws.items()},
+            "law": [run.label for run in runs],
+            "metric": [metric.key for metric in metrics],
+            "term": list(ENERGY_TERMS),
+            **{
+                name: ("metric", [getattr(metric, name) for metric in metrics])
+                for name in ("symbol", "units", "meaning", "threshold", "reason")
+            },
+            "metric_source": ("metric", [metric.source for metric in metrics]),
+            "run": ("law", [run.source for run in runs]),
+            "refined": ("law", [_refinement(law) for law in laws]),
+            "configuration": (
+                "law",
+                [safe_dump(dict(r.configuration), sort_keys=False) for r in runs],
+            ),
+            **{
+                name: ("law", [str(run.attributes.get(name, "")) for run in runs])
+                for name in ("law_parameters", "contactlab_version")
+            },
         },
         attrs={
             "Conventions": "CF-1.11",
-            "title": f"Contact laws compared: {', '.join(labels)}",
+            "title": f"Contact laws compared: {', '.join(run.label for run in runs)}",
             "source": f"contactlab {code['contactlab_version']}, numerical simulation",
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
-            "recorded_by": json.dumps(dict(zip(labels, recorded_by, strict=True))),
             **code,
             "git_revision": revision,
             "git_dirty": dirty,

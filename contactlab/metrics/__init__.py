@@ -19,4 +19,4 @@ from contactlab.metrics.catalogue import (
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants
 from contactlab.metrics.reading import is_complete, read_run
-from contactlab.metrics.run import NotApplicableError, Run
+from contactlab.metrics.run import NotApplicableError, Run, needed
