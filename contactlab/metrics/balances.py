@@ -25,8 +25,7 @@ SPENT: Final = ("damping_loss", "friction_loss", "contact_loss", "load_work")
     "energy that the ledger cannot account for, over the energy turned over",
     bound=LEDGER_LIMIT,
     reason="the contact's share of the drive work, what laws differ in, is a few per cent: a ledger "
-    "open by one per cent could hide it. A first-order law at its default step is open by a tenth of that "
-    "at most, a compliant law by far less",
+    "open by one per cent could hide it. A first-order law at its default step is open by a tenth of that",
     source="first law of thermodynamics",
 )
 def energy_residual(run: Run) -> float:
@@ -43,10 +42,9 @@ def energy_residual(run: Run) -> float:
     "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|)",
     "angular momentum of the rotor that friction impulses, load and damping do not explain",
     bound=ROUND_OFF,
-    reason="action equals reaction at any step: both sides add up the same impulses, only round-off "
-    "(seven digits in single precision) is between them. A rigid law that projects corrects the angle too, "
-    "by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of its impulses, "
-    "where that is less than one",
+    reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
+    "rigid law that projects corrects the angle too, by a step h of the change of velocity: a damped rotor "
+    "is judged up to C_r h / J of its impulses, where that is less than one",
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
@@ -58,8 +56,8 @@ def rotor_momentum(run: Run) -> float:
     load = float(torque * (run.time[-1] - run.time[0]))
     damped = float(damping * (angle[-1] - angle[0]))
     missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
-    # A rigid law that closes the gap at the end of a step h has an angle that follows the velocity to within
-    # h R sum|p_t| / J. What damping makes of that must stay below what is to be seen.
+    # The angle of such a law follows the velocity to within h R sum|p_t| / J: what damping makes of that
+    # must stay below what is to be seen.
     projects = getattr(run.law_classes.get(""), "projects", False)
     corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
@@ -72,8 +70,7 @@ def rotor_momentum(run: Run) -> float:
     "max over n, t of |sum p - sum F dt| / sum|p_n|",
     "impulses of the contacts against the recorded mean forces",
     bound=ROUND_OFF,
-    reason="a recorded force is the mean of its interval, so that both are the same integral up to "
-    "round-off (seven digits in single precision)",
+    reason="a recorded force is the mean of its interval: both are the same integral but for round-off",
     source="definition of impulse and of mean force",
 )
 def impulse_balance(run: Run) -> float:
@@ -106,11 +103,9 @@ def phantom_contacts(run: Run) -> float:
 
 @invariant(
     "max(-g_dot_1, g_dot_0, 0) / max|g_dot|",
-    "largest gap rate of the wrong sign: closing at a release, or opening at a touch-down, over the "
-    "fastest rate of the gap",
+    "largest gap rate of the wrong sign: closing at a release or opening at a touch-down, over the fastest",
     bound=1e-3,
-    reason="a gap that opens does not close; a first-order law finds its release within a step, a "
-    "thousandth of a contact",
+    reason="a gap that opens does not close; a first-order law is late by a step, 1e-3 of a contact",
     source="definition of touch-down and release",
 )
 def closing_release(run: Run) -> float:
@@ -126,11 +121,9 @@ def closing_release(run: Run) -> float:
 
 @invariant(
     "max(-g, 0) without contact / A",
-    "deepest overlap of tip and rotor outside of every contact, over half the range of the tip's normal "
-    "motion",
+    "deepest overlap of tip and rotor without contact, over half the range of the tip's normal motion",
     bound=1e-3,
-    reason="where the bodies overlap there is contact; a first-order law's release is off by a step, in "
-    "which the gap changes by less than this",
+    reason="bodies that overlap touch; a first-order release is off by a step, which moves the gap by less",
     source="0 <= g outside of contact",
 )
 def missed_contact(run: Run) -> float:
@@ -169,8 +162,7 @@ def peak_deficit(run: Run) -> float:
 
 @invariant(
     "max(-min g - max d_max, 0) / A",
-    "recorded overlap beyond the largest penetration that the contacts state, over half the range of the "
-    "tip's normal motion",
+    "recorded overlap beyond the deepest that contacts state, over half the range of the tip's normal motion",
     bound=1e-2,
     reason="no record lies deeper than the deepest point; a rigid law states its depth once a step, and "
     "an impact's step sinks by a part of approach times step, a few thousandths here",
@@ -183,8 +175,7 @@ def depth_deficit(run: Run) -> float:
 
 @invariant(
     "max|g - g(u, theta)| / A",
-    "recorded gap against that of the recorded displacements, over half the range of the tip's normal "
-    "motion",
+    "recorded gap against that of recorded displacements, over half the range of the tip's normal motion",
     bound=ROUND_OFF,
     reason="both are the same geometry, but for round-off",
     source="paper, eqs. 35-37",

@@ -10,16 +10,15 @@ from contactlab.metrics.hertz import tip_radius
 from contactlab.metrics.run import Run, needed, positive
 
 ONE_STEP: Final = 1e-3
-"""What the one step in which a force or a slip ends may have of the wrong sign: a step is a thousandth of
-a contact at the rigid laws' default, and a compliant law's error is smaller still."""
+"""What the step in which a force or a slip ends, a thousandth of a contact at a rigid law's default, may have
+of the wrong sign; a compliant law's error is smaller still."""
 
 
 @metric(
     "max d_max / r",
     "largest penetration over the tip's radius",
     bound=1e-2,
-    reason="Hertz's half-space holds while the contact is small against the bodies, a/r <= 0.1; with "
-    "d = a^2/r that is d/r <= 0.01",
+    reason="Hertz's half-space holds for small contacts, a/r <= 0.1; with d = a^2/r that is d/r <= 0.01",
     source="Johnson (1985), Contact Mechanics, sec. 4.2",
 )
 def penetration_over_radius(run: Run) -> float:
@@ -35,8 +34,7 @@ def penetration_over_amplitude(run: Run) -> float:
     "max(-N, 0) / (sum p_n / sum t_c)",
     "largest pull over the mean normal force in contact",
     bound=ONE_STEP,
-    reason="dry bodies do not pull; only the one step in which a contact ends may, and it is a thousandth "
-    "of a contact",
+    reason="dry bodies do not pull, but for the one step in which a contact ends, a thousandth of it",
     source="Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def tension(run: Run) -> float:
@@ -48,8 +46,7 @@ def tension(run: Run) -> float:
     "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
     "normal force while the gap is open, over mean force in contact times amplitude",
     bound=ROUND_OFF,
-    reason="0 <= N, 0 <= g, N g = 0: where the gap is open throughout a record interval, there is no "
-    "force but round-off",
+    reason="0 <= N, 0 <= g, N g = 0: no force but round-off where the gap is open throughout an interval",
     source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def force_at_distance(run: Run) -> float:
@@ -96,8 +93,7 @@ def friction_gain(run: Run) -> float:
     "sum max(-dW_n, 0) / sum(|dW_f| + |dW_n|)",
     "energy made by normal damping in lasting contact, over all losses in contact",
     bound=ONE_STEP,
-    reason="a material may store and lose energy but not make it; only the one step in which a contact "
-    "ends may show the other sign",
+    reason="a material stores and loses energy, never makes it, but for the step in which a contact ends",
     source="second law of thermodynamics",
 )
 def normal_gain(run: Run) -> float:
@@ -132,8 +128,7 @@ def _falls(run: Run, name: str) -> float:
     "sum max(-W, 0) / sum|W|",
     "energy of contacts that as a whole give some, over the losses of all",
     bound=ROUND_OFF,
-    reason="what a contact stores is released when it ends, so that a whole one only loses; no step cuts "
-    "it, and round-off is all that remains",
+    reason="what a contact stores it gives back by its end: a whole one only loses, but for round-off",
     source="second law of thermodynamics; Stronge (2000), Impact Mechanics, ch. 3",
 )
 def contact_gain(run: Run) -> float:
@@ -146,9 +141,8 @@ def contact_gain(run: Run) -> float:
     "largest slip velocity while the contact sticks, over the amplitude of the tip's tangential velocity; "
     "not applicable to friction with a spring, which gives way",
     bound=ONE_STEP,
-    reason="stick is no slip at all; a drift of a thousandth of the vibration's velocity moves the tip by "
-    "about a thousandth of its amplitude over a contact, and the projection of a first-order law at its "
-    "default step leaves less than that",
+    reason="stick is no slip; a drift of a thousandth of the vibration's velocity moves the tip by as much "
+    "of its amplitude over a contact, and the projection of a first-order law at its default step by less",
     source="paper, eqs. 60-66",
 )
 def stick_slip(run: Run) -> float:
@@ -166,11 +160,9 @@ def stick_slip(run: Run) -> float:
 
 @metric(
     "touch-downs with p_t v_0 < 0 and v_1 v_0 < 0, over all with friction",
-    "share of touch-downs whose friction reverses the slip, beyond what the slip changes by itself within "
-    "a record interval",
+    "share of touch-downs whose friction reverses the slip, beyond its own change within a record interval",
     bound=5e-2,
-    reason="friction can stop a slip, never reverse it: none may. One in twenty is left for slips that "
-    "pass zero by themselves between two records",
+    reason="friction stops a slip, never reverses it; one in twenty is left for what turns by itself",
     source="Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635",
 )
 def slip_reversal(run: Run) -> float:

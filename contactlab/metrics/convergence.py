@@ -102,8 +102,7 @@ def extrapolated_rotor_velocity(ladder: Ladder) -> float:
 
 @of_steps(
     "|Omega_3 - Omega_extrapolated| / |Omega_3|",
-    "numerical error of the rotor velocity at the finest step; where no order can be trusted, the range of "
-    "the three finest over the finest",
+    "numerical error of the rotor velocity at the finest step; the range of three if no order is trusted",
     source=ROACHE,
 )
 def velocity_error(ladder: Ladder) -> float:

@@ -8,8 +8,7 @@ from contactlab.metrics.catalogue import metric, without_records
 from contactlab.metrics.hertz import effective_mass, hertz_duration, stiffness
 from contactlab.metrics.run import Run, needed, positive
 
-OCCUPIED: Final = 0.99
-"""Share of the spectral energy below the bandwidth."""
+OCCUPIED: Final = 0.99  # share of the spectral energy below the bandwidth
 
 
 @without_records("n_c", "number of contacts, one that the end cuts included", usual=True)
@@ -55,8 +54,7 @@ def stick_share(run: Run) -> float:
 
 @without_records(
     "median(-g_dot_1 / g_dot_0)",
-    "apparent restitution: separation over approach velocity. The drive works on through a contact, so "
-    "that one is no bound",
+    "apparent restitution: separation over approach velocity. As the drive works on, one is no bound",
     source="Stronge (2000), Impact Mechanics, ch. 3",
 )
 def restitution(run: Run) -> float:
@@ -131,8 +129,7 @@ def torque(run: Run) -> float:
 
 @metric(
     "dW_l / dW_d",
-    "work on the load over work of the drive in the last whole drive periods; none where the load drives "
-    "the motor",
+    "work on the load over work of the drive in the last whole drive periods; none where the load drives",
 )
 def efficiency(run: Run) -> float:
     span = run.last_periods()
