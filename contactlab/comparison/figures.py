@@ -31,6 +31,7 @@ DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Lines of the laws in turn, so that a print without colours tells them apart."""
 
 THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}  # of a line to go by
+NOTE: Final = {"ha": "right", "fontsize": 7}  # of a few words at the right end of such a line
 
 # Without dates and versions the same runs give the same bytes.
 METADATA: Final[Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
@@ -87,14 +88,6 @@ def _legend(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
     return figure
 
 
-def _remark(axes: Axes, words: str, height: float, lift: float) -> None:
-    """Write a few words at the right end of a line across the axes."""
-    axes.annotate(
-        words, (1.0, height), (-2.0, lift), ("axes fraction", "data"), "offset points",
-        ha="right", fontsize=7,
-    )  # fmt: skip
-
-
 def draw_contact(laws: Sequence[Refined]) -> Figure:
     """Draw the normal force over one contact, friction below."""
     found = curves.one_contact_each(laws)
@@ -133,7 +126,9 @@ def draw_paths(laws: Sequence[Refined]) -> Figure:
     with suppress(NotApplicableError):
         clearance = 1e6 * drawn[0][1].run.setting("contact.clearance")
         axes.axhline(clearance, **THIN)
-        _remark(axes, "rotor", clearance, 2.0)
+        axes.text(
+            1.0, clearance, "rotor", transform=axes.get_yaxis_transform(), va="bottom", **NOTE
+        )
     axes.set_xlabel("tangential displacement of the tip (\u00b5m)")
     axes.set_ylabel("normal displacement (\u00b5m)")
     return _legend(figure, axes)
@@ -165,7 +160,8 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure:
         apart = curves.smoothed(first, np.ptp(each, axis=0))
         if np.isfinite(apart).any():
             last.plot(*envelope(time / scale, apart), color="black", linewidth=1.4)
-            _remark(last, "range of the laws", apart[-1], -9.0)
+            place, words = last.get_yaxis_transform(), "range of the laws"
+            last.text(1.0, apart[-1], words, transform=place, va="top", **NOTE)
         last.set(yscale="log", ylabel="numerical error (rad/s)")
     last.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")

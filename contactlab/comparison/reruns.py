@@ -34,22 +34,14 @@ SLOWEST: Final = 0.9
 @final
 @dataclass
 class Refined:
-    """A run with its reruns.
-
-    Args:
-        run: as recorded.
-        control, order: what is refined, `contact_step` or `tolerance`, and how the error falls with it.
-        steps: value of it and what ran, coarsest first; empty without reruns.
-        variants: what ran with the `friction` or the `basis` changed, and by how much.
-        notes: what could not be done, a sentence each.
-    """
+    """A run as recorded and its reruns: at `steps`, coarsest first, and with one thing changed by a share."""
 
     run: Run
-    control: str = ""
-    order: float = 1.0
+    control: str = ""  # what is refined, `contact_step` or `tolerance`
+    order: float = 1.0  # of the error in it
     steps: list[tuple[float, Run]] = field(default_factory=list)
-    variants: dict[str, tuple[float, Run]] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
+    variants: dict[str, tuple[float, Run]] = field(default_factory=dict)  # `friction` and `basis`
+    notes: list[str] = field(default_factory=list)  # what could not be done, a sentence each
 
     @property
     def best(self) -> Run:

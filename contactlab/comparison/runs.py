@@ -106,11 +106,6 @@ def _differences(runs: Sequence[Run]) -> Iterator[str]:
         if section not in FREE:
             told = [run for run in runs if section in run.configuration]
             said.append(_unlike(key, [(run, run.settings.get(key)) for run in told]))
-    # Where a key has told of them already, once is enough.
-    if not any(said):
-        name = "natural_frequency"
-        tones = [(run, run.columns[name].tolist()) for run in runs if run.holds(name)]
-        said.append(_unlike("The natural frequency [Hz]", tones))
     said.append(_unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs]))
     return filter(None, said)
 
@@ -135,11 +130,11 @@ def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> str:
 
 def shown(value: Any) -> str:
     """Write a value in a sentence or a label, to nine digits."""
-    if value is None:
-        return "not given"
     if isinstance(value, list):
-        return " ".join(shown(entry) for entry in value)
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+        return " ".join(map(shown, value))
+    return (
+        "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
+    )
 
 
 def _untold(runs: Sequence[Run]) -> Iterator[str]:

@@ -6,14 +6,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite, isnan, nan
-from typing import Any, Final, TypeVar, final
+from typing import Any, Final, final
 
 import numpy as np
 import xarray
 
 from contactlab.metrics.run import NotApplicableError, Run
 
-Measure = TypeVar("Measure", bound=Callable[[Any], float])
+Measure = Callable[[Any], float]
 
 VERDICTS: Final = ("n/a", "pass", "fail", "-")  # in the order of their flags in a file
 NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS  # a metric without a threshold is only reported
@@ -26,29 +26,21 @@ digits. A law that breaks an identity misses it by a share of the order of one."
 @final
 @dataclass(frozen=True)
 class Metric:
-    """One number by which a run is judged: what it means, what it must be, and why.
+    """One number by which a run is judged: what it means, what it must be, and why."""
 
-    Args:
-        key: its name everywhere: in files, tables and code.
-        units: SI, in the words of the CF conventions; "1" without.
-        measure: gives the number, or stops with `NotApplicableError`.
-        bound: the largest value that passes, for the reason given; infinite where it is only reported.
-        invariant: whether it holds whatever the law: where it fails, the solver or the file is wrong.
-        needs_records: whether it takes any record but the last.
-        usual: whether it is kept where none is named, as one that costs next to nothing.
-    """
-
-    key: str
-    measure: Callable[[Any], float]
+    key: str  # its name everywhere: in files, tables and code
+    measure: Measure  # gives the number, or stops with `NotApplicableError`
     symbol: str
     meaning: str
-    units: str
-    bound: float = inf
-    reason: str = ""
+    units: str  # SI, in the words of the CF conventions; "1" without
+    bound: float = inf  # the largest value that passes; infinite where it is only reported
+    reason: str = ""  # for the bound
     source: str = ""
-    invariant: bool = False
-    needs_records: bool = True
-    usual: bool = False
+    invariant: bool = (
+        False  # holds whatever the law: where it fails, the solver or the file is wrong
+    )
+    needs_records: bool = True  # takes other records than the last
+    usual: bool = False  # is kept where none is named, as one that costs next to nothing
 
     @property
     def threshold(self) -> str:
@@ -96,10 +88,7 @@ def metric(
     key: str = "",
     **facts: Any,
 ) -> Callable[[Measure], Measure]:
-    """Declare the function below as a metric of a catalogue, with the facts that `Metric` lists.
-
-    Its key is the function's name where none is given.
-    """
+    """Declare the function below as a metric of a catalogue; its name is the key where none is given."""
 
     def register(measure: Measure) -> Measure:
         entry = Metric(key or measure.__name__, measure, symbol, meaning, units, **facts)

@@ -1,17 +1,44 @@
 """What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
 
+from contextlib import suppress
+from math import sqrt
 from typing import Final
 
 import numpy as np
 
+from contactlab.laws import hertz_stiffness
 from contactlab.laws.base import ELASTOPLASTIC, STICK
 from contactlab.metrics.catalogue import ROUND_OFF, metric
-from contactlab.metrics.hertz import tip_radius
-from contactlab.metrics.run import Run, needed, positive
+from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+from contactlab.parameter import parameters_of
 
 ONE_STEP: Final = 1e-3
 """What the step in which a force or a slip ends, a thousandth of a contact at a rigid law's default, may have
 of the wrong sign; a compliant law's error is smaller still."""
+
+
+def stiffness(run: Run) -> float:
+    """Give K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
+    for family, owner in run.law_classes.items():
+        for name, parameter in parameters_of(owner).items():
+            value = run.law_parameters.get(f"{family}.{name}".removeprefix("."), 0.0)
+            if parameter.units == "N m-1.5" and value > 0.0:
+                return float(value)
+    raise NotApplicableError
+
+
+def tip_radius(run: Run) -> float:
+    """Give the radius of the tip [m]: as configured, or of a spherical steel tip with the law's stiffness.
+
+    K = 4/3 E* sqrt(R_e), R_e = [(1/r) (1/r + 1/R)]^(-1/2), solved for 1/r.
+    """
+    with suppress(NotApplicableError):
+        return run.setting("law.tip_radius")
+    radius = run.setting("rotor.radius")
+    # K goes with sqrt(R_e): a relative radius of one metre gives the constant.
+    flat = hertz_stiffness(1.0, float("inf"))
+    product = (flat / stiffness(run)) ** 4
+    return 1.0 / positive(0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius))
 
 
 @metric(
@@ -154,7 +181,7 @@ def stick_slip(run: Run) -> float:
     tip = slip + run.setting("rotor.radius") * run.series("rotor_velocity")
     # A record next to another mode may lie on the switch itself.
     inside = stuck[1:-1] & stuck[:-2] & stuck[2:]
-    needed(bool(inside.any()))
+    needed(inside.any())
     return float(np.abs(slip[1:-1][inside]).max()) / run.amplitude(tip)
 
 
@@ -182,6 +209,6 @@ def slip_reversal(run: Run) -> float:
     rate = (slip[before] - slip[before - 1]) / (time[before] - time[before - 1])
     floor = np.abs(rate * (time[after] - time[before])) + ROUND_OFF * float(np.abs(slip).max())
     work = (push[after] - push[before]) * slip[before]
-    needed(bool(work.any()))
+    needed(work.any())
     turned = (slip[before] * slip[after] < 0.0) & (np.abs(slip[after]) > floor)
     return float(((work < 0.0) & turned).sum()) / float((work != 0.0).sum())

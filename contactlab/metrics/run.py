@@ -1,25 +1,38 @@
-"""A run's numbers as metrics and comparison ask for them; what is not there stops the metric that asked."""
+"""A dataset, checked for its layout, and its numbers as metrics and comparison ask for them."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.nesting import flat
 from contactlab.laws.registry import PARTS, law_class
+from contactlab.results.files import damage
 from contactlab.results.netcdf import configuration_of
 from contactlab.trajectory import Trajectory
+from contactlab.variables import Variable
 
 LAST_SHARE: Final = 0.25
 """Share of the run whose whole drive periods stand for its end: after it, what starts a motor from rest
 has mostly died down, and several periods still fit in."""
+
+
+_ROOT: Final = (*variables.SERIES, variables.CONTACT_MODE)
+
+_WAY_OUT: Final = (
+    "The layout is that of a run.nc: 'time' and the series over it at the root, one row a contact in "
+    "the group 'contacts'; `contactlab` writes one to look at. A variable that is not known may be "
+    "left out, never be misnamed."
+)
 
 
 class NotApplicableError(Exception):
@@ -43,25 +56,20 @@ def positive(scale: float) -> float:
 class Run:
     """A run, from its dataset or from memory.
 
-    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns`, of the
-    root, and `rows`, a number a contact, hold what there is, as it is.
-
-    Args:
-        contact_step: largest step in contact [s]; zero where it is not known.
-        sound: whether its numbers are known to be finite, as those in memory of a run that reached its end.
-        source, label: where it is from, and a word for it beside other runs.
+    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns` and `rows`
+    hold what there is, as it is.
     """
 
-    columns: Mapping[str, NDArray[Any]]
-    rows: Mapping[str, NDArray[Any]]
+    columns: Mapping[str, NDArray[Any]]  # of the root
+    rows: Mapping[str, NDArray[Any]]  # a number a contact
     configuration: Mapping[str, Any]
     law: str
     law_parameters: Mapping[str, float]
-    contact_step: float
+    contact_step: float  # largest step in contact [s]; zero where it is not known
     attributes: Mapping[Any, Any] = field(default_factory=dict)
-    sound: bool = False
-    source: str = ""
-    label: str = ""
+    sound: bool = False  # its numbers are known to be finite
+    source: str = ""  # where it is from
+    label: str = ""  # beside other runs
 
     @classmethod
     def of(cls, source: "xarray.DataTree | Run") -> "Run":
@@ -193,5 +201,92 @@ class Run:
 
 
 def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
-    variables = tree.to_dataset(inherit=False).variables
-    return {str(name): np.asarray(variable.values) for name, variable in variables.items()}
+    found = tree.to_dataset(inherit=False).variables
+    return {str(name): np.asarray(variable.values) for name, variable in found.items()}
+
+
+def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
+    """Read a run.nc, or a file or a tree of one's own in the same layout; the file is closed again.
+
+    What it lacks makes the metrics that need it not applicable; what it has is of the layout's dimensions
+    and units.
+
+    Raises:
+        ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
+    """
+    tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
+    for fault in _faults(tree):
+        words = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
+        raise ValueError(f"{words} has {fault}")
+    return tree
+
+
+def is_complete(tree: xarray.DataTree) -> bool:
+    """Tell whether a dataset is of a run that reached its end; one of one's own need not say so."""
+    return bool(tree.attrs.get("complete", 1))
+
+
+def _opened(path: Path) -> xarray.DataTree:
+    if not path.is_file():
+        raise ValueError(
+            f"'{path}' is not there; it must be a netCDF-4 file in the layout of a run.nc. Check the "
+            "name, or run contactlab to make one."
+        )
+    try:
+        if not (damaged := damage(path)):
+            # Seconds are numbers here, not dates.
+            with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
+                return opened.load()
+    except (OSError, ValueError, LookupError, RuntimeError, AttributeError, TypeError) as fault:
+        raise ValueError(
+            f"'{path}' cannot be read as netCDF-4; it must be a file in the layout of a run.nc that may be "
+            f"read. Check its permissions, and that it is one, and whole: `ncdump -h` shows what is in it, "
+            f"here it is told {getattr(fault, 'strerror', None) or fault}."
+        ) from fault
+    raise ValueError(damaged)
+
+
+def _faults(tree: xarray.DataTree) -> Iterator[str]:
+    """Say what a layout has that the metrics would misread, the first fault first."""
+    root = tree.to_dataset(inherit=False)
+    if "time" not in root.variables or root["time"].dims != ("time",):
+        yield (
+            "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds. "
+            f"{_WAY_OUT}"
+        )
+    yield from _misread(root, (variables.TIME, *_ROOT))
+    time = root["time"].values
+    if time.size < 2 or not np.all(np.diff(time) > 0.0):
+        yield (
+            f"{time.size} times that do not all increase; there must be at least two, strictly "
+            "increasing, in seconds. Sort them and drop repeated ones."
+        )
+    names = [variable.name for variable in _ROOT]
+    if root.variables.keys().isdisjoint(names):
+        yield (
+            f"none of the time series; it must have at least one of {', '.join(names)}. {_WAY_OUT}"
+        )
+    said = tree.attrs.get("complete", 1)
+    if np.size(said) != 1 or np.asarray(said).dtype.kind not in "biuf" or said not in (0, 1):
+        yield (
+            f"the attribute complete = {said!r}; it must be 1 for a run that reached its end and 0 for "
+            "another. Correct it, or leave it out."
+        )
+    if group := tree.children.get("contacts"):
+        yield from _misread(group.to_dataset(inherit=False), variables.CONTACTS)
+
+
+def _misread(found: xarray.Dataset, known: Iterable[Variable]) -> Iterator[str]:
+    """Say which known variables have other dimensions or units, or are no numbers."""
+    for variable in (variable for variable in known if variable.name in found.variables):
+        name, given = variable.name, found[variable.name]
+        units = given.attrs.get("units", variable.units)
+        if given.dims != variable.dims:
+            yield f"'{name}' over {given.dims}; it must be over {variable.dims}. {_WAY_OUT}"
+        if given.dtype.kind not in "fiu":
+            yield f"'{name}' as {given.dtype}; it must be real numbers in {variable.units}. Convert it."
+        if units != variable.units:
+            yield (
+                f"'{name}' in {units!r}; it must be in {variable.units!r}. Convert the numbers and the "
+                "attribute 'units'."
+            )
