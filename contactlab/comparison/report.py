@@ -23,12 +23,10 @@ CAPTIONS: Final = {
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
     "rigid impacts grow without bound as the step falls; they are named, not drawn.",
     "tip_trajectory": "Path of the tip in the last two drive periods.",
-    "rotor_velocity": "Rotor velocity; bands are the numerical error, where none is seen it is thinner than "
-    "the line. Below: how far the laws are apart, in black, against the numerical error of each, both as "
-    "the median over a drive period.",
+    "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
+    "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
     "energy_flow": "Where the work of the drive has gone by the end of the run.",
-    "phase_portrait": "Gap rate (mean over the record intervals) and slip over the gap in the last two drive "
-    "periods.",
+    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods.",
 }
 
 

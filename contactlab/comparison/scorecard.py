@@ -11,26 +11,13 @@ import pandas
 import xarray
 from yaml import safe_dump
 
+from contactlab import metrics
 from contactlab.comparison.reruns import Refined
-from contactlab.metrics import (
-    METRICS,
-    NOT_APPLICABLE,
-    REPORTED,
-    SENSITIVITIES,
-    STEP_METRICS,
-    VERDICTS,
-    Metric,
-    NotApplicableError,
-    Run,
-    assess,
-    assess_steps,
-    assess_variants,
-)
+from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS, Metric, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.provenance import checkout_state, versions
 
-EVERY: Final = METRICS | STEP_METRICS | SENSITIVITIES  # all that a law is judged by
-
+EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
 FLAGS: Final = "not_applicable pass fail reported"  # `VERDICTS` as words of the CF conventions
 
 ENERGY_TERMS: Final = {
@@ -60,14 +47,15 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         A dataset with the dimensions `law`, `metric`, those first that have a threshold, and `term` (of the
         energy flow).
     """
-    metrics = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
+    every = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
     runs, judged = [law.run for law in laws], [_judged(law) for law in laws]
-    values = [[found.get(metric.key, nan) for metric in metrics] for found, _ in judged]
-    errors = [[error.get(metric.key, nan) for metric in metrics] for _, error in judged]
+    values = [[found.get(metric.key, nan) for metric in every] for found, _ in judged]
+    errors = [[error.get(metric.key, nan) for metric in every] for _, error in judged]
     verdicts = [
-        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(metrics, row, strict=True)]
+        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)]
         for row in values
     ]
+    configurations = [dict(run.configuration) for run in runs]
     flows = [energy_flow(law.best) for law in laws]
     gone = [[flow[term] for term in ENERGY_TERMS] for flow in flows]
     flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
@@ -86,19 +74,16 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         },
         coords={
             "law": [run.label for run in runs],
-            "metric": [metric.key for metric in metrics],
+            "metric": [metric.key for metric in every],
             "term": list(ENERGY_TERMS),
             **{
-                name: ("metric", [getattr(metric, name) for metric in metrics])
+                name: ("metric", [getattr(metric, name) for metric in every])
                 for name in ("symbol", "units", "meaning", "threshold", "reason")
             },
-            "metric_source": ("metric", [metric.source for metric in metrics]),
+            "metric_source": ("metric", [metric.source for metric in every]),
             "run": ("law", [run.source for run in runs]),
             "refined": ("law", [_refinement(law) for law in laws]),
-            "configuration": (
-                "law",
-                [safe_dump(dict(r.configuration), sort_keys=False) for r in runs],
-            ),
+            "configuration": ("law", [safe_dump(c, sort_keys=False) for c in configurations]),
             **{
                 name: ("law", [str(run.attributes.get(name, "")) for run in runs])
                 for name in ("law_parameters", "contactlab_version")
@@ -119,10 +104,11 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
 def _judged(law: Refined) -> tuple[dict[str, float], dict[str, float]]:
     """Give values and numerical errors by metric."""
     if not law.steps:
-        return assess(law.run), {}
-    steps = [assess(run) for _, run in law.steps]
-    errors = {key: float(law.error([each[key] for each in steps])) for key in METRICS}
-    return steps[-1] | assess_steps(law.steps) | assess_variants(law.base, **law.variants), errors
+        return metrics.assess(law.run), {}
+    steps = [metrics.assess(run) for _, run in law.steps]
+    errors = {key: float(law.error([each[key] for each in steps])) for key in steps[-1]}
+    found = steps[-1] | metrics.assess_steps(law.steps)
+    return found | metrics.assess_variants(law.base, **law.variants), errors
 
 
 def _refinement(law: Refined) -> str:
@@ -142,7 +128,7 @@ def energy_flow(run: Run) -> dict[str, float]:
     """
     names = ("drive_work", "energy_residual", *STORED, *SPENT)
     try:
-        gain = {name: float(run.series(name)[-1]) - float(run.series(name)[0]) for name in names}
+        gain = {name: run.gain(name) for name in names}
     except NotApplicableError:
         return dict.fromkeys(("drive_work", *ENERGY_TERMS), nan)
     flow = {name: gain[name] for name in ("drive_work", *SPENT)}
@@ -176,14 +162,11 @@ class Cell:
 def rows(data: xarray.Dataset) -> list[tuple[Metric, dict[str, Cell]]]:
     """Take a scorecard apart: every metric with a cell for every law."""
     names, laws = ("value", "numerical_error", "verdict"), list(map(str, data["law"].values))
-    table = zip(data["metric"].values, *(data[name].values.T for name in names), strict=True)
-    return [
-        (
-            EVERY[str(key)],
-            {law: Cell(x, e, VERDICTS[v]) for law, x, e, v in zip(laws, *line, strict=True)},
-        )
-        for key, *line in table
-    ]
+    table = []
+    for key, *line in zip(data["metric"].values, *(data[n].values.T for n in names), strict=True):
+        cells = (Cell(x, error, VERDICTS[flag]) for x, error, flag in zip(*line, strict=True))
+        table.append((EVERY[str(key)], dict(zip(laws, cells, strict=True))))
+    return table
 
 
 def as_text(data: xarray.Dataset) -> str:
@@ -217,16 +200,13 @@ def as_latex(data: xarray.Dataset) -> str:
     lines = [["", "must be", *labels]]
     for metric, cells in rows(data):
         # CF units such as N m-1.
-        units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", metric.units.translate(LATEX)).replace(
-            " ", r"\,"
-        )
+        units = re.sub(r"-?[\d.]+", r"$^{\g<0>}$", metric.units).replace(" ", r"\,")
         name = metric.brief.translate(LATEX) + (f" [{units}]" if metric.unit else "")
         limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
-        numbers = (
-            NOT_APPLICABLE if isnan(c.value) else f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
-            for c in cells.values()
-        )
-        lines.append([name, limit, *numbers])
+        lines.append([name, limit])
+        for c in cells.values():
+            number = f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
+            lines[-1].append(NOT_APPLICABLE if isnan(c.value) else number)
     head, *body = (" & ".join(line) + r" \\" for line in lines)
     start = rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}"
     rules = (r"% \usepackage{booktabs} in the preamble.", start, r"\toprule", head, r"\midrule")

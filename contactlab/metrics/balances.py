@@ -50,19 +50,17 @@ def energy_residual(run: Run) -> float:
 def rotor_momentum(run: Run) -> float:
     inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
     damping, torque = run.setting("rotor.damping"), run.setting("rotor.load_torque")
-    velocity, angle = run.series("rotor_velocity"), run.series("rotor_angle")
-    push = run.contacts("friction_impulse")
+    fastest, push = np.abs(run.series("rotor_velocity")).max(), run.contacts("friction_impulse")
     given = positive(radius * float(np.abs(push).sum()))
-    load = float(torque * (run.time[-1] - run.time[0]))
-    damped = float(damping * (angle[-1] - angle[0]))
-    missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
+    load, damped = torque * run.gain("time"), damping * run.gain("rotor_angle")
+    missing = inertia * run.gain("rotor_velocity") + radius * float(push.sum()) + load + damped
     # The angle of such a law follows the velocity to within h R sum|p_t| / J: what damping makes of that
     # must stay below what is to be seen.
     projects = getattr(run.law_classes.get(""), "projects", False)
     corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
     # Where friction is the least of the terms, the others round off more than it weighs.
-    scale = max(given, inertia * float(np.abs(velocity).max()), abs(load), abs(damped))
+    scale = max(given, inertia * float(fastest), abs(load), abs(damped))
     return abs(missing) / max(scale, corrected * given / ROUND_OFF)
 
 
@@ -75,12 +73,11 @@ def rotor_momentum(run: Run) -> float:
 )
 def impulse_balance(run: Run) -> float:
     scale = positive(float(np.abs(run.contacts("normal_impulse")).sum()))
-    missing = (
-        float(run.series(f"{way}_force")[1:] @ run.intervals)
-        - float(run.contacts(f"{way}_impulse").sum())
-        for way in ("normal", "friction")
-    )
-    return max(map(abs, missing)) / scale
+    missing = []
+    for way in ("normal", "friction"):
+        forces, impulses = run.series(f"{way}_force")[1:], run.contacts(f"{way}_impulse")
+        missing.append(abs(float(forces @ run.intervals) - float(impulses.sum())))
+    return max(missing) / scale
 
 
 @invariant(
@@ -127,8 +124,7 @@ def closing_release(run: Run) -> float:
     source="0 <= g outside of contact",
 )
 def missed_contact(run: Run) -> float:
-    gap, free = run.series("gap"), run.series("contact_mode") == FREE
-    time = run.time
+    gap, free, time = run.series("gap"), run.series("contact_mode") == FREE, run.time
     # A record at the very instant of a touch-down or a release may carry either mode.
     if run.touches("start_time"):
         start = np.sort(run.contacts("start_time"))

@@ -13,7 +13,7 @@ from contactlab.metrics.response import peak_force, rotor_velocity, total_impuls
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 
 ONE_RATIO: Final = (
-    1e-6  # relative difference at which ratios of steps, given in decimals, are the same
+    1e-6  # relative difference of ratios of steps, given in decimals, that are the same
 )
 
 LEAST_ORDER: Final = 0.5
@@ -33,21 +33,12 @@ def _exponent(ladder: Ladder, value: Callable[[Run], float], form: Any = float) 
     needed(np.isfinite(values).all() and (values > 0.0).all())
     x = np.log([step for step, _ in ladder])
     x -= x.mean()
-    slope: float = form(x @ np.log(values) / positive(float(x @ x)))
-    return slope
+    return float(form(x @ np.log(values) / positive(float(x @ x))))
 
 
-for _key, _value, _symbol, _name, _reason in (
-    (
-        *("peak_force", peak_force, "N_max", "peak force"),
-        "a physical force does not depend on the step: one that converges has an exponent of its order "
-        "times its remaining error, 0.05 for five per cent at first order; a force made as impulse over step "
-        "has one",
-    ),
-    (
-        *("impulse", total_impulse, "sum p_n", "normal impulse"),
-        "as that of the peak force: what moves the rotor may not depend on the step",
-    ),
+for _value, _key, _symbol, _name in (
+    (peak_force, "peak_force", "N_max", "peak force"),
+    (total_impulse, "impulse", "sum p_n", "normal impulse"),
 ):
     of_steps(
         f"d ln {_symbol} / d ln h",
@@ -60,7 +51,8 @@ for _key, _value, _symbol, _name, _reason in (
         f"dependence of the {_name} on the step",
         key=f"{_key}_step_dependence",
         bound=0.05,
-        reason=_reason,
+        reason="what is physical does not depend on the step: one that converges has an exponent of its "
+        "order times its remaining error, 0.05 for five per cent at first order; impulse over step has one",
         source="paper, fig. 9 and its discussion",
     )(partial(_exponent, value=_value, form=abs))
 
@@ -147,12 +139,9 @@ def _sensitivity(
     return (value(variant) - before) / before / amount
 
 
-for _thing, _symbol, _meaning in (
-    ("basis", "d {0} / {0}", "relative change of the {} with the basis"),
-    (
-        *("friction", "(d {0} / {0}) / (d mu / mu)"),
-        "relative change of the {} over that of the friction coefficient",
-    ),
+for _thing, _symbol, _base in (
+    ("basis", "d {0} / {0}", "with the basis"),
+    ("friction", "(d {0} / {0}) / (d mu / mu)", "over that of the friction coefficient"),
 ):
     for _value, _letter, _name in (
         (rotor_velocity, "Omega", "mean rotor velocity"),
@@ -161,7 +150,7 @@ for _thing, _symbol, _meaning in (
     ):
         metric(
             _symbol.format(_letter),
-            _meaning.format(_name),
+            f"relative change of the {_name} {_base}",
             catalogue=SENSITIVITIES,
             key=f"{_value.__name__}_by_{_thing}",
         )(partial(_sensitivity, thing=_thing, value=_value))

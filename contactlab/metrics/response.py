@@ -1,15 +1,11 @@
 """What a run's contacts and motor do: numbers that laws differ in, without a right value."""
 
-from typing import Final
-
 import numpy as np
 
 from contactlab.config import ConfigurationError, build
 from contactlab.metrics.catalogue import metric, without_records
 from contactlab.metrics.constraints import stiffness
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
-
-OCCUPIED: Final = 0.99  # share of the spectral energy below the bandwidth
 
 
 @without_records("n_c", "number of contacts, one that the end cuts included", usual=True)
@@ -115,8 +111,7 @@ def force_bandwidth(run: Run) -> float:
     # Every line but those at zero and at the Nyquist frequency stands for two.
     energy[1 : (force.size + 1) // 2] *= 2.0
     grown = np.cumsum(energy)
-    line = int(np.searchsorted(grown, OCCUPIED * grown[-1]))
-    return line / (force.size * float(lengths[0]))
+    return int(np.searchsorted(grown, 0.99 * grown[-1])) / (force.size * float(lengths[0]))
 
 
 @metric(
@@ -126,10 +121,8 @@ def force_bandwidth(run: Run) -> float:
     source="paper, fig. 8",
 )
 def rotor_velocity(run: Run) -> float:
-    # The angle turned over the time.
     span = run.last_periods()
-    time, angle = run.time[span], run.series("rotor_angle")[span]
-    return float((angle[-1] - angle[0]) / (time[-1] - time[0]))
+    return run.gain("rotor_angle", span) / run.gain("time", span)
 
 
 @without_records("Omega(T)", "rotor velocity at the last record", "rad s-1", usual=True)
@@ -152,9 +145,7 @@ def torque(run: Run) -> float:
 )
 def efficiency(run: Run) -> float:
     span = run.last_periods()
-    load, drive = run.series("load_work")[span], run.series("drive_work")[span]
-    given = float(drive[-1] - drive[0])
-    done = float(load[-1] - load[0])
+    given, done = run.gain("drive_work", span), run.gain("load_work", span)
     # A load that drives is no load: what it gives is no share of what the drive gives.
     needed(given > 0.0 <= done)
     return done / given
@@ -162,16 +153,11 @@ def efficiency(run: Run) -> float:
 
 @without_records("W_f / W_d", "friction loss over work of the drive", usual=True)
 def friction_share(run: Run) -> float:
-    return _share_of_work(run, "friction_loss")
+    return run.gain("friction_loss") / positive(run.gain("drive_work"))
 
 
 @without_records(
     "W_n / W_d", "loss in normal damping and impacts over work of the drive", usual=True
 )
 def normal_loss_share(run: Run) -> float:
-    return _share_of_work(run, "contact_loss")
-
-
-def _share_of_work(run: Run, name: str) -> float:
-    loss, drive = run.series(name), run.series("drive_work")
-    return float(loss[-1] - loss[0]) / positive(float(drive[-1] - drive[0]))
+    return run.gain("contact_loss") / positive(run.gain("drive_work"))

@@ -28,12 +28,6 @@ has mostly died down, and several periods still fit in."""
 
 _ROOT: Final = (*variables.SERIES, variables.CONTACT_MODE)
 
-_WAY_OUT: Final = (
-    "The layout is that of a run.nc: 'time' and the series over it at the root, one row a contact in "
-    "the group 'contacts'; `contactlab` writes one to look at. A variable that is not known may be "
-    "left out, never be misnamed."
-)
-
 
 class NotApplicableError(Exception):
     """A dataset lacks what a metric needs, or has nothing for it to measure."""
@@ -46,7 +40,7 @@ def needed(held: object) -> None:
 
 
 def positive(scale: float) -> float:
-    """Give a scale to measure by as it is; there is nothing to measure where it is not positive."""
+    """Give a scale to measure by; there is nothing to measure where it is not positive."""
     needed(scale > 0.0)
     return scale
 
@@ -140,6 +134,11 @@ class Run:
         needed(self.holds(name))
         return self._numbers(self.columns[name])
 
+    def gain(self, name: str, span: slice = slice(None)) -> float:
+        """Give how much a series has grown over all or some of the records."""
+        values = self.series(name)[span]
+        return float(values[-1] - values[0])
+
     def contacts(self, name: str) -> Array:
         """Give a column of the contacts, of which there is at least one; only a separation may be missing."""
         needed(self.touches(name))
@@ -208,8 +207,7 @@ def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
 def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
     """Read a run.nc, or a file or a tree of one's own in the same layout; the file is closed again.
 
-    What it lacks makes the metrics that need it not applicable; what it has is of the layout's dimensions
-    and units.
+    What it lacks makes the metrics that need it not applicable.
 
     Raises:
         ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
@@ -217,7 +215,10 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
     tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
     for fault in _faults(tree):
         words = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
-        raise ValueError(f"{words} has {fault}")
+        raise ValueError(
+            f"{words} has {fault} The layout is that of a run.nc, which `contactlab` writes; a variable may "
+            "be left out, never be misnamed."
+        )
     return tree
 
 
@@ -239,21 +240,18 @@ def _opened(path: Path) -> xarray.DataTree:
                 return opened.load()
     except (OSError, ValueError, LookupError, RuntimeError, AttributeError, TypeError) as fault:
         raise ValueError(
-            f"'{path}' cannot be read as netCDF-4; it must be a file in the layout of a run.nc that may be "
-            f"read. Check its permissions, and that it is one, and whole: `ncdump -h` shows what is in it, "
-            f"here it is told {getattr(fault, 'strerror', None) or fault}."
+            f"'{path}' cannot be read as netCDF-4; it must be a file that may be read, in the layout of a "
+            "run.nc. Check its permissions, and that it is whole: `ncdump -h` shows what is in it "
+            f"({getattr(fault, 'strerror', None) or fault})."
         ) from fault
     raise ValueError(damaged)
 
 
 def _faults(tree: xarray.DataTree) -> Iterator[str]:
     """Say what a layout has that the metrics would misread, the first fault first."""
-    root = tree.to_dataset(inherit=False)
+    root, names = tree.to_dataset(inherit=False), [variable.name for variable in _ROOT]
     if "time" not in root.variables or root["time"].dims != ("time",):
-        yield (
-            "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds. "
-            f"{_WAY_OUT}"
-        )
+        yield "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds."
     yield from _misread(root, (variables.TIME, *_ROOT))
     time = root["time"].values
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
@@ -261,13 +259,10 @@ def _faults(tree: xarray.DataTree) -> Iterator[str]:
             f"{time.size} times that do not all increase; there must be at least two, strictly "
             "increasing, in seconds. Sort them and drop repeated ones."
         )
-    names = [variable.name for variable in _ROOT]
     if root.variables.keys().isdisjoint(names):
-        yield (
-            f"none of the time series; it must have at least one of {', '.join(names)}. {_WAY_OUT}"
-        )
+        yield f"none of the time series; it must have at least one of {', '.join(names)}."
     said = tree.attrs.get("complete", 1)
-    if np.size(said) != 1 or np.asarray(said).dtype.kind not in "biuf" or said not in (0, 1):
+    if np.size(said) != 1 or said not in (0, 1):
         yield (
             f"the attribute complete = {said!r}; it must be 1 for a run that reached its end and 0 for "
             "another. Correct it, or leave it out."
@@ -278,15 +273,12 @@ def _faults(tree: xarray.DataTree) -> Iterator[str]:
 
 def _misread(found: xarray.Dataset, known: Iterable[Variable]) -> Iterator[str]:
     """Say which known variables have other dimensions or units, or are no numbers."""
-    for variable in (variable for variable in known if variable.name in found.variables):
-        name, given = variable.name, found[variable.name]
-        units = given.attrs.get("units", variable.units)
-        if given.dims != variable.dims:
-            yield f"'{name}' over {given.dims}; it must be over {variable.dims}. {_WAY_OUT}"
+    for must in (variable for variable in known if variable.name in found.variables):
+        given = found[must.name]
+        units = given.attrs.get("units", must.units)
+        if given.dims != must.dims:
+            yield f"'{must.name}' over {given.dims}; it must be over {must.dims}."
         if given.dtype.kind not in "fiu":
-            yield f"'{name}' as {given.dtype}; it must be real numbers in {variable.units}. Convert it."
-        if units != variable.units:
-            yield (
-                f"'{name}' in {units!r}; it must be in {variable.units!r}. Convert the numbers and the "
-                "attribute 'units'."
-            )
+            yield f"'{must.name}' as {given.dtype}; it must be real numbers in {must.units}."
+        if units != must.units:
+            yield f"'{must.name}' in {units!r}; it must be in {must.units!r}. Convert the numbers too."
