@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from contactlab.config.faults import one_line
-from contactlab.metrics import assess, configuration_of, is_complete, read_run
+from contactlab.metrics import assess, is_complete, read_run
 from contactlab.results.files import DATASET, STATE, remove_left
+from contactlab.results.netcdf import configuration_of
 from contactlab.sweeps.dataset import REASONS
 from contactlab.sweeps.state import (
     MANIFEST,
