@@ -1,11 +1,10 @@
 """Free flights from rest in closed form, where they first touch the rotor, and flights of a wanted shape.
 
-Every mode is the steady answer to its tones and two exponentials that cancel it at t = 0:
+Every mode is the steady answer to its tones and two exponentials that cancel it at t = 0, unless it is
+exactly critical: q(t) = Re sum_k S_k exp(i w_k t) + A exp(r_1 t) + B exp(r_2 t),  r^2 + c r + k = 0.
 
-    q(t) = Re sum_k S_k exp(i w_k t) + A exp(r_1 t) + B exp(r_2 t),  r^2 + c r + k = 0.
-
-Not valid for a mode that is exactly critical. The first touch-down is searched on a dense grid, without
-any bound on the motion: whether a search that has one is right can be judged by it.
+The first touch-down is searched on a dense grid, without any bound on the motion: whether a search that
+has one is right can be judged by it.
 """
 
 from dataclasses import dataclass, replace
@@ -23,12 +22,6 @@ from contactlab.motor.motor import Motor
 
 Phasors = NDArray[np.complex128]
 
-POINTS_PER_RADIAN = 16
-"""Grid points while the fastest exponential of a flight turns or decays by one: 100 a period."""
-
-OPERATIONS_PER_STEP = 16
-"""Roundings of a term in one step, about: sines, products and sums of its steady and free part."""
-
 FAR = 1e-4
 """Clearance [m] that no flight bridges."""
 
@@ -38,18 +31,12 @@ DURATION = 1e-3
 KINDS: Final = ("any clearance", "graze", "double dip", "double well", "resonance")
 """How the clearance of a random flight is found, see `random_flight`."""
 
-SHAPES = (2, 4, 6)
-"""Beam shapes of their resonators: up to 6 overdamped modes, decays down to a microsecond."""
-
 
 @dataclass(frozen=True)
 class Flight:
-    """Hold the tip of a motor that never touches: u and th are real parts of sums of exponentials.
+    """Hold the tip of a motor that never touches: u [m] and th [rad] are real parts of sums of exponentials.
 
-    Args:
-        motor: modes, drive and geometry.
-        exponents: shape (term,) [1/s].
-        u, th: their amplitudes at the tip, shape (term,) [m], [rad].
+    `exponents` [1/s], `u` and `th` have the shape (term,).
     """
 
     motor: Motor
@@ -82,7 +69,8 @@ class Flight:
         geometry = self.motor.geometry
         lever = geometry.tip_length * slope * (1.0 + geometry.tip_length / geometry.rotor_radius)
         gap = sizes @ np.abs(self.u) + lever * (sizes @ np.abs(self.th))
-        eps = np.finfo(np.float64).eps * np.sqrt(OPERATIONS_PER_STEP * steps)
+        # Sines, products and sums of its steady and free part: 16 roundings of a term in one step, about.
+        eps = np.finfo(np.float64).eps * np.sqrt(16.0 * steps)
         return float(eps * (gap + geometry.clearance))
 
     def with_clearance(self, clearance: float) -> "Flight":
@@ -102,7 +90,8 @@ class Flight:
     def on_grid(self, duration: float) -> tuple[Array, Array, Array]:
         """Give times [s], gaps [m] and gap rates [m/s]; at rest the rate is zero, not its round-off."""
         fastest = float(np.abs(self.exponents).max())
-        side = int(np.ceil(np.sqrt(POINTS_PER_RADIAN * fastest * duration + 1.0)))
+        # 16 points while the fastest exponential turns or decays by one: 100 a period.
+        side = int(np.ceil(np.sqrt(16.0 * fastest * duration + 1.0)))
         step = duration / (side * side - 1)
         # exp(r (i side + j) step) is a product, so that a grid of n points takes 2 sqrt(n) exponentials.
         coarse = np.exp(np.multiply.outer(step * side * np.arange(side), self.exponents))
@@ -169,14 +158,11 @@ def flight_of(motor: Motor) -> Flight:
 
 
 def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
-    """Give the weakest drive whose tip, from rest, has these derivatives at an instant.
+    """Give the weakest drive whose tip, from rest, has these derivatives at an instant [s].
 
-    The motion is linear in the phasors, so that they follow from a linear system of least norm.
-
-    Args:
-        modes: the resonator.
-        frequency, when: of the tones [Hz], four real unknowns to each; the instant [s].
-        u, th: derivatives of order 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free.
+    u and th have the orders 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free. The motion is
+    linear in the phasors, four real unknowns to each tone [Hz]: they follow from a linear system of least
+    norm.
     """
     order = np.arange(u.size)
     reals = np.eye(2 * frequency.size)
@@ -198,18 +184,13 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
 def double_well(
     modes: NormalModes, frequency: Array, when: float, half: float, barrier: float, tilt: float
 ) -> Flight:
-    """Give a flight whose gap has two minima, `half` before and after an instant, that stand at zero.
+    """Give a flight whose gap has two minima, `half` before and after an instant [s], that stand at zero.
 
         g(when + x) = barrier ((x/half)^2 - 1)^2 + tilt x / half
 
-    to the fifth order, and the slope th stays zero as long. Between the minima the gap bends down;
-    steps that see only its ends see nothing of it.
-
-    Args:
-        modes: the resonator.
-        frequency, when: of the tones [Hz], three and more; the instant [s].
-        half: a small part of the fastest period [s].
-        barrier, tilt: [m]; the second minimum lies above the first by twice the tilt.
+    to the fifth order, and the slope th stays zero as long: the second minimum is higher by twice the tilt
+    [m]. Steps that see only the ends of what lies between see nothing of it. It takes three tones [Hz] or
+    more, and half of a small part of the fastest period.
     """
     shape = np.array([np.nan, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
     u = -shape / half ** np.arange(6.0)
@@ -232,7 +213,8 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
     """
     rng = np.random.default_rng([seed, number])
     kind = KINDS[int(rng.choice(len(KINDS), p=(0.25, 0.25, 0.17, 0.17, 0.16)))]
-    modes = _modes(int(rng.choice(SHAPES)))
+    # Up to six overdamped modes, decays down to a microsecond.
+    modes = _modes(int(rng.choice((2, 4, 6))))
     if kind == "double well":
         return kind, _well(rng, modes)
     tones = int(rng.integers(1, 5))

@@ -5,15 +5,19 @@ weight presses it on, a tone pushes it. Tip length and rotor radius are so large
 and the rotor is a belt.
 """
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
 from math import pi, sqrt
-from typing import Any
+from typing import Any, final
 
 import numpy as np
+from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
+from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.intake import guarded
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
@@ -35,13 +39,6 @@ def silent_drive() -> Drive:
 def paper_motor() -> Motor:
     """Give the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
     return Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -pi / 5.0))
-
-
-def mirrored(motor: Motor) -> Motor:
-    """Give the same motor seen in a mirror that exchanges left and right."""
-    velocity, torque = -motor.rotor.initial_velocity, -motor.rotor.load_torque
-    rotor = replace(motor.rotor, initial_velocity=velocity, load_torque=torque)
-    return replace(motor, modes=replace(motor.modes, tip_slope=-motor.modes.tip_slope), rotor=rotor)
 
 
 def block(
@@ -103,26 +100,18 @@ def way_of(theta: Array) -> Array:
 def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
     """Draw a body of several coupled modes and a rotor, about to touch at a gap rate of `approach` [m/s]."""
     rng = np.random.default_rng(seed)
-    tip_displacement = rng.normal(size=modes) * 20.0
-    tip_slope = rng.normal(size=modes) * 1e3
-    velocity = rng.normal(size=modes) * 1e-3
+    tip_displacement, tip_slope, velocity = rng.normal(size=(3, modes)) * [[20.0], [1e3], [1e-3]]
     # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
-    squared = tip_displacement @ tip_displacement
-    velocity += (approach - tip_displacement @ velocity) * tip_displacement / squared
+    along = tip_displacement / (tip_displacement @ tip_displacement)
+    velocity += (approach - tip_displacement @ velocity) * along
     rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
+    damping, none = 2.0 * rng.uniform(0.0, 1.5, modes) * rate, np.zeros((modes, 2))
     return Motor(
-        modes=NormalModes(
-            stiffness=rate**2,
-            damping=2.0 * rng.uniform(0.0, 1.5, modes) * rate,
-            coupling=np.zeros((modes, 2)),
-            tip_displacement=tip_displacement,
-            tip_slope=tip_slope,
-            shape_coupling=np.zeros((modes, 2)),
-        ),
+        modes=NormalModes(rate**2, damping, none, tip_displacement, tip_slope, none),
         drive=silent_drive(),
-        geometry=ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0),
+        geometry=ContactGeometry(clearance=0.0),
         rotor=Rotor(inertia=float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0),
-        start=ModalState(-1e-12 * tip_displacement / squared, velocity),
+        start=ModalState(-1e-12 * along, velocity),
     )
 
 
@@ -135,14 +124,9 @@ def attempt(
     tolerance: float | None = None,
 ) -> Trajectory:
     """Make a run, whatever becomes of it; without a record interval it is recorded at its ends only."""
-    return simulate(
-        motor,
-        law,
-        duration=duration,
-        record_interval=record_interval or duration,
-        contact_step=contact_step,
-        tolerance=tolerance,
-    )
+    steps: dict[str, Any] = {"contact_step": contact_step, "tolerance": tolerance}
+    interval = record_interval or duration
+    return simulate(motor, law, duration=duration, record_interval=interval, **steps)
 
 
 def completed(trajectory: Trajectory) -> Trajectory:
@@ -165,3 +149,103 @@ def first(trajectory: Trajectory, name: str) -> float:
 def last(trajectory: Trajectory, name: str) -> float:
     """Give the last record of a series."""
     return float(trajectory.series[name][-1])
+
+
+MOTOR_DURATION = 1.5e-3
+"""Of the run of the motor [s]: five contacts of the paper's."""
+
+MASS, BELT_MASS, WEIGHT = 2e-3, 1e-2, 5.0
+"""Of the skipping block [kg], [kg], [N]: about a motor's tip, and a rotor as light as to answer."""
+
+NUDGE = 0.4
+"""Push over what friction can hold."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Hold a law and the runs that its contract is checked on, each made once, even where it fails.
+
+    The motor is one that the law can drive at its default contact step.
+    """
+
+    law: ContactLaw
+    make_motor: Callable[[], Motor] = paper_motor
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the law is a `MultiplierLaw`."""
+        return isinstance(self.law, MultiplierLaw)
+
+    @property
+    def balance(self) -> float:
+        """What energy and momentum may miss, as a share, at default steps: the order-one laws more."""
+        return 1e-3 if self.rigid else 1e-6
+
+    @cached_property
+    def motor(self) -> Motor:
+        """The motor that the law drives."""
+        return self.make_motor()
+
+    def attempt_motor(self, motor: Motor) -> Trajectory:
+        """Make a finely recorded run of a motor with the law, whatever becomes of it."""
+        step = self.law.default_contact_step
+        # Finer than the steps of a rigid law, fine against a contact of a compliant one.
+        interval = 0.4 * step if self.rigid else 1e-7
+        return attempt(motor, self.law, MOTOR_DURATION, step, interval)
+
+    @cached_property
+    def motor_run(self) -> Trajectory:
+        """The law in the motor."""
+        return self.attempt_motor(self.motor)
+
+    @cached_property
+    def skipping(self) -> Trajectory:
+        """A block that is thrown onto a moving belt at a slant and pressed on by its weight."""
+        thrown = {"height": 1e-6, "gap_rate": -0.1, "velocity": 0.05, "belt_velocity": -0.02}
+        motor = block(MASS, weight=WEIGHT, belt_mass=BELT_MASS, **thrown)
+        return attempt(motor, self.law, 1e-3, record_interval=1e-6)
+
+    @property
+    def runs(self) -> dict[str, Trajectory]:
+        """Both, once they have reached their ends."""
+        return {"motor": completed(self.motor_run), "block": completed(self.skipping)}
+
+    @cached_property
+    def nudged(self) -> Trajectory:
+        """A block that lies on a belt at rest and is pushed with less than friction can hold."""
+        push = NUDGE * self.law.friction_limit * WEIGHT
+        motor = block(MASS, height=self._balanced_gap(), weight=WEIGHT, push=push)
+        # An interval that no number of steps fills, or a chatter of two steps could hide in it.
+        return run(motor, self.law, 2e-3, record_interval=1.03e-6)
+
+    def _balanced_gap(self) -> float:
+        """Gap [m] at which the law carries the weight without motion; a rigid one at zero."""
+        law = self.law
+        if not isinstance(law, PenaltyLaw):
+            return 0.0
+
+        def missing(exponent: float) -> float:
+            return law.force(-(10.0**exponent), 0.0, 0.0, 0.0, parameters)[0] - WEIGHT
+
+        parameters = guarded(law.parameters())
+        # From shallow to deep: how deep the law is valid is not known.
+        enough = next((e for e in np.arange(-15.0, 0.5, 0.5) if missing(e) >= 0.0), None)
+        if enough is None:
+            raise RuntimeError(
+                f"{law.name}: its normal force does not carry {WEIGHT:g} N at any penetration."
+            )
+        return -float(10.0 ** brentq(missing, -15.0, enough, xtol=1e-15))
+
+    def converging(self) -> tuple[list[float], list[Trajectory]]:
+        """Give tolerances or contact steps [s], and their runs with a much finer one at the end."""
+        # A law whose default run does not end is not asked for finer ones.
+        completed(self.motor_run)
+        step = self.law.default_contact_step
+        make = partial(run, self.motor, self.law, MOTOR_DURATION)
+        if self.rigid:
+            sizes = [step * 2.0**k for k in range(5, -1, -1)]
+            return sizes, [make(size) for size in (*sizes, step / 16.0)]
+        sizes = [10.0**-k for k in range(2, 7)]
+        runs = [make(2.0 * step, tolerance=size) for size in sizes]
+        return sizes, [*runs, make(0.5 * step, tolerance=1e-10)]

@@ -13,7 +13,7 @@ import pandas as pd
 
 from contactlab.laws import HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.motor import RitzResonator
-from contactlab.testing.claim import REFERENCES, Claim, Claims, at_least, at_most, close, proof
+from contactlab.testing.claim import Claim, Claims, at_least, at_most, close
 from contactlab.testing.flights import DURATION, Flight, random_flight
 from contactlab.testing.plants import last, paper_motor, run
 from contactlab.trajectory import Trajectory
@@ -121,7 +121,6 @@ def tally(flights: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-@proof(REFERENCES)
 def random_touchdowns(flights: int = 1000, seed: int = 0) -> Claims:
     """Flights that touch, graze by less than a nanometre, dip twice, or dip between two samples."""
     for kind, found in tally(judged(seed, range(flights))).iterrows():
@@ -132,7 +131,6 @@ def random_touchdowns(flights: int = 1000, seed: int = 0) -> Claims:
             yield at_most(statement, found[fault], 0)
 
 
-@proof(REFERENCES)
 def printed_table() -> Claims:
     """The ten numbers of Table 1, to half a unit of the printed digit."""
     for placement, (start, end) in PLACEMENTS.items():
@@ -147,7 +145,6 @@ def printed_table() -> Claims:
             yield Claim(words, printed, float(frequency[i]), 5.0, units="Hz")
 
 
-@proof(REFERENCES)
 def compliant_case_a() -> Claims:
     """The Hertz contact at default settings."""
     for mu, expected in HERTZ_CASE_A.items():
@@ -159,7 +156,6 @@ def compliant_case_a() -> Claims:
             yield Claim(f"{words}: {name.replace('_', ' ')}", value, found, digit, units=units)
 
 
-@proof(REFERENCES)
 def rigid_case_a() -> Claims:
     """The rigid laws, extrapolated from two steps; the impact's force is its impulse over the step."""
     steps = ((LagrangeStick(0.3), 5e-8), (LagrangeSlip(0.3), 2e-8))
