@@ -1,5 +1,6 @@
 """Closed forms that the engine is held to on small plants: impacts, oscillations and friction."""
 
+from functools import partial
 from math import atan, atan2, cos, exp, pi, sin, sqrt
 
 import numpy as np
@@ -15,17 +16,16 @@ from contactlab.testing.claim import Claims, at_most, close
 from contactlab.testing.plants import FLAT, HEAVY, block, coupled_body, first, last, run, way_of
 from contactlab.trajectory import Trajectory
 
-INSTANT = 1e-12
-"""Contact step [s] at which a rigid impact is one."""
+INSTANT = 1e-12  # Contact step [s] at which a rigid impact is one.
 
 RESTITUTIONS = [LAWS[name] for name in ("newton", "poisson", "stronge", "moreau_jean")]
 """Laws with friction and restitution; collinear impacts do not tell one from the other."""
 
-WEIGHT, STIFFNESS, SPRING = 9.81, 1e9, 1e7
-"""Of a block of 1 kg [N], and of the Hertz [N/m^1.5] and linear contacts [N/m] that it rests on."""
+WEIGHT, SPRING = 9.81, 1e7
+"""Of a block of 1 kg [N], and of the linear contact that it rests on [N/m]."""
 
-BALANCE, SPRING_BALANCE = -((WEIGHT / STIFFNESS) ** (2.0 / 3.0)), -WEIGHT / SPRING
-"""Gaps of a block in balance on them [m]."""
+resting = partial(block, height=-WEIGHT / SPRING, weight=WEIGHT)
+"""The block in balance."""
 
 
 def rigid_laws(mu: float, e: float) -> list[tuple[ContactLaw, float]]:
@@ -55,8 +55,7 @@ def hertz_impact(mass: float = 2e-3, speed: float = 0.4, stiffness: float = 1e10
         ("duration", duration, "s"),
         ("normal_impulse", 2.0 * mass * speed, "N s"),
     ):
-        words = f"Hertz impact: {name.replace('_', ' ')}"
-        yield close(words, first(made, name), expected, 1e-6, units)
+        yield close(f"Hertz impact: {name}", first(made, name), expected, 1e-6, units)
     yield close("Hertz impact: restitution", restitution(made), 1.0, 1e-9)
 
 
@@ -101,16 +100,19 @@ def modal_impacts(seed: int = 1) -> Claims:
     d_nn, d_nt, d_tt = g_n @ g_n, g_n @ g_t, g_t @ g_t + radius**2 / rotor.inertia
     touch = first(run(motor, LagrangeStick(0.0), 1e-8, INSTANT), "start_time")
     for law, e in rigid_laws(0.0, 0.6):
-        struck = run(motor, law, touch + INSTANT, INSTANT)
-        speed, words = first(struck, "approach_velocity"), f"modal impact, e = {e:g}, {law.name}"
+        made, words = (
+            run(motor, law, touch + INSTANT, INSTANT),
+            f"modal impact, e = {e:g}, {law.name}",
+        )
+        speed = first(made, "approach_velocity")
         impulse, loss = -(1.0 + e) * speed / d_nn, 0.5 * (1.0 - e * e) * speed**2 / d_nn
-        yield close(f"{words}: impulse", first(struck, "normal_impulse"), impulse, 1e-6, "N s")
-        yield close(f"{words}: energy loss", first(struck, "energy_loss"), loss, 1e-6, "J")
-    struck = run(motor, LagrangeStick(100.0), touch + INSTANT, INSTANT)
-    velocity = first(struck, "approach_velocity"), float(struck.series["slip_velocity"][0])
+        yield close(f"{words}: impulse", first(made, "normal_impulse"), impulse, 1e-6, "N s")
+        yield close(f"{words}: energy loss", first(made, "energy_loss"), loss, 1e-6, "J")
+    made = run(motor, LagrangeStick(100.0), touch + INSTANT, INSTANT)
+    velocity = first(made, "approach_velocity"), float(made.series["slip_velocity"][0])
     lost = 0.5 * np.dot(velocity, np.linalg.solve([[d_nn, d_nt], [d_nt, d_tt]], velocity))
     words = "modal impact that sticks, lagrange_stick: energy loss"
-    yield close(words, first(struck, "energy_loss"), lost, 1e-6, "J")
+    yield close(words, first(made, "energy_loss"), lost, 1e-6, "J")
 
 
 def bouncing_ball(height: float = 0.05, e: float = 0.5, gravity: float = 9.81) -> Claims:
@@ -139,14 +141,15 @@ def bilinear_oscillator(mass: float = 0.5, spring: float = 2e3, contact: float =
 
 def laws_with_stick(mu: float) -> tuple[tuple[ContactLaw, float, float], ...]:
     """Give laws, the gap at which their block is in balance [m], and their relative error."""
-    return ((HertzPenalty(STIFFNESS, mu), BALANCE, 1e-8), (LagrangeStick(mu), 0.0, 1e-4))
+    compliant = Composed(Linear(SPRING), friction=Coulomb(mu))
+    return ((compliant, -WEIGHT / SPRING, 1e-8), (LagrangeStick(mu), 0.0, 1e-4))
 
 
 def stopping_block(velocity: float = 0.5, mu: float = 0.3) -> Claims:
     """A sliding block stops after v0/(mu g), having gone v0^2/(2 mu g), and then stays where it is."""
     stop, way = velocity / (mu * WEIGHT), velocity**2 / (2.0 * mu * WEIGHT)
     for law, height, error in laws_with_stick(mu):
-        motor = block(1.0, height=height, velocity=velocity, weight=WEIGHT)
+        motor = resting(height=height, velocity=velocity)
         made, words = run(motor, law, 2.0 * stop, 1e-6, stop / 50.0), f"sliding block, {law.name}"
         gone, after = way_of(made.series["tip_slope"]), made.time > 1.05 * stop
         slip = np.abs(made.series["slip_velocity"][after]).max()
@@ -165,7 +168,7 @@ def coulomb_decay(mu: float = 0.2, stiffness: float = 400.0) -> Claims:
     # 9.5, -7.5, 5.5, -3.5, 1.5, 0.5 of mu N / k: five half cycles.
     start = 9.5 * dead
     for law, height, error in laws_with_stick(mu):
-        motor = block(1.0, height=height, way=start, weight=WEIGHT, stiffness=stiffness)
+        motor = resting(height=height, way=start, stiffness=stiffness)
         words = f"Coulomb oscillator, {law.name}"
         cycle, rest = (run(motor, law, halves * half, 1e-5) for halves in (2.0, 6.0))
         loss = start - way_of(cycle.series["tip_slope"])[-1]
@@ -187,8 +190,7 @@ def belt_stick_slip(static: float = 0.5, kinetic: float = 0.3, belt: float = 0.1
     w, pull = sqrt(stiffness), stiffness * belt
     stick, slip = 2.0 * drop / pull, 2.0 / w * (pi - atan(drop * w / pull))
     law = Composed(Linear(SPRING), friction=Coulomb(kinetic, static / kinetic))
-    moving = {"velocity": belt, "belt_velocity": belt}
-    motor = block(1.0, height=SPRING_BALANCE, weight=WEIGHT, stiffness=stiffness, **moving)
+    motor = resting(stiffness=stiffness, velocity=belt, belt_velocity=belt)
     away = static * WEIGHT / pull
 
     def stuck(until: float) -> float:
@@ -213,9 +215,9 @@ def friction_oscillator(ratio: float = 0.8, share: float = 0.3) -> Claims:
     mu, frequency = share * amplitude / WEIGHT, ratio * sqrt(stiffness) / (2.0 * pi)
     v, u = 1.0 / (1.0 - ratio**2), sin(pi / ratio) / (ratio * (1.0 + cos(pi / ratio)))
     expected = amplitude / stiffness * sqrt(v * v - (share * u) ** 2)
-    tone = {"push_amplitude": amplitude, "push_frequency": frequency}
-    motor = block(1.0, height=BALANCE, weight=WEIGHT, stiffness=stiffness, **tone)
-    made = run(motor, HertzPenalty(STIFFNESS, mu), 100.0 / frequency, 1e-2, 1.0 / frequency)
+    motor = resting(stiffness=stiffness, push_amplitude=amplitude, push_frequency=frequency)
+    law = Composed(Linear(SPRING), friction=Coulomb(mu))
+    made = run(motor, law, 100.0 / frequency, 1e-2, 1.0 / frequency)
     # In a cycle the friction works along 4 X: no need to catch the turning points.
     found = np.diff(made.series["friction_loss"])[-1] / (4.0 * mu * WEIGHT)
     yield close("oscillator with friction: amplitude", found, expected, 1e-6, "m")
@@ -238,10 +240,9 @@ def achieved_restitution(mass: float = 2e-3, speed: float = 0.1) -> Claims:
 def regularised_creep(share: float = 0.6, mu: float = 0.3, creep: float = 1e-3) -> Claims:
     """A block under the share p of the friction that could hold it creeps at v_0 p / sqrt(1 - p^2)."""
     law = Composed(Linear(SPRING), friction=Regularised(mu, creep))
-    motor = block(1.0, height=SPRING_BALANCE, weight=WEIGHT, push=share * mu * WEIGHT)
-    found, expected = run(motor, law, 0.02, 1e-4), creep * share / sqrt(1.0 - share**2)
-    words = "regularised friction: velocity of creep"
-    yield close(words, last(found, "slip_velocity"), expected, 1e-6, "m s-1")
+    found = last(run(resting(push=share * mu * WEIGHT), law, 0.02, 1e-4), "slip_velocity")
+    expected = creep * share / sqrt(1.0 - share**2)
+    yield close("regularised friction: velocity of creep", found, expected, 1e-6, "m s-1")
 
 
 def spring_and_slider(mu: float = 0.3, ratio: float = 0.5) -> Claims:
@@ -249,15 +250,13 @@ def spring_and_slider(mu: float = 0.3, ratio: float = 0.5) -> Claims:
     tangential = ratio * SPRING
     law = Composed(Linear(SPRING), friction=Mindlin(mu, ratio))
     push, half = 0.4 * mu * WEIGHT, pi * sqrt(1.0 / tangential)
-    motor = block(1.0, height=SPRING_BALANCE, weight=WEIGHT, push=push)
-    way = way_of(run(motor, law, half).series["tip_slope"])[-1]
+    way = way_of(run(resting(push=push), law, half).series["tip_slope"])[-1]
     yield close("spring of Mindlin: swing", way, 2.0 * push / tangential, 1e-6, "m")
 
     # A body so heavy that the contact does not disturb it, swinging by three times the elastic range.
     limit, frequency = mu * WEIGHT / tangential, 50.0
     swing, rate = 3.0 * limit, 2.0 * pi * frequency
-    swinging = {"velocity": rate * swing, "stiffness": HEAVY * rate**2}
-    driven = block(HEAVY, height=SPRING_BALANCE, weight=WEIGHT, **swinging)
+    driven = resting(HEAVY, velocity=rate * swing, stiffness=HEAVY * rate**2)
     loss = run(driven, law, 2.0 / frequency, 1e-4, 1.0 / frequency).series["friction_loss"]
     expected = 4.0 * mu * WEIGHT * (swing - limit)
     yield close("slider of Mindlin: loss in a cycle", loss[2] - loss[1], expected, 1e-6, "J")
@@ -267,11 +266,11 @@ def bristles(mu: float = 0.3, static: float = 1.4, stribeck: float = 1e-2) -> Cl
     """LuGre drags at g(v) N in steady slip, and bends by P / (sigma_0 N) under a load P that it holds."""
     law = Composed(Linear(SPRING), friction=LuGre(mu, static, 1e5, 10.0, stribeck))
     for speed in (0.3 * stribeck, 3.0 * stribeck):
-        sliding = block(HEAVY, height=SPRING_BALANCE, weight=WEIGHT, velocity=speed)
+        sliding = resting(HEAVY, velocity=speed)
         drag = -last(run(sliding, law, 0.1, 1e-4, 0.05), "friction_force")
         expected = WEIGHT * mu * (1.0 + (static - 1.0) * exp(-((speed / stribeck) ** 2)))
         yield close(f"bristles: drag at {speed:g} m/s", drag, expected, 1e-6, "N")
-    motor = block(1.0, height=SPRING_BALANCE, weight=WEIGHT, push=1e-5 * mu * WEIGHT)
+    motor = resting(push=1e-5 * mu * WEIGHT)
     way = way_of(run(motor, law, 1.0, 1e-3, 0.5).series["tip_slope"])[-1]
     # While it bends, it drifts by what slip has dragged: a part of the load over the limit.
     yield close("bristles: deflection under a small load", way, 1e-5 * mu / 1e5, 1e-3, "m")
