@@ -85,10 +85,7 @@ def block(
         geometry=ContactGeometry(FLAT, FLAT, 0.0),
         rotor=Rotor(inertia=belt_mass * FLAT**2, initial_velocity=belt_velocity / FLAT),
         preload=np.array([weight, push]) / root,
-        start=ModalState(
-            displacement=root * np.array([-height, way]),
-            velocity=root * np.array([-gap_rate, velocity]),
-        ),
+        start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity])),
     )
 
 
