@@ -44,16 +44,9 @@ class Flight:
     u: Phasors
     th: Phasors
 
-    @property
-    def amplitudes(self) -> Phasors:
-        """Of u, u rate, th and th rate, shape (term, 4)."""
-        rates = self.exponents[:, None] ** np.array([0, 1])
-        return np.hstack([rates * self.u[:, None], rates * self.th[:, None]])
-
     def at(self, time: Array | float) -> tuple[Array, Array]:
         """Give gap [m] and gap rate [m/s], shape of the time, good to their own round-off."""
-        waves = np.exp(np.multiply.outer(np.asarray(time, dtype=np.float64), self.exponents))
-        return self._gap_and_rate((waves @ self.amplitudes).real)
+        return self._gap_and_rate(np.exp(np.multiply.outer(time, self.exponents)))
 
     def round_off(self, time: float, steps: int) -> float:
         """Give what float64 leaves uncertain of the gap [m] at a time [s] that was reached in so many steps.
@@ -94,10 +87,11 @@ class Flight:
         side = int(np.ceil(np.sqrt(16.0 * fastest * duration + 1.0)))
         step = duration / (side * side - 1)
         # exp(r (i side + j) step) is a product, so that a grid of n points takes 2 sqrt(n) exponentials.
-        coarse = np.exp(np.multiply.outer(step * side * np.arange(side), self.exponents))
-        fine = np.exp(np.multiply.outer(self.exponents, step * np.arange(side)))
-        tip = [((coarse * column) @ fine).real.ravel() for column in self.amplitudes.T]
-        gap, rate = self._gap_and_rate(np.stack(tip, axis=-1))
+        coarse, fine = (
+            np.exp(np.multiply.outer(size * np.arange(side), self.exponents))
+            for size in (step * side, step)
+        )
+        gap, rate = self._gap_and_rate((coarse[:, None] * fine).reshape(side * side, -1))
         rate[0] = 0.0
         return step * np.arange(side * side, dtype=np.float64), gap, rate
 
@@ -118,17 +112,18 @@ class Flight:
         """Give the time at which the gap first falls to zero [s], between grid points too, or None."""
         time, gap, rate = self.on_grid(duration)
         turns, dips = self._turns(time, rate)
-        closed = np.concatenate([time[gap <= 0.0], turns[dips <= 0.0]])
-        if closed.size == 0:
+        end = min([*time[gap <= 0.0], *turns[dips <= 0.0]], default=None)
+        if end is None:
             return None
-        end = float(closed.min())
-        start = float(time[time < end][-1])
-        return float(brentq(lambda t: float(self.at(t)[0]), start, end, xtol=1e-19, rtol=1e-15))
+        start = time[time < end][-1]
+        return float(brentq(lambda t: self.at(t)[0], start, end, xtol=1e-19, rtol=1e-15))
 
-    def _gap_and_rate(self, tip: Array) -> tuple[Array, Array]:
-        """Gap [m] and its rate [m/s] from u, u rate, th, th rate in the last axis."""
-        geometry = self.motor.geometry
-        u, u_rate, th, th_rate = np.moveaxis(tip, -1, 0)
+    def _gap_and_rate(self, waves: Phasors) -> tuple[Array, Array]:
+        """Gap [m] and its rate [m/s] from the exponentials in the last axis."""
+        geometry, order = self.motor.geometry, self.exponents[:, None] ** [0, 1]
+        u, u_rate, th, th_rate = np.moveaxis(
+            (waves @ np.hstack([self.u[:, None] * order, self.th[:, None] * order])).real, -1, 0
+        )
         arm, radius = geometry.tip_length, geometry.rotor_radius
         sine = np.sin(th)
         across, across_rate = -arm * sine, -arm * np.cos(th) * th_rate
