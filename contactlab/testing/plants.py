@@ -7,17 +7,15 @@ and the rotor is a belt.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from math import pi, sqrt
 from typing import Any, final
 
 import numpy as np
-from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import guarded
+from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
@@ -149,13 +147,10 @@ def last(trajectory: Trajectory, name: str) -> float:
 
 
 MOTOR_DURATION = 1.5e-3
-"""Of the run of the motor [s]: five contacts of the paper's."""
+"""Of the run of a bench's motor [s]: five contacts of the paper's."""
 
 MASS, BELT_MASS, WEIGHT = 2e-3, 1e-2, 5.0
 """Of the skipping block [kg], [kg], [N]: about a motor's tip, and a rotor as light as to answer."""
-
-NUDGE = 0.4
-"""Push over what friction can hold."""
 
 
 @final
@@ -176,7 +171,7 @@ class Bench:
 
     @property
     def balance(self) -> float:
-        """What energy and momentum may miss, as a share, at default steps: the order-one laws more."""
+        """What energy and momentum may miss at default steps, as a share: the order-one laws more."""
         return 1e-3 if self.rigid else 1e-6
 
     @cached_property
@@ -207,42 +202,3 @@ class Bench:
     def runs(self) -> dict[str, Trajectory]:
         """Both, once they have reached their ends."""
         return {"motor": completed(self.motor_run), "block": completed(self.skipping)}
-
-    @cached_property
-    def nudged(self) -> Trajectory:
-        """A block that lies on a belt at rest and is pushed with less than friction can hold."""
-        push = NUDGE * self.law.friction_limit * WEIGHT
-        motor = block(MASS, height=self._balanced_gap(), weight=WEIGHT, push=push)
-        # An interval that no number of steps fills, or a chatter of two steps could hide in it.
-        return run(motor, self.law, 2e-3, record_interval=1.03e-6)
-
-    def _balanced_gap(self) -> float:
-        """Gap [m] at which the law carries the weight without motion; a rigid one at zero."""
-        law = self.law
-        if not isinstance(law, PenaltyLaw):
-            return 0.0
-
-        def missing(exponent: float) -> float:
-            return law.force(-(10.0**exponent), 0.0, 0.0, 0.0, parameters)[0] - WEIGHT
-
-        parameters = guarded(law.parameters())
-        # From shallow to deep: how deep the law is valid is not known.
-        enough = next((e for e in np.arange(-15.0, 0.5, 0.5) if missing(e) >= 0.0), None)
-        if enough is None:
-            raise RuntimeError(
-                f"{law.name}: its normal force does not carry {WEIGHT:g} N at any penetration."
-            )
-        return -float(10.0 ** brentq(missing, -15.0, enough, xtol=1e-15))
-
-    def converging(self) -> tuple[list[float], list[Trajectory]]:
-        """Give tolerances or contact steps [s], and their runs with a much finer one at the end."""
-        # A law whose default run does not end is not asked for finer ones.
-        completed(self.motor_run)
-        step = self.law.default_contact_step
-        make = partial(run, self.motor, self.law, MOTOR_DURATION)
-        if self.rigid:
-            sizes = [step * 2.0**k for k in range(5, -1, -1)]
-            return sizes, [make(size) for size in (*sizes, step / 16.0)]
-        sizes = [10.0**-k for k in range(2, 7)]
-        runs = [make(2.0 * step, tolerance=size) for size in sizes]
-        return sizes, [*runs, make(0.5 * step, tolerance=1e-10)]
