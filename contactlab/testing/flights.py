@@ -8,7 +8,6 @@ has one is right can be judged by it.
 """
 
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Final
 
 import numpy as np
@@ -27,6 +26,9 @@ FAR = 1e-4
 
 DURATION = 1e-3
 """Longest random flight [s]."""
+
+RESONATORS = tuple(RitzResonator(shapes=shapes) for shapes in (2, 4, 6))
+"""Up to six overdamped modes, decays down to a microsecond."""
 
 KINDS: Final = ("any clearance", "graze", "double dip", "double well", "resonance")
 """How the clearance of a random flight is found, see `random_flight`."""
@@ -208,8 +210,7 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
     """
     rng = np.random.default_rng([seed, number])
     kind = KINDS[int(rng.choice(len(KINDS), p=(0.25, 0.25, 0.17, 0.17, 0.16)))]
-    # Up to six overdamped modes, decays down to a microsecond.
-    modes = _modes(int(rng.choice((2, 4, 6))))
+    modes = RESONATORS[int(rng.choice(len(RESONATORS)))].modes
     if kind == "double well":
         return kind, _well(rng, modes)
     tones = int(rng.integers(1, 5))
@@ -220,10 +221,15 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
         modes = replace(modes, damping=np.full(modes.damping.size, 10.0 ** rng.uniform(-1.0, 1.0)))
         off = rng.choice([-1.0, 0.0, 1.0]) * 10.0 ** rng.uniform(-9.0, -2.0)
         frequency[0] = float(modes.natural_frequency[0]) * (1.0 + off)
-    drive = Drive(frequency, size * phasors)
+    phasors *= size
     if kind == "double dip":
-        drive = _with_fast_tone(rng, modes, drive)
-    flight = flight_of(Motor(modes, drive))
+        # One more tone moves the tip by 1 to 100 nm once it is steady.
+        fast = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
+        volts, tone = rng.normal(size=2) + 1j * rng.normal(size=2), 2j * np.pi * fast
+        steady = modes.coupling @ volts / (modes.stiffness + modes.damping * tone + tone**2)
+        volts *= 10.0 ** rng.uniform(-9.0, -7.0) / abs(modes.tip_displacement @ steady)
+        frequency, phasors = np.append(frequency, fast), np.column_stack([phasors, volts])
+    flight = flight_of(Motor(modes, Drive(frequency, phasors)))
     if kind == "any clearance" or (kind == "resonance" and rng.random() < 0.5):
         return kind, flight.with_clearance(10.0 ** rng.uniform(-8.0, -5.5))
     far = flight.with_clearance(FAR)
@@ -259,19 +265,3 @@ def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
     times, _ = weak.minima(when + 2.0 * half)
     dip, depth = float(times[np.abs(times - when + half).argmin()]), np.log10(share * barrier)
     return _grazing(rng, weak, dip, depth - 3.0, depth - 0.5)
-
-
-def _with_fast_tone(rng: np.random.Generator, modes: NormalModes, drive: Drive) -> Drive:
-    """Give a drive and one more tone, which moves the tip by 1 to 100 nm once it is steady."""
-    frequency = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
-    tone = 2j * np.pi * frequency
-    phasors = rng.normal(size=2) + 1j * rng.normal(size=2)
-    steady = modes.coupling @ phasors / (modes.stiffness + modes.damping * tone + tone**2)
-    phasors *= 10.0 ** rng.uniform(-9.0, -7.0) / abs(modes.tip_displacement @ steady)
-    both = np.column_stack([drive.phasors, phasors])
-    return Drive(np.append(drive.frequency, frequency), both)
-
-
-@cache
-def _modes(shapes: int) -> NormalModes:
-    return RitzResonator(shapes=shapes).modes
