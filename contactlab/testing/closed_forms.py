@@ -138,43 +138,38 @@ def bilinear_oscillator(mass: float = 0.5, spring: float = 2e3, contact: float =
     yield close(f"{words}: time in contact", first(made, "duration"), touching, 1e-6, "s")
 
 
-def laws_with_stick(mu: float) -> tuple[tuple[ContactLaw, float, float], ...]:
-    """Give laws, the gap at which their block is in balance [m], and their relative error."""
+def stops(mu: float = 0.2, velocity: float = 0.5, stiffness: float = 400.0) -> Claims:
+    """A sliding block stops after v0/(mu g), having gone v0^2/(2 mu g), and stays where it is.
+
+    With a spring it loses 4 mu N / k a cycle and comes to rest inside mu N / k.
+    """
+    stop, far = velocity / (mu * WEIGHT), velocity**2 / (2.0 * mu * WEIGHT)
+    dead, half = mu * WEIGHT / stiffness, pi / sqrt(stiffness)
+    # 9.5, -7.5, 5.5, -3.5, 1.5, 0.5 of mu N / k: five half cycles.
+    start = 9.5 * dead
     compliant = Composed(Linear(SPRING), friction=Coulomb(mu))
-    return ((compliant, -WEIGHT / SPRING, 1e-8), (LagrangeStick(mu), 0.0, 1e-4))
-
-
-def stopping_block(velocity: float = 0.5, mu: float = 0.3) -> Claims:
-    """A sliding block stops after v0/(mu g), having gone v0^2/(2 mu g), and then stays where it is."""
-    stop, way = velocity / (mu * WEIGHT), velocity**2 / (2.0 * mu * WEIGHT)
-    for law, height, error in laws_with_stick(mu):
-        motor = resting(height=height, velocity=velocity)
-        made, words = run(motor, law, 2.0 * stop, 1e-6, stop / 50.0), f"sliding block, {law.name}"
+    for law, height, error in ((compliant, -WEIGHT / SPRING, 1e-8), (LagrangeStick(mu), 0.0, 1e-4)):
+        motor, words = resting(height=height, velocity=velocity), f"sliding block, {law.name}"
+        made = run(motor, law, 2.0 * stop, 1e-6, stop / 50.0)
         gone, after = way_of(made.series["tip_slope"]), made.time > 1.05 * stop
         # The belt takes the block's momentum, so heavy that it is.
         crept = np.ptp((gone - FLAT * made.series["rotor_angle"])[after])
         slid = first(made, "duration") - first(made, "stick_duration")
         yield close(f"{words}: time until it stops", slid, stop, error, "s")
-        yield close(f"{words}: way until it stops", gone[-1], way, error, "m")
-        yield at_most(f"{words}: creep after it", crept, 1e-15 * way, "m")
+        yield close(f"{words}: way until it stops", gone[-1], far, error, "m")
+        yield at_most(f"{words}: creep after it", crept, 1e-15 * far, "m")
 
-
-def coulomb_decay(mu: float = 0.2, stiffness: float = 400.0) -> Claims:
-    """An oscillator loses 4 mu N / k a cycle and comes to rest inside mu N / k."""
-    dead, half = mu * WEIGHT / stiffness, pi / sqrt(stiffness)
-    # 9.5, -7.5, 5.5, -3.5, 1.5, 0.5 of mu N / k: five half cycles.
-    start = 9.5 * dead
-    for law, height, error in laws_with_stick(mu):
-        motor = resting(height=height, way=start, stiffness=stiffness)
-        words = f"Coulomb oscillator, {law.name}"
-        cycle, rest = (run(motor, law, halves * half, 1e-5) for halves in (2.0, 6.0))
-        loss = start - way_of(cycle.series["tip_slope"])[-1]
-        yield close(f"{words}: decay in a cycle", loss, 4.0 * dead, error, "m")
-        way = way_of(rest.series["tip_slope"])[-1]
-        yield close(f"{words}: where it rests", way, 0.5 * dead, 10.0 * error, "m")
-        slid = first(rest, "duration") - first(rest, "stick_duration")
+        motor, words = (
+            resting(height=height, way=start, stiffness=stiffness),
+            f"oscillator, {law.name}",
+        )
+        cycle, made = (run(motor, law, halves * half, 1e-5) for halves in (2.0, 6.0))
+        passed, left = (way_of(each.series["tip_slope"])[-1] for each in (cycle, made))
+        yield close(f"{words}: decay in a cycle", start - passed, 4.0 * dead, error, "m")
+        yield close(f"{words}: where it rests", left, 0.5 * dead, 10.0 * error, "m")
+        slid = first(made, "duration") - first(made, "stick_duration")
         yield close(f"{words}: time until it rests", slid, 5.0 * half, error, "s")
-        slip = abs(last(rest, "slip_velocity"))
+        slip = abs(last(made, "slip_velocity"))
         yield at_most(f"{words}: slip at rest", slip, 1e-15 * start * sqrt(stiffness), "m s-1")
 
 
