@@ -67,22 +67,17 @@ def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
 
 def declares_its_parameters(bench: Bench) -> Claims:
     """Every field has symbol, unit and meaning, what is out of range is refused, words are there."""
-    law, declared = bench.law, bench.law.declared()
-    found: dict[str, list[str]] = {
-        "parameters without declaration": [
-            name
-            for name in law.describe()
-            if name not in declared or not (declared[name].symbol and declared[name].units)
-        ],
-        "declarations that are missing": [w for w in law.WORDS if not getattr(law, w, "")],
-        "parameters that take an infinite value": [],
-    }
+    law, declared, taken = bench.law, bench.law.declared(), []
+    said = {name for name, given in declared.items() if given.symbol and given.units}
+    missing = [name for name in law.describe() if name not in said]
+    words = [word for word in law.WORDS if not getattr(law, word, "")]
     for name in declared:
         with suppress(ValueError):
             law.changed(name, inf)
-            found["parameters that take an infinite value"].append(name)
-    for words, names in found.items():
-        yield at_most(f"{words} {names}", len(names), 0)
+            taken.append(name)
+    yield at_most(f"parameters without declaration {missing}", len(missing), 0)
+    yield at_most(f"declarations that are missing {words}", len(words), 0)
+    yield at_most(f"parameters that take an infinite value {taken}", len(taken), 0)
 
 
 def calls_leave_no_trace(bench: Bench) -> Claims:

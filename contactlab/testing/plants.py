@@ -6,7 +6,7 @@ and the rotor is a belt.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi, sqrt
 from typing import Any, final
@@ -92,22 +92,16 @@ def way_of(theta: Array) -> Array:
     return np.asarray(-FLAT * np.sin(theta))
 
 
-def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
-    """Draw a body of several coupled modes and a rotor, about to touch at a gap rate of `approach` [m/s]."""
-    rng = np.random.default_rng(seed)
-    tip_displacement, tip_slope, velocity = rng.normal(size=(3, modes)) * [[20.0], [1e3], [1e-3]]
+def coupled_body(seed: int, approach: float = 0.3) -> Motor:
+    """Draw a body whose modes couple both directions, about to touch a rotor at a gap rate [m/s]."""
+    rng, modes = np.random.default_rng(seed), RitzResonator().modes
+    tip, slope, velocity = rng.normal(size=(3, modes.stiffness.size)) * [[20.0], [1e3], [1e-3]]
     # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
-    along = tip_displacement / (tip_displacement @ tip_displacement)
-    velocity += (approach - tip_displacement @ velocity) * along
-    rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
-    damping, none = 2.0 * rng.uniform(0.0, 1.5, modes) * rate, np.zeros((modes, 2))
-    return Motor(
-        modes=NormalModes(rate**2, damping, none, tip_displacement, tip_slope, none),
-        drive=silent_drive(),
-        geometry=ContactGeometry(clearance=0.0),
-        rotor=Rotor(inertia=float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0),
-        start=ModalState(-1e-12 * along, velocity),
-    )
+    along = tip / (tip @ tip)
+    start = ModalState(-1e-12 * along, velocity + (approach - tip @ velocity) * along)
+    body = replace(modes, tip_displacement=tip, tip_slope=slope)
+    rotor = Rotor(float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0)
+    return Motor(body, silent_drive(), ContactGeometry(clearance=0.0), rotor, start=start)
 
 
 def attempt(

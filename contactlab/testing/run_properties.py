@@ -19,12 +19,6 @@ from contactlab.trajectory import Trajectory
 STEP_ERROR = 1e-5
 """Share that may have the wrong sign in the step in which slip or force ends: an error of the step."""
 
-MIRRORED = (
-    *("tip_tangential_displacement", "tip_slope", "rotor_velocity", "rotor_angle"),
-    *("slip_velocity", "friction_force", "friction_impulse"),
-)
-"""What changes its sign in a mirror."""
-
 
 def no_force_when_open(bench: Bench) -> Claims:
     """No force in an interval that no contact reaches into."""
@@ -204,12 +198,14 @@ def repeats_bit_for_bit(bench: Bench) -> Claims:
 
 
 def mirrors(bench: Bench) -> Claims:
-    """Left and right exchanged."""
+    """Left and right exchanged, and with them the sign of what is along the rotor."""
     motor, rotor = bench.motor, bench.motor.rotor
     velocity, torque = -rotor.initial_velocity, -rotor.load_torque
     modes = replace(motor.modes, tip_slope=-motor.modes.tip_slope)
     turned = replace(rotor, initial_velocity=velocity, load_torque=torque)
-    found = _differing(bench, replace(motor, modes=modes, rotor=turned), MIRRORED)
+    moving = ("tip_tangential_displacement", "tip_slope", "rotor_velocity", "rotor_angle")
+    signed = (*moving, "slip_velocity", "friction_force", "friction_impulse")
+    found = _differing(bench, replace(motor, modes=modes, rotor=turned), signed)
     yield at_most(f"quantities that differ in the mirror {found}", len(found), 0)
 
 
