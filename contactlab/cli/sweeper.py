@@ -8,7 +8,7 @@ runs leave their folders, a job a chunk where they leave their metrics alone.
 import os
 import platform
 import sys
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -36,13 +36,12 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
 from contactlab.config.faults import one_line
 from contactlab.config.rules import idle_friction
-from contactlab.results.files import LOG, told
+from contactlab.results.files import LOG, STATE, told
 from contactlab.settings import Sweep
-from contactlab.sweeps.batch import Batch, WorkerError, processors
+from contactlab.sweeps.batch import Batch, Outputs, WorkerError, processors
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.plan import Outputs, Plan, code_digest_of
-from contactlab.sweeps.planning import NOTHING, full_keys, planned, raise_faults, setups_of
-from contactlab.sweeps.state import extend_manifest, resume, sentence
+from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
+from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
 
@@ -99,27 +98,29 @@ class ContactlabSweeper(Sweeper):
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
         raise_faults(faults)
         settings = Sweep(**arguments.settings)
-        outputs = Outputs.named(settings.metrics, settings.series or ())
         samples = settings.samples
         plan = planned(
             arguments,
             full_keys(table(samples), arguments) if samples else arguments.columns,
-            outputs,
+            Outputs.named(settings.metrics, settings.series or ()),
+            progress=terminal.progress,
             samples=samples is not None,
             chunk=settings.chunk,
-            progress=terminal.progress,
+            keep=settings.keep,
         )
         set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
             tell(f"contactlab: {words}", sys.stderr)
-        if settings.keep == "metrics":
-            return self._metrics(plan, arguments, settings.workers, folder)
-        status = self._folders(plan, arguments, folder)
-        collect_swept(folder, outputs.series, outputs.metrics if settings.metrics else ())
+        store = Store(folder, plan)
+        if plan.keep == "metrics":
+            return self._metrics(store, settings.workers)
+        status = self._folders(store, arguments)
+        collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
         return status
 
-    def _folders(self, plan: Plan, arguments: Arguments, folder: Path) -> int:
+    def _folders(self, store: Store, arguments: Arguments) -> int:
         """Run what leaves a folder each, but for what is complete; give the worst status."""
+        plan, folder = store.plan, store.path
         if plan.cells > MOST_JOBS:
             raise ConfigurationError(
                 [
@@ -128,7 +129,8 @@ class ContactlabSweeper(Sweeper):
                     "which keeps numbers alone."
                 ]
             )
-        jobs = [*arguments.jobs(plan, setups_of(plan, arguments, terminal.progress))]
+        setups = enumerate(setups_of(plan, arguments, terminal.progress))
+        jobs = [arguments.job(plan, cell, setup) for cell, setup in setups]
         names = Counter(name for name, _ in jobs)
         faults = [
             f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite each other; "
@@ -140,13 +142,17 @@ class ContactlabSweeper(Sweeper):
         tried = {*(folder / name for name in names if (folder / name).exists())}
         faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
         raise_faults(faults)
-        done, said = resume([(folder / name, job.key) for name, job in jobs])
+        store.begin()
+        runs, said = resume([(folder / name, job.key) for name, job in jobs])
         print(said, flush=True)
-        folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, dict(jobs), plan.samples)
-        pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
+        pending = [job for job, is_to_run in zip(jobs, runs, strict=True) if is_to_run]
         if not pending:
             return COMPLETE
+        for place, job in ((folder / name, job) for name, job in pending):
+            # So that it is known what one was that never begins.
+            place.mkdir(parents=True, exist_ok=True)
+            if not (place / STATE).exists():
+                write_state(place, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
         OmegaConf.save(self._config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
@@ -155,9 +161,10 @@ class ContactlabSweeper(Sweeper):
         ]
         return self._launched(self._task, batch, folder)
 
-    def _metrics(self, plan: Plan, arguments: Arguments, workers: int | None, folder: Path) -> int:
+    def _metrics(self, store: Store, workers: int | None) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
-        faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
+        plan = store.plan
+        faults = list(refusals(store.path, "Choose another one by hydra.sweep.dir=DIR."))
         if not plan.axes:
             faults.append(NOTHING)
         if "${" in str(plan.bases):
@@ -166,17 +173,13 @@ class ContactlabSweeper(Sweeper):
                 "which may depend on what is swept. Write the values."
             )
         raise_faults(faults)
-        if plan.samples:
-            deque(setups_of(plan, arguments, terminal.progress), maxlen=0)
-        store = Store(folder, plan)
         store.begin()
-        print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
+        print(sentence(plan.cells, {ABSENT: store.missing_runs()}), flush=True)
         if plan.outputs.series:
             # A run that is refused is told of at its place.
             with suppress(ConfigurationError):
-                announce_series(
-                    plan.cells, len(plan.outputs.series), plan.setup_at(0).configuration
-                )
+                first = plan.setup_at(0).configuration
+                announce_series(plan.cells, len(plan.outputs.series), first)
         try:
             with terminal.raising():
                 status = self._chunks(store, workers)

@@ -17,11 +17,11 @@ from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.metrics import METRICS
 from contactlab.sweeps import SweepError
-from contactlab.sweeps.batch import Batch
+from contactlab.sweeps.batch import Batch, Outputs
 from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.plan import Outputs, with_key
-from contactlab.sweeps.state import MANIFEST, Status
-from contactlab.sweeps.store import CHUNKS, DIGEST, UNFINISHED, Store
+from contactlab.sweeps.plan import with_key
+from contactlab.sweeps.state import Status
+from contactlab.sweeps.store import CHUNKS, DIGEST, MANIFEST, UNFINISHED, Store
 
 SHORT = "solver.duration=1 ms"
 HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")
@@ -50,8 +50,8 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     base = yaml.safe_load(found.attrs["configuration"])
     for clearance in found["clearance"].values:
         for phase in found["phase"].values:
-            changed = with_key(base, ["contact", "clearance"], float(clearance))
-            setup = build(with_key(changed, ["drive", "phase"], float(phase)))
+            changed = with_key(base, "contact.clearance", float(clearance))
+            setup = build(with_key(changed, "drive.phase", float(phase)))
             assert setup.law.name == "lagrange_stick"
             run = simulate(
                 setup.motor,
