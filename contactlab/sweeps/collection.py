@@ -24,22 +24,12 @@ from contactlab.config import validate
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
-from contactlab.metrics import METRICS, assess, configuration_of, is_complete, read_run
+from contactlab.metrics import assess, configuration_of, is_complete, read_run
 from contactlab.parameter import Parameter
-from contactlab.results.files import DATASET as RUN_DATASET
-from contactlab.results.files import STATE, remove_left, whole_netcdf
+from contactlab.results import files
 from contactlab.results.provenance import checkout_state
-from contactlab.sweeps.dataset import (
-    DATASET,
-    REASONS,
-    RUN,
-    SERIES,
-    Axis,
-    Slab,
-    dataset_of,
-    text_of,
-    write,
-)
+from contactlab.sweeps.batch import Outputs
+from contactlab.sweeps.dataset import DATASET, REASONS, RUN, Axis, Slab, dataset_of, text_of, write
 from contactlab.sweeps.state import RUNNING, Job, Status, read_state, status_of
 from contactlab.sweeps.store import Store, read_plan
 from contactlab.sweeps.values import SweepError
@@ -65,23 +55,23 @@ _WITH_NUMBERS: Final = {status_of(ending) for ending in Ending if ending.reached
 class FoundRun:
     """Tells what became of a run in a folder, by its name seen from the folder that is collected.
 
-    The job is None where nothing but a dataset tells of it; metrics are empty where it did not reach its end.
+    What it was asked for may not be known; metrics are empty where it did not reach its end.
     """
 
     name: str
     folder: Path
-    job: Job | None
+    asked: bool
+    job: Job
     status: Status = Status.COMPLETE
     reason: str = ""
-    configuration: Mapping[str, Any] = field(default_factory=dict)
     metrics: Mapping[str, float] = field(default_factory=dict)
 
 
 def collect(
     directory: str | Path,
     output: str | Path | None = None,
-    series: Sequence[str] = (),
-    metrics: Sequence[str] = (),
+    series: Sequence[str] | str = (),
+    metrics: Sequence[str] | str = (),
 ) -> xarray.Dataset:
     """Collect every run below a folder into one dataset, written to a file, whole or not at all.
 
@@ -100,8 +90,8 @@ def collect(
         the attribute `source` of the dataset's `encoding`.
 
     Raises:
-        SweepError: there is no such folder, no run in it, no such series, or the series of the runs are
-            at different times.
+        ConfigurationError: there is no such metric or series.
+        SweepError: there is no such folder or no run in it, or the series of the runs are at different times.
         OSError: the file cannot be written.
     """
     directory = Path(directory)
@@ -118,65 +108,59 @@ def collect(
                 "with the series that it keeps; another file and other series must be left out."
             )
         return Store(directory, plan).merge()
-    if unknown := [name for name in series if name not in SERIES]:
-        raise SweepError(
-            f"{', '.join(unknown)} is no time series; it must be of {', '.join(SERIES)}."
-        )
+    outputs = Outputs.named(metrics or "all", series)
     if not (runs := list(discovered(directory))):
         raise SweepError(
             f"'{directory}' holds no run, nor does a folder below it; it must hold one at least. "
             f"A run leaves one: contactlab hydra.run.dir={directory}"
         )
-    dataset = _dataset(runs, metrics or tuple(METRICS))
+    dataset = _dataset(runs, outputs.metrics)
     if dims := [] if plan and plan.samples else _dimensions(dataset):
         texts = {name: "" for name, found in dataset.variables.items() if found.dtype.kind == "O"}
         empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_ASKED}
         dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(RUN, fill_value=empty)
         dataset.attrs["complete"] = int(not dataset["status"].any())
     path = directory / DATASET if output is None else Path(output)
-    names = list(dict.fromkeys(series))
-    with whole_netcdf(path) as partial:
-        write(dataset, partial, names, lambda: _slabs(runs, dataset, names))
+    with files.whole_netcdf(path) as partial:
+        write(dataset, partial, outputs.series, lambda: _slabs(runs, dataset, outputs.series))
     dataset.encoding["source"] = str(path)
     return dataset
 
 
 def discovered(directory: Path) -> Iterator[FoundRun]:
     """Find every run below a folder, the folder itself included; each is read when it is asked for."""
-    folders: dict[str, Path] = {}
-    for name, below, files in os.walk(directory):
+    names: list[str] = []
+    for place, below, there in os.walk(directory):
         below[:] = [name for name in below if not name.startswith(".")]
-        place = Path(name)
-        remove_left(place)
-        if RUN_DATASET in files or STATE in files:
-            folders[place.relative_to(directory).as_posix()] = place
+        files.remove_left(Path(place))
+        if not {files.DATASET, files.STATE}.isdisjoint(there):
+            names.append(Path(place).relative_to(directory).as_posix())
 
     def in_order(name: str) -> list[tuple[int, str]]:
         """Sort 10_... after 9_..."""
         words = re.split(r"(\d+)", name)
         return [(int(word), "") if word.isdigit() else (-1, word) for word in words]
 
-    for name in sorted(folders, key=in_order):
-        yield _found(name, folders[name])
+    for name in sorted(names, key=in_order):
+        yield _found(name, directory / name)
 
 
 def _found(name: str, folder: Path) -> FoundRun:
     """Take a run that says itself what became of it, or of which there is a dataset alone."""
     state = read_state(folder)
-    run = FoundRun(name, folder, state and state.job)
+    run = FoundRun(name, folder, state is not None, state.job if state else Job())
     if state:
-        run.configuration = state.job.configuration
         run.status = _OF_STATE.get(state.state, Status.FAILED)
         run.reason = state.reason or REASONS.get(run.status, f"The run is {state.state}.")
-    elif not (folder / RUN_DATASET).is_file():
+    elif not (folder / files.DATASET).is_file():
         run.status = Status.FAILED
-        run.reason = f"{STATE} cannot be read, and there is no {RUN_DATASET}. Run it again."
+        run.reason = f"{files.STATE} cannot be read, and there is no {files.DATASET}. Run it again."
     if run.status not in _WITH_NUMBERS:
         return run
     # A file can be anything, and the other runs shall not suffer from it.
     try:
-        tree = read_run(folder / RUN_DATASET)
-        run.configuration = run.configuration if state else configuration_of(tree)
+        tree = read_run(folder / files.DATASET)
+        run.job = run.job if state else Job(configuration=configuration_of(tree))
         run.status, run.reason = Status.COMPLETE, ""
         if not is_complete(tree):
             status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)
@@ -191,7 +175,7 @@ def _found(name: str, folder: Path) -> FoundRun:
 
 def _dataset(runs: Sequence[FoundRun], metrics: Sequence[str]) -> xarray.Dataset:
     """Give the dataset of runs, one after the other; those whose configuration is not known share all."""
-    known = [flat(run.configuration) for run in runs if run.configuration]
+    known = [flat(run.job.configuration) for run in runs if run.job.configuration]
     common = {
         key: value
         for key, value in (known[0] if known else {}).items()
@@ -226,7 +210,7 @@ def _slabs(
     first: NDArray[Any] | None = None
     for run in complete:
         try:
-            tree = read_run(run.folder / RUN_DATASET)
+            tree = read_run(run.folder / files.DATASET)
         except ValueError as error:
             raise SweepError(str(error)) from error
         time = np.asarray(tree["time"].values, dtype=np.float64)
@@ -267,13 +251,13 @@ def _different(table: Any) -> int:
 def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     """Find what differs between runs, of what they were asked for or else of what they recorded."""
     settings = [
-        {key: value for key, value in flat(run.configuration).items() if _KEY.fullmatch(key)}
+        {key: value for key, value in flat(run.job.configuration).items() if _KEY.fullmatch(key)}
         for run in runs
     ]
     keys = list(dict.fromkeys(key for setting in settings for key in setting))
     columns: dict[str, list[Any]] = {}
-    jobs = [run.job for run in runs if run.job]
-    if len(jobs) == len(runs):
+    jobs = [run.job for run in runs]
+    if all(run.asked for run in runs):
         groups = dict.fromkeys(group for job in jobs for group in job.choices)
         given = {line.partition("=")[0].lstrip("+~") for job in jobs for line in job.overrides}
         columns = {
@@ -287,7 +271,7 @@ def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     for key in keys:
         # The choice of the law is named by its group: the key that tells it is the law's name.
         columns[key.removesuffix(".name")] = [setting.get(key) for setting in settings]
-    declared = _declared(runs, {*keys})
+    declared = _declared(jobs, {*keys})
     return [
         _axis(name, values, declared.get(name))
         for name, values in columns.items()
@@ -295,14 +279,14 @@ def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     ]
 
 
-def _declared(runs: Sequence[FoundRun], keys: set[str]) -> dict[str, Parameter]:
+def _declared(jobs: Sequence[Job], keys: set[str]) -> dict[str, Parameter]:
     """Find what is declared of keys, from the first configurations that have them."""
     declared: dict[str, Parameter] = {}
-    for run in runs:
-        if missing := keys & flat(run.configuration).keys():
+    for job in jobs:
+        if missing := keys & flat(job.configuration).keys():
             # A configuration of one's own may be anything, and a law may no longer be installed.
             with suppress(Exception):
-                declared |= declared_in(validate(run.configuration))
+                declared |= declared_in(validate(job.configuration))
                 keys = keys - missing
     return declared
 

@@ -288,7 +288,10 @@ def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simul
     [
         (["nowhere"], "'nowhere' is not there; it must be a folder of runs."),
         (["."], "holds no run, nor does a folder below it"),
-        (["sweep", "--series", "speed"], "speed is no time series; it must be of tip_normal"),
+        (
+            ["sweep", "--series", "speed"],
+            "There is no series 'speed'; it must be one of tip_normal",
+        ),
         (["sweep", "--series", "gap"], "for time series they must be the same"),
         (["sweep", "--output", "nowhere/all.nc"], "its folder does not exist; create it first"),
     ],
