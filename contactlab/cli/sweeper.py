@@ -146,20 +146,19 @@ class ContactlabSweeper(Sweeper):
         runs, said = resume([(folder / name, job.key) for name, job in jobs])
         print(said, flush=True)
         pending = [job for job, is_to_run in zip(jobs, runs, strict=True) if is_to_run]
-        if not pending:
-            return COMPLETE
         for place, job in ((folder / name, job) for name, job in pending):
             # So that it is known what one was that never begins.
             place.mkdir(parents=True, exist_ok=True)
             if not (place / STATE).exists():
                 write_state(place, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
-        OmegaConf.save(self._config, folder / "multirun.yaml")
+        if pending:
+            OmegaConf.save(self._config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
         batch = [
             [*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending
         ]
-        return self._launched(self._task, batch, folder)
+        return self._launched(self._task, batch, store)
 
     def _metrics(self, store: Store, workers: int | None) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
@@ -197,28 +196,25 @@ class ContactlabSweeper(Sweeper):
 
     def _chunks(self, store: Store, workers: int | None) -> int:
         """Run the chunks that are missing, here or by a launcher."""
-        if not (missing := store.missing()):
-            return COMPLETE
-        if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
+        missing = store.missing()
+        if missing and self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
             with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
                 store.run_missing(workers, show)
             return COMPLETE
-        where = quoted(str(store.path.absolute()))
-        below = str((store.path / CHUNKS).absolute())
+        below = self._config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
         own = [
+            f"+chunk.folder={quoted(str(store.path.absolute()))}",
+            f"+chunk.workers={workers or 0}",
             f"hydra.sweep.dir={quoted(below)}",
             "hydra.sweep.subdir=log/${hydra.job.num}",
             "hydra.output_subdir=null",
         ]
-        batch = [
-            [f"+chunk.folder={where}", f"+chunk.number={n}", f"+chunk.workers={workers or 0}", *own]
-            for n in missing
-        ]
-        self._config.hydra.sweep.dir = below
-        return self._launched(run_chunk, batch, store.path)
+        return self._launched(run_chunk, [[f"+chunk.number={n}", *own] for n in missing], store)
 
-    def _launched(self, task: TaskFunction, batch: list[list[str]], folder: Path) -> int:
+    def _launched(self, task: TaskFunction, batch: list[list[str]], store: Store) -> int:
         """Have a launcher run jobs; give the status of the worst, and tell why they cannot be run."""
+        if not batch:
+            return COMPLETE
         status = COMPLETE
         try:
             # Between the jobs an exception, at which a launcher ends the processes that it has begun.
@@ -239,7 +235,7 @@ class ContactlabSweeper(Sweeper):
                 sys.stderr,
             )
             with suppress(OSError):
-                write_log(folder / LOG, error)
+                write_log(store.path / LOG, error)
             status = INCOMPLETE
         return status
 

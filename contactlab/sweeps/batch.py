@@ -1,9 +1,8 @@
 """Many runs in one go, by one process or several: what became of each, and the metrics that were asked for.
 
-One run follows the other and is handed what like motors have in common; its numbers are the same to the
-last bit wherever and after whatever it runs. Workers are processes, since a short run is half Python; they
-are forked where that can be done, with the engine loaded, so that they start at once and take over whatever
-makes the motors.
+The numbers of a run are the same to the last bit wherever and after whatever it runs. Workers are processes,
+since a short run is half Python; they are forked where that can be done, with the engine loaded, so that they
+start at once and take over whatever makes the motors.
 """
 
 import gc
@@ -36,8 +35,7 @@ from contactlab.sweeps.state import Status, status_of
 from contactlab.sweeps.values import listed
 
 Answers = dict[str, NDArray[Any]]
-"""What some runs gave, a row each: metrics by key, series as NAME_series, NaN where there is none, `status`
-and `reason`; and `time`, that of the records of the series in all runs."""
+"""What runs gave, a row each: metrics, NAME_series, `status` and `reason`; and the `time` of all series."""
 
 SetupAt = Callable[[int], Setup]
 """What runs in a cell; it may raise a `ConfigurationError`, which makes the cell a refused one."""
@@ -78,18 +76,17 @@ class Outputs:
             ConfigurationError: a name that is no metric or no series, or nothing at all.
         """
         chosen = cls.metrics if metrics is None else METRICS if metrics == "all" else metrics
-        asked = []
+        asked, faults = [], []
         for kind, names, known in (("metric", chosen, [*METRICS]), ("series", series, [*SERIES])):
             asked.append(tuple(dict.fromkeys(listed(names) if isinstance(names, str) else names)))
-            for name in {*asked[-1]} - {*known}:
+            for name in sorted({*asked[-1]} - {*known}):
                 hint = suggestion(name, known, f"One is {known[0]}.")
-                raise ConfigurationError(
-                    [f"There is no {kind} '{name}'; it must be one of {', '.join(known)}. {hint}"]
-                )
+                there = ", ".join(known)
+                faults.append(f"There is no {kind} '{name}'; it must be one of {there}. {hint}")
         if not any(asked):
-            raise ConfigurationError(
-                ["Nothing is asked for; there must be one metric or series at least."]
-            )
+            faults.append("Nothing is asked for; there must be one metric or series at least.")
+        if faults:
+            raise ConfigurationError(faults)
         return cls(*asked)
 
     @property
@@ -219,7 +216,7 @@ def joined(parts: Sequence[Answers]) -> Answers:
 
 def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -> Answers:
     """Run one cell: what became of it and why, with its numbers where it reached its end."""
-    metrics, status, reason = dict.fromkeys(outputs.metrics, np.nan), Status.FAILED, ""
+    metrics, status = dict.fromkeys(outputs.metrics, np.nan), Status.FAILED
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
     try:
         setup = setup_at(cell)
@@ -242,7 +239,7 @@ def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -
     except ConfigurationError as error:
         status, reason = Status.REFUSED, " ".join(error.faults)
     except LawError as error:
-        status, reason = Status.FAILED, str(error)
+        reason = str(error)
     # The others shall not suffer from what one of ten thousand runs into.
     except Exception as error:
         # That a cluster's time is up is no result of the cell: the chunk is to be made again.

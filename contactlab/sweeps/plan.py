@@ -7,7 +7,7 @@ import json
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from itertools import product
 from math import ceil, prod
 from typing import Any, Final, Literal, Protocol, final
@@ -26,30 +26,25 @@ from contactlab.sweeps.state import code_digest_of
 from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, spread
 
 CHUNK: Final = 1000
-"""Runs in a chunk where nothing is said: seconds of work."""
-
-MOST_CHUNKS: Final = 1000
-"""Clusters take arrays of about so many tasks."""
+"""Runs in a chunk where nothing is said: seconds of work. And chunks: clusters take about so many tasks."""
 
 NOTHING: Final = (
     f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no "
     "sweep."
 )
 
-TIMES: Final = ("solver.duration", "record.interval")
-"""Keys that the times of the records depend on."""
+_TIMES: Final = ("solver.duration", "record.interval")
 
 Configuration = Mapping[str, Any]
 
 Columns = Mapping[str, Sequence[Value]]
 """What is swept: values by key or group, each a number, a text, or a text that stands for several."""
 
-Shown = AbstractContextManager[Callable[[float], object]]
-Progress = Callable[[float, str, str], Shown]
+Progress = Callable[[float, str, str], AbstractContextManager[Callable[[float], object]]]
 """Shows how far something has come, of a total in some unit; see `contactlab.cli.terminal.progress`."""
 
 
-def unseen(*_: object) -> Shown:
+def unseen(*_: object) -> AbstractContextManager[Callable[[float], object]]:
     """Show nothing."""
     return nullcontext(lambda _: None)
 
@@ -182,32 +177,29 @@ def planned(
             except SweepError as error:
                 faults.append(str(error))
                 continue
-            trials_of = ([with_key(trial, key, value) for trial in trials] for value in found)
-            shown = progress(len(found), "values", f"Checking {key}")
-            deque(_built(composer, trials_of, shown, faults), maxlen=0)
+            tried = ([with_key(trial, key, value) for trial in trials] for value in found)
+            show = progress(len(found), "values", f"Checking {key}")
+            deque(_built(composer, tried, show, faults), maxlen=0)
         if not samples and len({*found}) < len(found):
             faults.append(f"{key} has a value twice; give every value once.")
         axes.append(Axis(key, tuple(found), units, meaning))
     raise_faults(faults)
+    sizes = [len(axis.values) for axis in (axes[:1] if samples else axes)]
+    if prod(sizes) > MOST_RUNS:
+        asked = f"{' x '.join(map(str, sizes))} = {prod(sizes):.4g} runs are asked for"
+        most = f"a sweep must have at most {MOST_RUNS}, whose numbers fit into memory"
+        raise ConfigurationError([f"{asked}; {most}. Take fewer values."])
     plan = Plan(
         axes=tuple(axes),
+        samples=samples,
+        outputs=outputs,
         groups=tuple(groups),
         choices=choices,
         bases=bases,
-        samples=samples,
-        outputs=outputs,
+        chunk=chunk or max(CHUNK, ceil(prod(sizes) / CHUNK)),
         code=code_digest_of(bases),
         keep=keep,
     )
-    plan = replace(plan, chunk=chunk or max(CHUNK, ceil(plan.cells / MOST_CHUNKS)))
-    if plan.cells > MOST_RUNS:
-        sizes = " x ".join(map(str, plan.shape))
-        raise_faults(
-            [
-                f"{sizes} = {plan.cells:.4g} runs are asked for; a sweep must have at most {MOST_RUNS}, "
-                "whose numbers fit into memory. Take fewer values."
-            ]
-        )
     if samples:
         deque(setups_of(plan, composer, progress), maxlen=0)
     return plan
@@ -216,20 +208,17 @@ def planned(
 def setups_of(plan: Plan, composer: Composer, progress: Progress = unseen) -> Iterator[Setup]:
     """Build every run of a plan, cell by cell, and refuse those that are not sound at the end."""
     faults: list[str] = []
-    trials_of = ([plan.configuration(cell)] for cell in range(plan.cells))
-    yield from _built(
-        composer, trials_of, progress(plan.cells, "runs", "Checking the sweep"), faults
-    )
+    tried = ([plan.configuration(cell)] for cell in range(plan.cells))
+    show = progress(plan.cells, "runs", "Checking the sweep")
+    yield from _built(composer, tried, show, faults)
     raise_faults(faults)
 
 
 def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
     """Put full keys in the place of names that are the end of one: 'contact.clearance' for 'clearance'.
 
-    The parts of a name may be joined as in the names of a dataset.
-
-    Raises:
-        ConfigurationError: a name is the end of several.
+    The parts of a name may be joined as in the names of a dataset. A name that is the end of several is
+    refused by a ConfigurationError.
     """
     known = flat(composer.compose({}))
     found: dict[str, Sequence[Value]] = {}
@@ -249,7 +238,7 @@ def raise_faults(faults: Iterable[str]) -> None:
 
 
 def with_key(configuration: Configuration, key: str, value: Value) -> Configuration:
-    """Give a configuration with another value of a key; what the key lies in is copied, the rest shared."""
+    """Give a configuration with another value of a key; what does not hold the key is shared."""
     first, _, rest = key.partition(".")
     below = configuration.get(first)
     inner = below if isinstance(below, Mapping) else {}
@@ -270,7 +259,7 @@ def _faults_of(
                 hint = suggestion(str(value), groups[key], "Choose from them.")
                 listing = ", ".join(groups[key])
                 yield f"{key} is {describe(value)}; it must be one of {listing}. {hint}"
-        if outputs.series and key in TIMES:
+        if outputs.series and key in _TIMES:
             yield (
                 f"{key} is swept and series are kept; they must be at the same times in every run. Keep "
                 "none, or set it."
@@ -279,13 +268,13 @@ def _faults_of(
 
 def _built(
     composer: Composer,
-    trials_of: Iterable[Sequence[Configuration]],
-    shown: Shown,
+    tried: Iterable[Sequence[Configuration]],
+    progress: AbstractContextManager[Callable[[float], object]],
     faults: list[str],
 ) -> Iterator[Setup]:
     """Build the first sound trial of each of many; what is wrong where there is none is added to faults."""
-    with shown as show:
-        for count, trials in enumerate(trials_of, 1):
+    with progress as show:
+        for count, trials in enumerate(tried, 1):
             try:
                 yield _sound(composer, trials)
             except ConfigurationError as error:
@@ -308,7 +297,6 @@ def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configurat
         for key, column in columns.items():
             call = call_in(column[end])
             # Of what is spaced the ends are tried.
-            value = call[1][: 2 if end else 1][-1] if call else column[end]
-            trial = with_key(trial, key, value)
+            trial = with_key(trial, key, call[1][:2][end] if call else column[end])
         found.append(trial)
     return found

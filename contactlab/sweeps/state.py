@@ -28,15 +28,12 @@ from contactlab.trajectory import Ending
 
 
 class Status(IntEnum):
-    """Codes what became of a run; one that reached its end has numbers, a complete or an unbalanced one."""
+    """Codes what became of a run: an `Ending`, by its name, or why it has none."""
 
     COMPLETE = 0
     DIVERGED = 1
-    """Its state was no longer a motor's."""
     CHATTERED = 2
-    """Its contact made no progress."""
     INTERRUPTED = 3
-    """Somebody pressed Ctrl-C."""
     FAILED = 4
     """It raised an exception, or could not be written."""
     UNFINISHED = 5
@@ -46,11 +43,8 @@ class Status(IntEnum):
     ABSENT = 7
     """It has not begun."""
     UNBALANCED = 8
-    """It reached its end, but its energy ledger is open."""
     STALLED = 9
-    """Its law let it take no step, or too many."""
     INCONSISTENT = 10
-    """Its law had no impulse for a contact that closes."""
 
 
 def status_of(ending: Ending) -> Status:
@@ -61,10 +55,6 @@ def status_of(ending: Ending) -> Status:
 ABSENT, RUNNING, COMPLETE, FAILED, REFUSED = "absent", "running", "complete", "failed", "refused"
 INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"
 """States beside the other names of `contactlab.trajectory.Ending` in small letters."""
-
-STATUS_OF_STATE: Final = {status.name.lower(): status for status in Status} | {
-    RUNNING: Status.UNFINISHED
-}
 
 
 @final

@@ -6,11 +6,10 @@
     DIR/sweep.nc.sha256   its digest, as `sha256sum -c` takes it
     DIR/unfinished.nc     what is finished of a sweep that is not, where it was asked for
 
-Every file appears whole or not at all, and a chunk's numbers do not depend on when or where it runs. So a
-sweep that is killed at any moment goes on where it was and ends with the same bits. Nor can processes that
-work on one sweep at a time, on one machine or on several, take anything from each other: whoever writes a
-plan, a chunk or a dataset writes the same bytes, nothing but the whole sweep is ever named sweep.nc, and a
-chunk is removed only when it is in there.
+Every file appears whole or not at all, and a chunk's numbers do not depend on when or where it runs: a sweep
+that is killed goes on where it was and ends with the same bits. Nor can processes that work on one sweep take
+anything from each other: whoever writes a file writes the same bytes, nothing but the whole sweep is ever
+named sweep.nc, and a chunk is removed only when it is in there.
 """
 
 import errno
@@ -114,22 +113,15 @@ class Store:
                 raise
 
     def run_missing(self, workers: int | None, report: Report | None = None) -> None:
-        """Run all chunks that are not finished.
-
-        Raises:
-            WorkerError: a worker process died.
-            OSError: the answers cannot be written.
-        """
+        """Run all chunks that are not finished; a WorkerError or OSError tells why that cannot be done."""
         with Batch(self.plan.setup_at, self.plan.outputs, workers, report) as batch:
             for chunk in self.missing():
                 self.run(chunk, batch)
 
     def merge(self) -> xarray.Dataset:
-        """Write the dataset of all chunks that are finished; the chunks go when none is missing.
+        """Write and give the dataset of all chunks that are finished; they go when none is missing.
 
-        Returns:
-            The metrics over the axes; series are in the file only, which is the attribute `source` of its
-            `encoding`.
+        Series are in the file only, which is the attribute `source` of its `encoding`.
 
         Raises:
             SweepError: a chunk or the dataset is damaged.
@@ -211,10 +203,7 @@ def read_plan(folder: Path) -> Plan | None:
 
 
 def write_chunk(file: Path, answers: Answers) -> None:
-    """Write a chunk, whole or not at all; the same answers give the same bytes.
-
-    NumPy reads the file as any .npz. One that a digest does not end or does not fit is damaged.
-    """
+    """Write a chunk, whole or not at all: an .npz with a digest behind it, the same for the same answers."""
     stream = BytesIO()
     np.savez(stream, **answers)  # type: ignore[arg-type]
     stream.write(sha256(stream.getbuffer()).digest())

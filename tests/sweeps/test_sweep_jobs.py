@@ -228,3 +228,16 @@ def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
         left = state.read_state(place)
         assert left is not None
         assert left.job == job
+
+
+def test_no_picture_is_drawn_where_none_is_wanted(
+    command: Command, simulations: Simulations
+) -> None:
+    for wanted in (True, False):
+        status, out, err = command(f"record.picture={wanted}", f"hydra.run.dir=drawn_{wanted}")
+        assert status == 0, err
+        assert Path(f"drawn_{wanted}", "run.png").exists() is wanted
+        assert ("run.png" in out) is wanted
+    status, _, err = command("record.picture=5")
+    assert status == 2
+    assert "record.picture is 5; it must be true or false." in err
