@@ -27,10 +27,7 @@ from contactlab.sweeps.values import FORMS, call_in, spread
 class Arguments:
     """Reads the arguments of a sweep, and composes configurations by Hydra; see `plan.Composer`.
 
-    Args:
-        context, config: what Hydra gives a sweeper.
-        overrides: as Hydra parses them.
-        settings: the section `sweep` as Hydra composes it.
+    It takes what Hydra gives a sweeper, the overrides as parsed, and the section `sweep` as composed.
     """
 
     def __init__(
@@ -169,12 +166,9 @@ def table(path: str) -> dict[str, list[Value]]:
                 rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
     # A file can be anything.
     except Exception as error:
-        raise ConfigurationError(
-            [
-                f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, CSV "
-                "or netCDF, whose columns are keys and whose rows are runs."
-            ]
-        ) from error
+        words = f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, "
+        words += "CSV or netCDF, whose columns are keys and whose rows are runs."
+        raise ConfigurationError([words]) from error
     raise_faults(
         f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "
         "leave the row out."

@@ -80,8 +80,8 @@ def collect(
     Args:
         directory: of a sweep, of several, or of any runs.
         output: the file; without, `sweep.nc` in the directory.
-        series: time series that go into the group `series` of the file, over the cells and `time`.
-        metrics: those of `contactlab.metrics.METRICS` that are wanted; all where none is named.
+        series: those that go into the group `series` of the file, over the cells and `time`.
+        metrics: keys of `contactlab.metrics.METRICS`; all where none is named.
 
     Returns:
         The metrics over the parameters that differ between runs: a dimension each if the runs form a

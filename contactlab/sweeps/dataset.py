@@ -149,30 +149,25 @@ def write(
         if variable.dtype.kind in "fi" and variable.size
     }
     dataset.to_netcdf(path, format="NETCDF4", engine="netcdf4", encoding=encoding)
-    if series:
-        with netCDF4.Dataset(path, "a") as file:
-            _write_series(file, dataset["status"].dims, series, slabs())
-
-
-def _write_series(
-    file: netCDF4.Dataset, dims: Sequence[Any], names: Sequence[str], slabs: Iterable[Slab]
-) -> None:
-    """Write the group of time series into a file that has the dimensions of the runs."""
-    group = None
-    for place, time, rows in slabs:
-        if group is None:
-            group = file.createGroup(GROUP)
-            group.createDimension("time", time.size)
-            axis = group.createVariable("time", "f8", ["time"])
-            axis.setncatts(cf_attributes(variables.TIME))
-            axis[:] = time
-            # A slab is a chunk, so that a run is read or written without its neighbours.
-            packed = {**_PACKED, "fill_value": np.nan, "chunksizes": [1] * len(dims) + [time.size]}
-            for name in names:
-                target = group.createVariable(name, "f8", [*dims, "time"], **packed)
-                target.setncatts(cf_attributes(SERIES[name]))
-        for name in names:
-            group[name][place] = rows[name]
+    if not series:
+        return
+    dims: Any = dataset["status"].dims
+    with netCDF4.Dataset(path, "a") as file:
+        group = None
+        for place, time, rows in slabs():
+            if group is None:
+                group = file.createGroup(GROUP)
+                group.createDimension("time", time.size)
+                axis = group.createVariable("time", "f8", ["time"])
+                axis.setncatts(cf_attributes(variables.TIME))
+                axis[:] = time
+                # A slab is a chunk, so that a run is read or written without its neighbours.
+                size: Any = {"fill_value": np.nan, "chunksizes": [1] * len(dims) + [time.size]}
+                for name in series:
+                    target = group.createVariable(name, "f8", [*dims, "time"], **_PACKED, **size)
+                    target.setncatts(cf_attributes(SERIES[name]))
+            for name in series:
+                group[name][place] = rows[name]
 
 
 def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:

@@ -60,13 +60,9 @@ INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"
 @final
 @dataclass(frozen=True)
 class Job:
-    """Holds what a run was asked for.
+    """Holds what a run was asked for: its `key_of`, overrides as typed, options by group, numbers in SI.
 
-    Args:
-        key: of its configuration and the code, see `key_of`; empty where that is not known.
-        overrides: of the configuration, as typed.
-        choices: options by group, the value None for no option.
-        configuration: nested, resolved, numbers in SI; empty where it is faulty.
+    What is not known is empty, and so is the configuration where it is faulty.
     """
 
     key: str = ""
@@ -78,13 +74,9 @@ class Job:
 @final
 @dataclass(frozen=True)
 class State:
-    """Holds what became of a run.
+    """Holds what became of a run, with a reason where it is not complete.
 
-    Args:
-        state: `RUNNING`, `COMPLETE`, ...
-        job: what it was asked for.
-        reason: a sentence where it is not complete.
-        digest: of its dataset, so that one that is damaged or replaced is noticed; empty without.
+    The digest of its dataset tells one that is damaged or was replaced.
     """
 
     state: str

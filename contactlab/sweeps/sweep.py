@@ -50,16 +50,15 @@ def sweep(
     Every number is that of the run alone to the last bit, whatever the number of workers.
 
     Args:
-        over: values by name. Names are keys of the configuration, 'contact.clearance' or 'clearance', or
-            groups of it, 'law'; with `motor` they are the arguments of functions. Values are a list, an
-            array (a DataArray brings its unit), or a text as on the command line. A table, a DataFrame
-            or a list of mappings, has a run in each row.
+        over: values by name: a key of the configuration, 'contact.clearance' or 'clearance', or a group
+            of it, 'law'; with `motor` an argument of functions. Values are a list, an array (a DataArray
+            brings its unit), or a text as on the command line. A table, a DataFrame or a list of mappings,
+            has a run in each row.
         motor: makes the motor; what it raises makes the run a failed one.
-        law: what acts between tip and rotor, or with `motor` a function that makes it; the name of one
-            without.
+        law: its name; with `motor` what acts between tip and rotor, or a function that makes it.
         base: what all runs have, as overrides, as a configuration or as a setup.
-        duration, record_interval: [s]; without `motor` that of `base` where they are not given, with it
-            None keeps but the last record, with which all metrics are content that need no records.
+        duration, record_interval: [s]; those of `base` where they are not given. With `motor` no interval
+            keeps but the last record, with which all metrics are content that need no records.
         contact_step, tolerance: as for `contactlab.engine.simulate`.
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series.
@@ -145,12 +144,9 @@ def _values(given: Any) -> list[Value]:
 
 @final
 class ScriptComposer:
-    """Composes configurations from what a script gives; see `plan.Composer`.
+    """Composes configurations over a base, with a law by its name and values by `contactlab.simulation.KEYS`.
 
-    Args:
-        base: overrides, a configuration or a setup.
-        law: a name; None for that of the base.
-        solver: values of `contactlab.simulation.KEYS` that all runs have.
+    See `plan.Composer`.
     """
 
     options = staticmethod(options_of)
