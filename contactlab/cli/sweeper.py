@@ -11,12 +11,12 @@ import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.plugins import Plugins
-from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf
 
@@ -47,20 +47,15 @@ from contactlab.sweeps.values import SweepError
 
 
 @final
-class ContactlabSweeper(Sweeper):
-    """Plans, checks, resumes and collects a sweep; its options are those of `ContactlabSweeperConf`."""
+@dataclass(frozen=True)
+class Sweeping:
+    """Plans, checks, resumes and collects a sweep, by what Hydra gives a sweeper and its options."""
 
-    def __init__(
-        self, max_batch_size: int | None = None, params: Mapping[str, str] | None = None
-    ) -> None:
-        self._size = max_batch_size
-        self._params = dict(params or {})
-
-    def setup(
-        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
-    ) -> None:
-        """See `Sweeper.setup`."""
-        self._context, self._task, self._config = hydra_context, task_function, config
+    context: HydraContext
+    task: TaskFunction
+    config: DictConfig
+    max_batch_size: int | None = None
+    params: Mapping[str, str] | None = None
 
     def sweep(self, arguments: list[str]) -> None:
         """Run a sweep, or go on with it.
@@ -69,7 +64,8 @@ class ContactlabSweeper(Sweeper):
             SystemExit: with the status of the worst run, or that of what was refused.
         """
         try:
-            status = self._swept([*(f"{k}={v}" for k, v in self._params.items()), *arguments])
+            given = (f"{key}={value}" for key, value in (self.params or {}).items())
+            status = self._swept([*given, *arguments])
         except ConfigurationError as error:
             status = refuse(dict.fromkeys(error.faults))
         except SweepError as error:
@@ -79,14 +75,14 @@ class ContactlabSweeper(Sweeper):
 
     def _swept(self, lines: Sequence[str]) -> int:
         try:
-            parser = OverridesParser.create(config_loader=self._context.config_loader)
+            parser = OverridesParser.create(config_loader=self.context.config_loader)
             overrides = parser.parse_overrides(list(lines))
-            folder = Path(str(self._config.hydra.sweep.dir))
-            section: Any = OmegaConf.to_container(self._config.sweep, resolve=True)
+            folder = Path(str(self.config.hydra.sweep.dir))
+            section: Any = OmegaConf.to_container(self.config.sweep, resolve=True)
         # Hydra lets the errors of what it calls through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        arguments = Arguments(self._context, self._config, overrides, section)
+        arguments = Arguments(self.context, self.config, overrides, section)
         faults = [*misplaced(lines, swept=True), *arguments.faults]
         try:
             validate({**arguments.compose({}), "sweep": arguments.settings})
@@ -144,12 +140,12 @@ class ContactlabSweeper(Sweeper):
                 write_state(place, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
         if pending:
-            OmegaConf.save(self._config, folder / "multirun.yaml")
+            OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
         batch = [
             [*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending
         ]
-        return self._launched(self._task, batch, store)
+        return self._launched(self.task, batch, store)
 
     def _metrics(self, store: Store, workers: int | None) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
@@ -188,11 +184,11 @@ class ContactlabSweeper(Sweeper):
     def _chunks(self, store: Store, workers: int | None) -> int:
         """Run the chunks that are missing, here or by a launcher."""
         missing = store.missing()
-        if missing and self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
+        if missing and self.config.hydra.runtime.choices["hydra/launcher"] == "basic":
             with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
                 store.run_missing(workers, show)
             return COMPLETE
-        below = self._config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
+        below = self.config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
         own = [
             f"+chunk.folder={quoted(str(store.path.absolute()))}",
             f"+chunk.workers={workers or 0}",
@@ -211,9 +207,9 @@ class ContactlabSweeper(Sweeper):
             # Between the jobs an exception, at which a launcher ends the processes that it has begun.
             with terminal.raising():
                 launcher = Plugins.instance().instantiate_launcher(
-                    hydra_context=self._context, task_function=task, config=self._config
+                    hydra_context=self.context, task_function=task, config=self.config
                 )
-                size = self._size or len(batch)
+                size = self.max_batch_size or len(batch)
                 for at in range(0, len(batch), size):
                     for returned in launcher.launch(batch[at : at + size], initial_job_idx=at):
                         # The exception of a job that failed is raised by looking at it.

@@ -131,18 +131,26 @@ def test_workers_that_are_started_afresh_give_the_same(
     assert (Path("forked") / DATASET).read_bytes() == (Path("spawned") / DATASET).read_bytes()
 
 
-@pytest.mark.parametrize("by_other_code", [True, False])
+@pytest.mark.parametrize(
+    ("code", "lines"),
+    [
+        ("other", (*METRICS_ALONE, "drive.phase=0,1")),
+        ("", (*METRICS_ALONE, "drive.phase=0,2")),
+        ("", ("-m", "drive.phase=0,1", "record.picture=false")),
+    ],
+    ids=["by_other_code", "of_other_values", "of_folders"],
+)
 def test_another_sweep_does_not_go_into_the_folder_of_one(
-    command: Command, monkeypatch: pytest.MonkeyPatch, by_other_code: bool
+    command: Command, monkeypatch: pytest.MonkeyPatch, code: str, lines: tuple[str, ...]
 ) -> None:
     assert command(*HERE, "drive.phase=0,1")[0] == 0
-    before = (Path("here") / DATASET).read_bytes()
-    if by_other_code:
-        monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
-    status, _, err = command(*HERE, "drive.phase=0,1" if by_other_code else "drive.phase=0,2")
+    before = {path: path.read_bytes() for path in Path("here").iterdir()}
+    if code:
+        monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: code)
+    status, _, err = command(*lines, SHORT, "hydra.sweep.dir=here")
     assert status == 2
     assert "holds another sweep, or one made by other code" in err
-    assert (Path("here") / DATASET).read_bytes() == before
+    assert {path: path.read_bytes() for path in Path("here").iterdir()} == before
 
 
 def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Command) -> None:
