@@ -13,7 +13,7 @@ from typing import Any, Final, Literal, final
 
 from contactlab.config import quantity
 from contactlab.laws.declaration import SHARED, family_of, members_of
-from contactlab.laws.lagrange_slip import LagrangeSlip
+from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
 from contactlab.motor import (
     ContactGeometry,

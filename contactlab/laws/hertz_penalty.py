@@ -7,7 +7,7 @@ from typing import Annotated, final
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
-from contactlab.laws.normal.hertz import hertz_elastic
+from contactlab.laws.normal import hertz_elastic
 from contactlab.parameter import Parameter
 
 PER_RADIUS = "A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius."
@@ -57,7 +57,6 @@ class HertzPenalty(PenaltyLaw):
     @staticmethod
     @kernel
     def force(gap, gap_rate, slip, impact_speed, parameters):
-        """See `PenaltyLaw.force`."""
         normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
         return normal, parameters[1] * normal, stored, 0.0
 

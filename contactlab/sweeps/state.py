@@ -20,7 +20,7 @@ from pydantic import TypeAdapter
 
 from contactlab.config import Setup
 from contactlab.config.nesting import flat, nested
-from contactlab.fingerprint import fingerprint, is_own
+from contactlab.fingerprint import Fingerprint, is_own
 from contactlab.laws.registry import provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, versions
@@ -151,7 +151,7 @@ def _foreign_code(law: type) -> tuple[str, ...]:
     """Give the digests of what a law of another package is made of; `code_digest` covers our own."""
     if is_own(law):
         return ()
-    found = fingerprint(law)
+    found = Fingerprint(law)
     return found.digest, found.sources()
 
 

@@ -13,7 +13,7 @@ from contactlab.arrays import Array
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction.coulomb import cone_bound
+from contactlab.laws.friction import cone_bound
 from contactlab.laws.intake import guarded, misfits
 from contactlab.testing.claim import PROPERTIES, Claims, at_most, proof
 from contactlab.testing.contract import Bench
@@ -71,7 +71,7 @@ def drawn_states() -> Iterator[tuple[float, float, float, float, float]]:
 def declares_its_parameters(bench: Bench) -> Claims:
     """Every field has symbol, unit and meaning, what is out of range is refused, words are there."""
     law, taken = bench.law, []
-    declared = law.declared()
+    declared = {name: said for name, _, said in law.effective() if said is not None}
     said = {name for name, given in declared.items() if given.symbol and given.units}
     missing = [name for name in law.describe() if name not in said]
     yield at_most(f"parameters without declaration {missing}", len(missing), 0)

@@ -9,13 +9,24 @@ from scipy.integrate import quad
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty
+from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
-from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, LinearDamping
-from contactlab.laws.damping.hysteresis import loss_number
+from contactlab.laws.damping import (
+    Flores,
+    HuntCrossley,
+    LankaraniNikravesh,
+    LinearDamping,
+    loss_number,
+)
 from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
-from contactlab.laws.normal import NORMAL_FORCES, HertzElliptic, HertzPoint, Line, Linear
-from contactlab.laws.normal.hertz import approach_factor
-from contactlab.laws.part import NormalForce
+from contactlab.laws.normal import (
+    NORMAL_FORCES,
+    HertzElliptic,
+    HertzPoint,
+    Line,
+    Linear,
+    approach_factor,
+)
 from contactlab.testing.plants import block, paper_motor, run, way_of
 from contactlab.trajectory import Trajectory
 
