@@ -46,7 +46,7 @@ class ImpactLaw(MultiplierLaw):
 
 @kernel
 def newton_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
+    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
     # The plastic law to the rate that is asked for in place of zero.
     missing = normal_rate + parameters[1] * min(gap_rate, 0.0)
     return stick_or_slip_impulse(

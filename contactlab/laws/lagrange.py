@@ -53,7 +53,7 @@ class LagrangeSlip(MultiplierLaw):
 def stick_or_slip_impulse(
     normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
 ):
-    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
+    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
 
     One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and
     any mu: with p = -D^-1 (normal rate, tangential rate) of stick outside of the cone,
@@ -85,7 +85,7 @@ def slip_impulse(normal_rate, s, mu, d_nn, d_nt):
 
 @inner_kernel
 def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
-    """Impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
+    """Give the impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
     determinant = d_nn * d_tt - d_nt * d_nt
     p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant
     return p_n, (d_nt * normal_rate - d_nn * tangential_rate) / determinant
@@ -95,7 +95,7 @@ def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
 def wedges(
     normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float, mu: float
 ) -> bool:
-    """Whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
+    """Tell whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
 
     Friction presses the bodies together more than the normal impulse parts them, mu |d_nt| > d_nn, and
     release, stick and a slip between the two all obey the law. None of them creates energy. The slip is no
