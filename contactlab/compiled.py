@@ -11,6 +11,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -64,12 +65,10 @@ def keep_code(kernel: Any, digest: str) -> None:
     folder = code_folder() / f"{OTHERS}{digest[:16]}"
     # Of a closure the compiler would write down what it captures, which may be anything.
     if function.__closure__ is None and Path(function.__code__.co_filename).is_file():
-        try:
+        with suppress(OSError):
             folder.mkdir(exist_ok=True)
-        except OSError:
-            return
-        _keep_in(folder, kernel)
-        _remove_old(code_folder(), OTHERS, folder.name)
+            _keep_in(folder, kernel)
+            _remove_old(code_folder(), OTHERS, folder.name)
 
 
 def _remove_old(parent: Path, prefix: str, name: str) -> None:

@@ -16,8 +16,8 @@ from dis import get_instructions
 from functools import partial
 from hashlib import sha256
 from importlib import import_module
+from inspect import getsource
 from opcode import opmap
-from pathlib import Path
 from types import CodeType, FunctionType, MappingProxyType, ModuleType
 from typing import Any, Final, NamedTuple, final
 
@@ -82,12 +82,10 @@ class Fingerprint:
     def sources(self) -> str:
         """Give a digest of the modules' files now: it sees what cannot be followed, and comments too."""
         digest = sha256()
-        for _, module in sorted(self.modules.items()):
+        for name in sorted(self.modules):
             # A module may be typed in without a file.
-            with suppress(OSError):
-                content = Path(getattr(module, "__file__", None) or "").read_bytes()
-                # Line ends differ between systems, and say nothing.
-                digest.update(sha256(content.replace(b"\r\n", b"\n")).digest())
+            with suppress(OSError, TypeError):
+                digest.update(getsource(self.modules[name]).encode())
         return digest.hexdigest()
 
     def _say(self, *words: object) -> None:

@@ -23,17 +23,12 @@ Kernel = Callable[..., Any]
 KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
 """Kinds of friction in words, in their order."""
 
-GUARDS = 16
-"""Numbers on either side of a law's parameters, where no kernel has any business."""
+GUARDS, LURES = 16, (nan, 1.0, -1.0)
+"""Numbers on either side of a law's parameters, where no kernel has any business, and what they are: an
+answer that changes with them was made from them."""
 
-LURES = (nan, 1.0, -1.0)
-"""What they are: an answer that changes with them was made from them."""
-
-DEPTHS = (1e-12, 1e-9)
-"""Penetrations that every contact begins and ends with [m], whatever is out of a law's domain."""
-
-SPEEDS = (-0.01, 0.0, 0.01)
-"""Gap rates and slips [m/s]."""
+DEPTHS, SPEEDS = (1e-12, 1e-9), (-0.01, 0.0, 0.01)
+"""Penetrations that every contact begins and ends with [m], and gap rates and slips [m/s]."""
 
 COUPLINGS = (-50.0, 0.0, 50.0)
 """Off the diagonal of the Delassus matrix of a motor's tip [1/kg]; 1000 and 2000 are on it."""
