@@ -19,7 +19,7 @@ from pydantic import TypeAdapter
 
 from contactlab import metrics
 from contactlab.config import Setup
-from contactlab.fingerprint import fingerprint, is_own
+from contactlab.fingerprint import Fingerprint, is_own
 from contactlab.laws import law_class
 from contactlab.laws.registry import provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
@@ -136,7 +136,7 @@ def _code_of(law: type) -> tuple[str, ...]:
 @cache
 def _foreign_code(law: type) -> tuple[str, ...]:
     """Give the digests of what a law of another package is made of; `code_digest` covers our own."""
-    found = None if is_own(law) else fingerprint(law)
+    found = None if is_own(law) else Fingerprint(law)
     return (found.digest, found.sources()) if found else ()
 
 

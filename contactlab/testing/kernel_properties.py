@@ -11,7 +11,7 @@ import numpy as np
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction.coulomb import cone_bound
+from contactlab.laws.friction import cone_bound
 from contactlab.laws.intake import guarded, misfits
 from contactlab.testing.claim import Claim, Claims, at_most
 from contactlab.testing.plants import Bench
@@ -67,7 +67,8 @@ def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
 
 def declares_its_parameters(bench: Bench) -> Claims:
     """Every field has symbol, unit and meaning, what is out of range is refused, words are there."""
-    law, declared, taken = bench.law, bench.law.declared(), []
+    law, taken = bench.law, []
+    declared = {name: said for name, _, said in law.effective() if said is not None}
     said = {name for name, given in declared.items() if given.symbol and given.units}
     missing = [name for name in law.describe() if name not in said]
     words = [word for word in law.WORDS if not getattr(law, word, "")]
@@ -111,7 +112,7 @@ def kernel_is_consistent(bench: Bench) -> Claims:
     if not isinstance(law, PenaltyLaw):
         yield from answers_of(bench)["kernel_is_consistent"].values()
         return
-    found, row = misfits(law), guarded(law.parameters())
+    found, row = [*misfits(law)], guarded(law.parameters())
     yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
     for gap, rate, slip, speed, z in drawn_states():
         normal, bound, _, loss = law.force(gap, rate, slip, speed, row)

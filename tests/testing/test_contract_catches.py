@@ -12,7 +12,7 @@ from contactlab.compiled import fleeting_kernel
 from contactlab.laws import LAWS, ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, STICK, MultiplierKernel, PenaltyKernel
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
-from contactlab.laws.lagrange_stick import stick_impulse, stick_or_slip_impulse
+from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
 from contactlab.parameter import Parameter
 from contactlab.testing import LawContract, plants
 from contactlab.testing.contract import PROPERTIES, check
