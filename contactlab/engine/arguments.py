@@ -7,7 +7,7 @@ import numpy as np
 
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number, shown
 from contactlab.engine.plant import Plant, persisting_rates, resolved_rate
-from contactlab.engine.state import RUNNING, TOUCHING, state_names
+from contactlab.engine.state import LEAVES, RUNNING, TOUCHING
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import refuse_unsound
 from contactlab.motor import NormalModes
@@ -60,12 +60,12 @@ def check_numbers(
     tolerance: float | None,
 ) -> None:
     """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
-    times = {"duration": duration, "record interval": record_interval, "contact step": contact_step}
+    times = {"duration": duration, "contact step": contact_step}
     for name, value in times.items():
         check_number(f"The {name}", value)
-    for name in ("duration", "contact step"):
-        if not 0.0 < times[name] < inf:
-            raise ValueError(f"The {name} is {times[name]} s; it must be positive and finite.")
+        if not 0.0 < value < inf:
+            raise ValueError(f"The {name} is {value} s; it must be positive and finite.")
+    check_number("The record interval", record_interval)
     if not 0.0 < record_interval <= duration:
         raise ValueError(
             f"The record interval is {record_interval} s; it must be positive and at most the "
@@ -100,7 +100,7 @@ def check_rates(plant: Plant, duration: float) -> None:
 
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
     """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
-    if not isinstance(start, dict) or not state_names() <= set(start):
+    if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
         raise TypeError(
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )

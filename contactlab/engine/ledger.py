@@ -14,18 +14,11 @@ from typing import Any
 import numpy as np
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.energy import openness
 from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame
 from contactlab.engine.plant import Plant
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, NODES, START, value_at
 from contactlab.laws.base import FREE
-
-
-@part_kernel
-def _clear(out: Any) -> None:
-    """Set all terms to zero."""
-    out.drive_work, out.damping_loss, out.friction_loss, out.contact_loss = 0.0, 0.0, 0.0, 0.0
-    out.load_work, out.normal_impulse, out.friction_impulse = 0.0, 0.0, 0.0
+from contactlab.trajectory import openness
 
 
 @part_kernel
@@ -41,9 +34,9 @@ def add(out: Any, part: Any) -> None:
 
 
 @part_kernel
-def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
-    """Add the powers of drive, damping and load at a place, times a weight [s]."""
-    drive = 0.0
+def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
+    """Give the powers of drive, damping and load [W] at a place."""
+    drive, damping, load = 0.0, 0.0, 0.0
     for k in range(plant.tone_count):
         in_phase, quadrature = 0.0, 0.0
         for j in range(plant.mode_count):
@@ -51,14 +44,11 @@ def _add_motion(plant: Plant, place: int, weight: float, out: Any) -> None:
             in_phase += plant.phasors[j, k].force_re * v
             quadrature += plant.phasors[j, k].force_im * v
         drive += in_phase * plant.tones[k].cosine[place] - quadrature * plant.tones[k].sine[place]
-    damping, load = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         damping += mode.damping * mode.v[place] * mode.v[place]
         load -= mode.constant * mode.v[place]
-    out.drive_work += weight * drive
-    out.damping_loss += weight * damping
-    out.load_work += weight * load
+    return drive, damping, load
 
 
 @inner_kernel
@@ -68,14 +58,18 @@ def increments(run: Run, law: Law, s: float, whole: bool, out: Any) -> None:
     Where it is not whole, the last node leaves the state at s BETWEEN.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    _clear(out)
+    drive_work, damping_loss, load_work = 0.0, 0.0, 0.0
+    friction_loss, contact_loss, normal_impulse, friction_impulse = 0.0, 0.0, 0.0, 0.0
     for i in range(NODES):
         at, place = rule.nodes[i] * s, i
         weight = rule.weights[i] * s
         if not whole:
             flow_to(run, at)
             place = BETWEEN
-        _add_motion(run.plant, place, weight, out)
+        drive, damping, load = _powers(run.plant, place)
+        drive_work += weight * drive
+        damping_loss += weight * damping
+        load_work += weight * load
         if step.kind == FLIGHT:
             continue
         if whole and step.kind == COLLOCATED:
@@ -90,10 +84,13 @@ def increments(run: Run, law: Law, s: float, whole: bool, out: Any) -> None:
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
                 loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
-        out.friction_loss -= weight * friction * slip
-        out.contact_loss += weight * loss
-        out.normal_impulse += weight * normal
-        out.friction_impulse += weight * friction
+        friction_loss -= weight * friction * slip
+        contact_loss += weight * loss
+        normal_impulse += weight * normal
+        friction_impulse += weight * friction
+    out.drive_work, out.damping_loss, out.load_work = drive_work, damping_loss, load_work
+    out.friction_loss, out.contact_loss = friction_loss, contact_loss
+    out.normal_impulse, out.friction_impulse = normal_impulse, friction_impulse
 
 
 @part_kernel

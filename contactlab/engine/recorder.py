@@ -1,4 +1,4 @@
-"""What every committed step does to a run, time, state, ledger, records and contacts, and how it is read."""
+"""What every committed step does to a run: clock, state, ledger, records and contacts, and how it is read."""
 
 from math import ceil, pi, sin
 from typing import Any
@@ -8,13 +8,8 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import Law, Run, contact_at, contact_of, tip_motion
-from contactlab.engine.ledger import (
-    add,
-    energy_of_motion,
-    increments,
-    weigh,
-)
+from contactlab.engine.kinematics import Law, Run, contact_at, tip_motion
+from contactlab.engine.ledger import add, energy_of_motion, increments, weigh
 from contactlab.engine.plant import Plant, motion_rate
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
@@ -79,13 +74,12 @@ def commit(run: Run, law: Law, series: Any) -> None:
         contact.friction_impulse += terms.friction_impulse
         contact.energy_loss += terms.friction_loss + terms.contact_loss
     state.time = now
-    _watch_pace(run, s)
     if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
         state.internal = internal_at(state, s / state.length)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
-    _watch(run)
+    _watch(run, s)
     weigh(run)
 
 
@@ -97,11 +91,9 @@ def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
     """
     state, lengths = run.state, run.plant.geometry
     total, part = state.total, run.step.record_terms
-    tip = tip_motion(run.plant, BETWEEN)
-    u, th, _, _, rotor = tip
-    gap, rate, slip, _, _, _, _ = contact_of(run.plant, tip)
-    stored = 0.0
-    held = 0.0
+    u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
+    stored, held = 0.0, 0.0
     if run.step.kind == COLLOCATED and gap < 0.0:
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
@@ -131,8 +123,11 @@ def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
 
 
 @part_kernel
-def _watch_pace(run: Run, s: float) -> None:
-    """End a run that hardly moves the clock, after a step of s."""
+def _watch(run: Run, s: float) -> None:
+    """End a run that hardly moves the clock after a step of s, or whose state is no motor's any more.
+
+    That is one that is not finite, or deep inside the rotor.
+    """
     state = run.state
     crawls = s < CRAWL * step_length(run.propagator, run.propagator.rule.contact_level)
     state.idle = state.idle + 1 if crawls else 0
@@ -140,21 +135,14 @@ def _watch_pace(run: Run, s: float) -> None:
     if state.idle > IDLE_LIMIT:
         state.ending = CHATTERED if state.events > IDLE_EVENTS else STALLED
     elif state.time - state.window_start > state.window:
-        state.window_start = state.time
-        state.events = 0
-        state.steps_before = steps
+        state.window_start, state.events, state.steps_before = state.time, 0, steps
     elif steps - state.steps_before > state.most_steps:
         state.ending = STALLED
-
-
-@part_kernel
-def _watch(run: Run) -> None:
-    """End a run whose state is no longer a motor's: not finite, or deep inside the rotor."""
     tip = tip_motion(run.plant, START)
     gap = contact_at(run.plant, START)[0]
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
-        run.state.ending = DIVERGED
+        state.ending = DIVERGED
 
 
 def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
@@ -174,38 +162,26 @@ def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> t
     return window, STEP_LIMIT + 2 * ceil(window / contact_step)
 
 
-def record_times(run: Run, series: Any) -> Array:
-    """Give the times of the records [s], as the recorder took them."""
-    state = run.state
-    time = state.origin + (state.first + np.arange(state.recorded)) * state.interval
-    if state.recorded == series.size:
-        time[-1] = state.end
-    return np.asarray(time, dtype=np.float64)
+def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:
+    """Take times [s], series by name and contact modes out of the memory that the recorder filled.
 
-
-def energy_of(series: dict[str, Array]) -> Array:
-    """Give the energy of motor and contact [J] at every record."""
-    return series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
-
-
-def take_series(run: Run, table: Any, time: Array) -> tuple[dict[str, Array], NDArray[np.int8]]:
-    """Take the records out of a run, by name: its memory, of which a long run has no second one.
-
-    Impulses become mean forces, and the ledger has its residual. A run that goes on from a state begins
-    with that state's mean forces, and its residual is that since t = 0.
+    A long run has no second one. Impulses become mean forces, and the ledger has its residual. A run that
+    goes on from a state begins with that state's mean forces, and its residual is that since t = 0.
     """
-    state, table = run.state, table[: time.size]
+    state, table = run.state, records[: run.state.recorded]
+    time = state.origin + (state.first + np.arange(table.size, dtype=np.float64)) * state.interval
+    if table.size == records.size:
+        time[-1] = state.end
     series: dict[str, Array] = {v.name: table[v.name] for v in SERIES}
-    interval = np.diff(time)
     for name in ("normal_force", "friction_force"):
         impulse = series[name]
-        impulse[1:] = np.diff(impulse) / interval
+        impulse[1:] = np.diff(impulse) / np.diff(time)
         impulse[:1] = state[name]
-    energy = energy_of(series)
+    energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
     if np.isnan(state.initial_energy) and energy.size:
         state.initial_energy = energy[0]
     losses = sum(
         series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
     )
     series["energy_residual"][:] = energy - state.initial_energy - (series["drive_work"] - losses)
-    return series, table["contact_mode"]
+    return time, series, table["contact_mode"]

@@ -1,7 +1,9 @@
 """Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
 
+from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,13 +17,12 @@ from contactlab.engine.arguments import (
     default_contact_step,
 )
 from contactlab.engine.callback import law_errors
-from contactlab.engine.compilation import kernels_of, loop_for
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.kinematics import Run, contact_from
-from contactlab.engine.loop import TOUCH_REFINEMENT
-from contactlab.engine.plant import modes_of, plant_of
+from contactlab.engine.loop import TOUCH_REFINEMENT, kernels_of, loop_for
+from contactlab.engine.plant import Plant, modes_of, plant_of
 from contactlab.engine.propagator import Workspace
-from contactlab.engine.recorder import pace_of, record_times, take_series
+from contactlab.engine.recorder import pace_of, take_series
 from contactlab.engine.state import (
     COUNTS,
     OPEN,
@@ -37,7 +38,6 @@ from contactlab.engine.state import (
     one,
     state_as_value,
     state_from_value,
-    table,
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
@@ -55,6 +55,12 @@ STEPS_PER_CALL = 50_000
 ON_GRID = 1e-6
 """Part of a record interval that is round-off."""
 
+_sound: deque[object] = deque(maxlen=64)
+"""What the last laws that were taken in are made of: they answered as a law must."""
+
+_workspace = Workspace()
+"""Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
+
 
 def simulate(
     motor: Motor,
@@ -65,7 +71,6 @@ def simulate(
     contact_step: float | None = None,
     tolerance: float | None = None,
     progress: Callable[[float], None] | None = None,
-    workspace: Workspace | None = None,
     start: State | None = None,
 ) -> Trajectory:
     """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
@@ -92,7 +97,6 @@ def simulate(
             law's default, or less, see `contactlab.engine.arguments.default_contact_step`.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
-        workspace: what runs that follow each other can share; it changes no bit of any.
         start: the state of a run to go on from.
 
     Raises:
@@ -109,21 +113,18 @@ def simulate(
     parameters, kernels, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
-    propagator = (workspace or Workspace()).propagator(
-        plant, contact_step, duration, isinstance(law, MultiplierLaw)
-    )
-    run = Run(plant, propagator, one(STATE), one(STEP))
-    if start is None:
-        _begin(motor, law, run)
-    else:
+    if start is not None:
         check_start(start, plant, law)
-        run = _resume(run, start)
-    _set_up(law, run, duration, record_interval, contact_step)
-    state = run.state
-    state.tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    exact = isinstance(law, MultiplierLaw)
+    propagator = _workspace.propagator(plant, contact_step, duration, exact)
+    state = _at_start(motor, law, plant) if start is None else _going_on(start, plant)
+    _set_up(state, law, propagator.rule, duration, record_interval)
+    state["window"], state["most_steps"] = pace_of(plant, state["end"], contact_step, not exact)
+    state["tolerance"] = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    run = Run(plant, propagator, state, one(STEP))
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
-    records = table(SAMPLE, intervals + 1)
+    records = np.zeros(intervals + 1, SAMPLE)
     loop = loop_for(law, run)
 
     if progress is not None:
@@ -149,8 +150,7 @@ def simulate(
         cut["separation_velocity"] = np.nan
         cut["energy_loss"] -= state.held_energy
         finished.append(cut)
-    time = record_times(run, records)
-    series, modes = take_series(run, records, time)
+    time, series, modes = take_series(run, records)
     if ending is Ending.COMPLETE:
         ending, message = balanced(state, series, contact_step)
     rows = np.concatenate(finished)
@@ -164,7 +164,7 @@ def simulate(
         series=series,
         contact_mode=modes,
         contacts={variable.name: rows[variable.name].copy() for variable in CONTACTS},
-        statistics={name: int(state[name]) for name in COUNTS},
+        statistics={name: int(state[name]) for name in COUNTS.split()},
         ending=ending,
         message=message,
         state=_state_to_go_on(run, series, ending),
@@ -173,12 +173,9 @@ def simulate(
 
 def prepare(motor: Motor, law: ContactLaw) -> None:
     """Compile the engine and a law, or load their code, before the first run asks for it."""
-    plant = plant_of(motor)
-    propagator = Workspace().propagator(
-        plant, law.default_contact_step, 1.0, isinstance(law, MultiplierLaw)
-    )
-    run = Run(plant, propagator, one(STATE), one(STEP))
-    loop_for(law, run)
+    plant, step = plant_of(motor), law.default_contact_step
+    propagator = _workspace.propagator(plant, step, 1.0, isinstance(law, MultiplierLaw))
+    loop_for(law, Run(plant, propagator, one(STATE), one(STEP)))
     kernels_of(law)
 
 
@@ -193,18 +190,23 @@ def take_in(
     with law_errors(law.name):
         check_words(law)
         parameters = kernel_parameters(law)
-    kernels, errors = kernels_of(law)
-    with errors():
-        check_answers(law, parameters, *kernels)
+    kernels, callbacks = kernels_of(law)
+    errors = partial(law_errors, law.name, *callbacks)
+    friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
+    made_of = kernels, parameters.tobytes(), friction, tuple(law.violations)
+    # Interpreted functions may have changed since.
+    if callbacks or made_of not in _sound:
+        with errors():
+            check_answers(law, parameters, *kernels)
+        _sound.append(made_of)
     return guarded(parameters), kernels, errors
 
 
-def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
-    """Set the initial state and phase."""
-    plant, state, rule = run.plant, run.state, run.propagator.rule
+def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
+    """Set the initial motion, and give the state of its phase."""
     modes = modes_of(plant)
-    q, v = modes.q[:, START], modes.v[:, START]
-    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / modes.row_r[-1]
+    q, v = modes["q"][:, START], modes["v"][:, START]
+    v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
     if motor.start is not None:
         q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
     gap, rate, _ = contact_from(plant, q, v)
@@ -213,70 +215,61 @@ def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
             f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
             "rotor would overlap."
         )
-    state.phase = OPEN if gap > 0.0 else RELEASED
+    phase = OPEN if gap > 0.0 else RELEASED
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
-        state.phase = PRESSED
+        phase = PRESSED
     # A first step continues a polynomial of zeros, of some length.
-    state.length = 1.0
-    state.level, state.longest, state.contact_level = (
-        rule.fresh_level,
-        rule.longest,
-        rule.contact_level,
-    )
-    state.least_open, state.most_open, state.initial_energy = np.inf, -np.inf, np.nan
+    unknown = {"least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
+    return one(STATE, phase=phase, length=1.0, **unknown)
 
 
-def _resume(run: Run, start: State) -> Run:
-    """Set the state of a run that goes on; on another ladder its next step is the first of its kind."""
-    state, modes = state_from_value(start), modes_of(run.plant)
-    modes.q[:, START], modes.v[:, START] = start["q"], start["v"]
-    rule = run.propagator.rule
-    if (state.longest, state.contact_level) != (rule.longest, rule.contact_level):
-        touching = state.phase == TOUCHING
-        refinement = TOUCH_REFINEMENT if state.compliant else 0
-        state.level = rule.contact_level + refinement if touching else rule.fresh_level
-        state.level_before = state.level + 1
-        state.longest, state.contact_level = rule.longest, rule.contact_level
-    return run._replace(state=state)
+def _going_on(start: State, plant: Plant) -> Any:
+    """Set the motion that a run ended with, and give its state."""
+    modes = modes_of(plant)
+    modes["q"][:, START], modes["v"][:, START] = start["q"], start["v"]
+    return state_from_value(start)
 
 
-def _set_up(
-    law: ContactLaw, run: Run, duration: float, interval: float, contact_step: float
-) -> None:
-    """Set the clock, the grid of records, the pace, and what the kernels know of a law beside its own."""
-    state, compliant = run.state, isinstance(law, PenaltyLaw)
-    begins = float(state.end)
-    state.first = round((begins - state.origin) / interval)
-    if abs(begins - (state.origin + state.first * interval)) > ON_GRID * interval:
-        state.origin, state.first = begins, 0
-    state.end, state.interval = begins + duration, interval
-    state.recorded = state.stored = 0
-    state.window, state.most_steps = pace_of(run.plant, state.end, contact_step, compliant)
-    state.compliant = compliant
-    state.friction_limit = law.friction_limit
+def _set_up(state: Any, law: ContactLaw, rule: Any, duration: float, interval: float) -> None:
+    """Set the clock, the grid of records, the ladder, and what the kernels know of a law beside its own.
+
+    A run that goes on goes on on its ladder; on another one its next step is the first of its kind.
+    """
+    begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
+    state["first"] = round((begins - state["origin"]) / interval)
+    if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
+        state["origin"], state["first"] = begins, 0
+    state["end"], state["interval"] = begins + duration, interval
+    state["recorded"] = state["stored"] = 0
+    if (state["longest"], state["contact_level"]) != (rule.longest, rule.contact_level):
+        touching = state["phase"] == TOUCHING
+        refinement = TOUCH_REFINEMENT if state["compliant"] else 0
+        state["level"] = rule.contact_level + refinement if touching else rule.fresh_level
+        state["level_before"] = state["level"] + 1
+        state["longest"], state["contact_level"] = rule.longest, rule.contact_level
+    state["compliant"], state["friction_limit"] = compliant, law.friction_limit
     if isinstance(law, PenaltyLaw):
-        state.friction_kind = law.friction_kind
-        state.parity = law.internal_parity
+        state["friction_kind"], state["parity"] = law.friction_kind, law.internal_parity
     if isinstance(law, MultiplierLaw):
-        state.projects = law.projects
+        state["projects"] = law.projects
 
 
 def _finished_contacts(run: Run) -> Any:
     """Take the finished contacts out of the run's storage."""
-    rows = run.step.contacts[: run.state.stored].copy()
-    run.state.stored = 0
+    rows = run.step["contacts"][: run.state["stored"]].copy()
+    run.state["stored"] = 0
     return rows
 
 
 def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:
     """Give the state as a value: before the step that the end cut, else where the run stopped."""
     state, modes = run.state, modes_of(run.plant)
-    initial_energy, end = state.initial_energy, state.end if ending.reached_end else state.time
-    q, v = modes.q[:, START], modes.v[:, START]
+    initial_energy, end = state["initial_energy"], state["end" if ending.reached_end else "time"]
+    q, v = modes["q"][:, START], modes["v"][:, START]
     if ending.reached_end:
-        state, q, v = run.step.saved[0], modes.saved_q, modes.saved_v
+        state, q, v = run.step["saved"][0], modes["saved_q"], modes["saved_v"]
     for name in ("normal_force", "friction_force"):
         if series[name].size:
             state[name] = series[name][-1]
-    state.initial_energy, state.end = initial_energy, end
+    state["initial_energy"], state["end"] = initial_energy, end
     return state_as_value(state, q, v)

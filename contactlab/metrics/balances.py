@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
 from contactlab.metrics.run import Run, needed, positive
 from contactlab.motor.geometry import contact_frame
+from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 
 RESOLVED: Final = 1e-12
 """Share of the motor's energy below which a contact is a graze that round-off decides."""

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import prepare, simulate
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
 from contactlab.metrics import Run, assess
 from contactlab.sweeps.plan import Outputs
@@ -98,7 +97,7 @@ class Batch:
         parts = []
         try:
             if count < 2:
-                ended: Iterator[Answers] = map(partial(_answers, *self._task, Workspace()), pieces)
+                ended: Iterator[Answers] = map(partial(_answers, *self._task), pieces)
             else:
                 executor = self._started(cells)
                 # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have:
@@ -151,7 +150,7 @@ def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     # What is there stays as it is: looking it over would copy the memory that a fork shares.
     gc.freeze()
-    _WORKER[:] = [partial(_answers, setup_at, outputs, Workspace())]
+    _WORKER[:] = [partial(_answers, setup_at, outputs)]
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -166,10 +165,8 @@ def _work(cells: Sequence[int]) -> Answers:
     return _WORKER[0](cells)
 
 
-def _answers(
-    setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cells: Sequence[int]
-) -> Answers:
-    return joined([_run(setup_at, outputs, workspace, cell) for cell in cells])
+def _answers(setup_at: SetupAt, outputs: Outputs, cells: Sequence[int]) -> Answers:
+    return joined([_run(setup_at, outputs, cell) for cell in cells])
 
 
 def joined(parts: Sequence[Answers]) -> Answers:
@@ -186,7 +183,7 @@ def joined(parts: Sequence[Answers]) -> Answers:
     }
 
 
-def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -> Answers:
+def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
     """Run one cell: what became of it and why, with its numbers where it reached its end."""
     metrics = dict.fromkeys(outputs.metrics, np.nan)
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
@@ -199,7 +196,6 @@ def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -
             record_interval=outputs.interval(setup),
             contact_step=setup.contact_step,
             tolerance=setup.tolerance,
-            workspace=workspace,
         )
         status, reason = status_of(run.ending), run.message
         if run.ending.reached_end:
