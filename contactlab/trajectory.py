@@ -59,16 +59,13 @@ class Ending(IntEnum):
 class Trajectory:
     """A run in memory.
 
+    Times are in seconds; the records lie at `time`, the last one at the end of the run.
+
     Args:
-        motor, law: what ran.
-        duration, contact_step, record_interval: asked-for duration, largest step in contact, and time
-            between records [s]; the last record lies at the end of the run.
-        time, series, contact_mode: every name of `variables.SERIES`, and 0 free, 1 slip, 2 stick, at the
-            times of the records [s], shape (time,).
-        contacts: every name of `variables.CONTACTS`, shape (contact,).
-        statistics: counts of the solver's work.
-        ending, message: how the run ended, in a sentence too, empty for a complete run; one that is not
-            complete holds what it had until then.
+        duration, contact_step: as asked for, and the largest step in contact that was used.
+        series, contact_mode: every name of `variables.SERIES`, and 0 free, 1 slip, 2 stick, at every record.
+        contacts: every name of `variables.CONTACTS`, a row each.
+        ending, message: how the run ended; a run that is not complete holds what it had until then.
         state: everything from which another run goes on; see `contactlab.engine.simulate`.
     """
 

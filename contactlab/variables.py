@@ -1,8 +1,4 @@
-"""Every recorded quantity once: its name, dimensions, unit and meaning.
-
-The dataset takes its attributes from this table and the recorder its column order, so a
-quantity that is added here and filled by the engine is complete.
-"""
+"""Every recorded quantity once: name, dimensions, unit and meaning, for dataset and recorder alike."""
 
 from dataclasses import dataclass, field
 from typing import Final, final
@@ -90,5 +86,3 @@ CONTACTS: Final = _along(
     ),
     ("energy_loss", "J", "W", "friction and contact loss during the contact"),
 )
-
-ELECTRODES: Final = 2

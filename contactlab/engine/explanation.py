@@ -6,14 +6,13 @@ Asked after the run has ended, at the state it ended in, so that a run that goes
 from collections.abc import Callable
 from functools import partial
 from itertools import product
-from typing import Any, Final, NamedTuple, final
+from typing import Any, Final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import Run, contact_from
-from contactlab.engine.ledger import openness_of
 from contactlab.engine.plant import modes_of
 from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
@@ -27,7 +26,7 @@ from contactlab.engine.state import (
     UNSOLVED,
 )
 from contactlab.laws.base import SET_VALUED, STICK
-from contactlab.trajectory import LEDGER_LIMIT, SCALE, Ending
+from contactlab.trajectory import LEDGER_LIMIT, SCALE, Ending, openness
 
 FARTHEST: Final = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
@@ -48,72 +47,68 @@ OF_FRICTION: Final = (
 )
 FORCES: Final = {*OF_FORCE[:2], OF_FRICTION[0]}
 
-ENDINGS: Final = {
-    CHATTERED: Ending.CHATTERED,
-    DIVERGED: Ending.DIVERGED,
-    UNFOLLOWED: Ending.DIVERGED,
-    INCONSISTENT: Ending.INCONSISTENT,
-}
+Contact = tuple[float, float, float]
+"""What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""
 
-
-@final
-class _Contact(NamedTuple):
-    """What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""
-
-    gap: float
-    gap_rate: float
-    slip: float
-
-    def __str__(self) -> str:
-        return (
-            f"a gap of {self.gap:.6g} m, a gap rate of {self.gap_rate:.6g} m/s and a slip of "
-            f"{self.slip:.6g} m/s"
-        )
+Answers = Callable[[Contact], dict[str, float]]
 
 
 def explain(
     run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float
 ) -> tuple[Ending, str]:
     """Give the ending of a run that stopped by itself, and a sentence on it; the kernels are its law's."""
-    state = run.state
+    state, rule = run.state, run.propagator.rule
     time, pace = f"{state.time:.6g} s", f"within {state.window:.3g} s"
     friction, critical = state.friction_limit, state.critical_friction
     endings = {
-        CHATTERED: f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction "
-        f"switches {pace}, or no progress. The run stops there; a shorter contact step than "
-        f"{contact_step:.3g} s or another law may pass it.",
-        DIVERGED: f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's "
-        f"parameters, or shorten the contact step, {contact_step:.3g} s.",
-        UNFOLLOWED: f"The run diverges at {time}: the tip moves too fast to be followed, {MOST_HALVINGS} "
-        "halvings of one step of its flight do not tell whether it touches. Check the drive and the start.",
-        INCONSISTENT: f"The run ends at {time}: the contact closes, and the law has no normal impulse that "
-        "stops it. Check the law: an approach must be answered."
-        if friction < critical
-        else f"The run ends at {time} in Painleve's paradox: the friction coefficient {friction:.6g} is "
-        f"not below the critical {critical:.6g}, d_nn/|d_nt| of the contact there, so that the friction of "
-        "its slip presses the bodies together more than the normal impulse parts them, and the law has no "
-        "impulse that stops the approach. Lower the friction coefficient, or take a law that may stick or "
-        "a compliant one.",
+        CHATTERED: (
+            Ending.CHATTERED,
+            f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction switches "
+            f"{pace}, or no progress. The run stops there; a shorter contact step than {contact_step:.3g} s "
+            "or another law may pass it.",
+        ),
+        DIVERGED: (
+            Ending.DIVERGED,
+            f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's parameters, or "
+            f"shorten the contact step, {contact_step:.3g} s.",
+        ),
+        UNFOLLOWED: (
+            Ending.DIVERGED,
+            f"The run diverges at {time}: the tip moves too fast to be followed, {MOST_HALVINGS} halvings "
+            "of one step of its flight do not tell whether it touches. Check the drive and the start.",
+        ),
+        INCONSISTENT: (
+            Ending.INCONSISTENT,
+            f"The run ends at {time}: the contact closes, and the law has no normal impulse that stops it. "
+            "Check the law: an approach must be answered."
+            if friction < critical
+            else f"The run ends at {time} in Painleve's paradox: the friction coefficient {friction:.6g} is "
+            f"not below the critical {critical:.6g}, d_nn/|d_nt| of the contact there, so that the friction "
+            "of its slip presses the bodies together more than the normal impulse parts them, and the law "
+            "has no impulse that stops the approach. Lower the friction coefficient, or take a law that may "
+            "stick or a compliant one.",
+        ),
     }
     if state.ending in endings:
-        return ENDINGS[int(state.ending)], endings[int(state.ending)]
-    answers = partial(_answers, state, kernels, parameters)
-    answer = _not_finite(run, answers)
+        return endings[int(state.ending)]
+    answers, reach = (
+        partial(_answers, run, kernels, parameters),
+        rule.longest * 0.5**rule.contact_level,
+    )
+    answer = _not_finite(run, answers, reach)
     if answer or state.ending == NOT_FINITE:
-        answer = answer or f"a value that is not finite near {_contact_after(run, 0.0)}"
+        answer = answer or f"a value that is not finite near {_told(_contact_after(run, 0.0))}"
         return Ending.DIVERGED, (
             f"The run diverges at {time}: the law answers with {answer}. It must "
             "answer every state of a contact with finite numbers and no negative friction bound; mend the "
             "law, or its parameters."
         )
+    words = f"more than {state.most_steps} steps in contact {pace}, where a few hundred are usual"
     if state.ending == UNSOLVED:
         words = "no step in contact, however short, satisfies the law"
     elif state.idle > IDLE_LIMIT:
         words = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
-    else:
-        words = (
-            f"more than {state.most_steps} steps in contact {pace}, where a few hundred are usual"
-        )
+    why = "Check the law's parameters, or choose a larger solver.tolerance."
     sway = float(run.plant.tones["steady_u"].sum())
     if sway >= FARTHEST:
         why = (
@@ -121,21 +116,23 @@ def explain(
             f"from it is good to {sway * np.finfo(np.float64).eps:.3g} m only. Leave out a tone that meets a "
             "mode without stiffness so slowly."
         )
-    elif jump := _jump(run, answers):
+    elif jump := _jump(run, answers, reach):
         why = (
             f"The law's {jump}: for the steps that is a jump. Let the force change over a wider "
             "range; friction that jumps with the slip is set-valued and wants no kernel of its own."
         )
-    else:
-        why = "Check the law's parameters, or choose a larger solver.tolerance."
     return Ending.STALLED, f"The run stalls at {time}: {words}. {why}"
 
 
 def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple[Ending, str]:
     """Give the ending of a run that reached its end: complete, or with an open ledger and a sentence."""
-    openness = openness_of(state, float(np.abs(series["energy_residual"]).max()))
+    start = float(state.initial_energy)
+    # The records know of contacts as well; without any flight there is neither a least nor a most.
+    seen = np.array([state.least_open, state.most_open]) - start
+    residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
+    share = openness(float(residual), float(state.turned_over), 0.0, start)
     # A ledger that is no number is not closed.
-    if openness <= LEDGER_LIMIT:
+    if share <= LEDGER_LIMIT:
         return Ending.COMPLETE, ""
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
@@ -144,7 +141,7 @@ def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple
         else f"Choose a shorter solver.contact_step than {contact_step:.3g} s."
     )
     return Ending.UNBALANCED, (
-        f"The run reached its end, but its energy ledger is open by {openness:.3g} of the energy turned "
+        f"The run reached its end, but its energy ledger is open by {share:.3g} of the energy turned "
         f"over, {SCALE}; it must be at most {LEDGER_LIMIT:g}. {way_out}"
     )
 
@@ -164,68 +161,70 @@ def _runaway(run: Run) -> str:
     )
 
 
-def _not_finite(run: Run, answers: Callable[[_Contact], dict[str, float]]) -> str:
+def _not_finite(run: Run, answers: Answers, reach: float) -> str:
     """Give the first answer on the way of the step that cannot be, in words; empty where all can."""
     state = run.state
     if not state.compliant:
         impulses = {"normal": state.normal.node[0], "friction": state.friction.node[0]}
         found = [f"{name} impulse {p}" for name, p in impulses.items() if not np.isfinite(p)]
-        return f"{' and '.join(found)} at {_contact_after(run, 0.0)}" if found else ""
-    for time in np.linspace(0.0, _reach(run), PROBES):
-        contact = _contact_after(run, float(time))
+        return f"{' and '.join(found)} at {_told(_contact_after(run, 0.0))}" if found else ""
+    for time in np.linspace(0.0, reach, PROBES):
+        contact = _contact_after(run, time)
         for name, value in answers(contact).items():
             if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
-                return f"{name} {value} at {contact}"
+                return f"{name} {value} at {_told(contact)}"
     return ""
 
 
-def _jump(run: Run, answers: Callable[[_Contact], dict[str, float]]) -> str:
+def _jump(run: Run, answers: Answers, reach: float) -> str:
     """Say where the law's force changes at once, in words; empty where it does not."""
-    state, reach, here = run.state, _reach(run), _contact_after(run, 0.0)
+    state, here = run.state, _contact_after(run, 0.0)
     if not state.compliant:
         return ""
-    if not here.gap < 0.0:
+    if not here[0] < 0.0:
         here = _contact_after(run, reach)
     known = answers(here)
     size = max(abs(known.get("normal force", 0.0)), state.momentum / reach)
-    speed = max(abs(here.gap_rate), state.impact_speed)
-    sizes = {"gap": abs(here.gap), "gap_rate": speed, "slip": max(abs(here.slip), speed)}
-    for narrow, (place, scale), sign in product(NARROW, sizes.items(), (-1.0, 1.0)):
-        before = getattr(here, place)
-        after = before + sign * narrow * scale
-        for force, value in answers(here._replace(**{place: after})).items():
+    gap, speed = abs(here[0]), max(abs(here[1]), state.impact_speed)
+    scales = (
+        ("gap", "m", gap),
+        ("gap rate", "m/s", speed),
+        ("slip", "m/s", max(abs(here[2]), speed)),
+    )
+    for narrow, (i, (name, unit, scale)), sign in product(NARROW, enumerate(scales), (-1.0, 1.0)):
+        moved = list(here)
+        moved[i] += sign * narrow * scale
+        for force, value in answers((moved[0], moved[1], moved[2])).items():
             if force in FORCES and abs(value - known.get(force, value)) > STEEP * size:
-                unit = "m" if place == "gap" else "m/s"
                 return (
-                    f"{force} goes from {known[force]:.4g} N to {value:.4g} N where the "
-                    f"{place.replace('_', ' ')} goes from {before:.10g} {unit} to {after:.10g} {unit}"
+                    f"{force} goes from {known[force]:.4g} N to {value:.4g} N where the {name} goes from "
+                    f"{here[i]:.10g} {unit} to {moved[i]:.10g} {unit}"
                 )
     return ""
 
 
-def _reach(run: Run) -> float:
-    """Give the longest step in contact [s]."""
-    rule = run.propagator.rule
-    return float(rule.longest * 0.5**rule.contact_level)
-
-
-def _contact_after(run: Run, time: float) -> _Contact:
+def _contact_after(run: Run, time: float) -> Contact:
     """Give the contact after a time of straight motion from where the run ended [s]."""
     modes = modes_of(run.plant)
     q, v = modes["q"][:, START] + time * modes["v"][:, START], modes["v"][:, START]
     gap, rate, slip = contact_from(run.plant, q, v)
-    return _Contact(gap, rate, 0.0 if run.state.mode == STICK else slip)
+    return gap, rate, 0.0 if run.state.mode == STICK else slip
+
+
+def _told(contact: Contact) -> str:
+    """Write a contact as a sentence shows it."""
+    return "a gap of {:.6g} m, a gap rate of {:.6g} m/s and a slip of {:.6g} m/s".format(*contact)
 
 
 def _answers(
-    state: Any, kernels: tuple[Any, ...], parameters: Array, contact: _Contact
+    run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact
 ) -> dict[str, float]:
     """Give what a penalty law says to a contact, by name; nothing where it is open."""
-    if not contact.gap < 0.0:
+    if not contact[0] < 0.0:
         return {}
-    found = kernels[0](*contact, state.impact_speed, parameters)
+    found = kernels[0](*contact, run.state.impact_speed, parameters)
     answers = dict(zip(OF_FORCE, found, strict=True))
-    if state.friction_kind != SET_VALUED:
-        friction = kernels[1](*contact, found[0], state.internal, parameters)
+    if run.state.friction_kind != SET_VALUED:
+        friction = kernels[1](*contact, found[0], run.state.internal, parameters)
         answers |= zip(OF_FRICTION, friction, strict=True)
     return answers

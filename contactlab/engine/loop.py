@@ -175,15 +175,16 @@ def _open_contact(run: Run) -> None:
     """Start a contact at the present state, some levels below that of the contact step."""
     state, contact = run.state, run.state.contact
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    contact.start_time, contact.approach_velocity = state.time, rate
+    contact.start_time, contact.approach_velocity, contact.separation_velocity = (
+        state.time,
+        rate,
+        0.0,
+    )
     contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
     contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
     contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
-    contact.separation_velocity = 0.0
-    state.normal_before, state.friction_before = 0.0, 0.0
-    state.phase = TOUCHING
-    state.impact_speed = max(-rate, 0.0)
-    state.internal = 0.0
+    state.normal_before, state.friction_before, state.internal = 0.0, 0.0, 0.0
+    state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     state.mode = SLIP if slip != 0.0 or state.friction_kind == RATE_DEPENDENT else STICK
     state.sign = 1 if slip > 0.0 else -1
     state.level = run.propagator.rule.contact_level + state.compliant * TOUCH_REFINEMENT

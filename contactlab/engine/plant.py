@@ -12,14 +12,14 @@ the rates); the contact force acts through the same rows.
 """
 
 from functools import cache
-from math import sqrt
+from math import ceil, pi, sqrt
 from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.engine.state import PLACES, one, record
+from contactlab.engine.state import EVENT_LIMIT, PLACES, one, record
 from contactlab.motor.motor import Motor
 
 RESONANCE_MARGIN = 1e-9
@@ -28,6 +28,10 @@ RESONANCE_MARGIN = 1e-9
 NEARLY_RESONANT = 1e-2
 """The same number below which a steady state is not split off: it would be fifty times and more what moves
 a mode that rests, and its round-off that of the gap."""
+
+STEP_LIMIT = 20_000
+"""Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
+of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
 
 MODES, TONES = 64, 4
 """Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
@@ -145,6 +149,23 @@ def motion_rate(plant: Plant) -> float:
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
     fastest = plant["tones"]["omega"][loud].max(initial=0.0)
     return float(max(fastest, slowest if slowest < np.inf else 0.0))
+
+
+def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
+    """Give the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
+
+    The time is a period of what makes its contacts. A rigid contact lasts a step at least, and the flight
+    after it longer: its window is long enough for an event every fifth step to be chatter, if that is far
+    from what a few periods bring. Where nothing has a period, the step alone says what is often. No longer
+    than the run: the slowest of modes may be one that hardly has a period.
+    """
+    rate = motion_rate(plant)
+    window = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
+    if rate > 0.0:
+        period = 2.0 * pi / rate
+        window = period if compliant else max(period, min(window, 5.0 * period))
+    window = min(window, end)
+    return window, STEP_LIMIT + 2 * ceil(window / contact_step)
 
 
 def fastest_rate(plant: Plant) -> float:

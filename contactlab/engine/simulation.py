@@ -20,9 +20,9 @@ from contactlab.engine.callback import law_errors
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.kinematics import Run, contact_from
 from contactlab.engine.loop import TOUCH_REFINEMENT, kernels_of, loop_for
-from contactlab.engine.plant import Plant, modes_of, plant_of
+from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of
 from contactlab.engine.propagator import Workspace
-from contactlab.engine.recorder import pace_of, take_series
+from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     COUNTS,
     OPEN,
@@ -46,8 +46,8 @@ from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
 
 DEFAULT_TOLERANCE = 1e-7
-"""Error of the force at a compliant step's start, as an impulse over that of the contact. The step
-itself is far better: its end converges with nearly twice the order of this estimate."""
+"""Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
+converges with nearly twice the order of this estimate."""
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
@@ -77,27 +77,23 @@ def simulate(
 
     Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located.
     In contact a penalty law is collocated at order 9 with steps that follow its error, a
-    multiplier law is stepped at order 1. The trajectory does not depend on the record interval.
+    multiplier law is stepped at order 1. The trajectory does not depend on the record interval; one that
+    is not complete says why and holds what it had.
 
     A run that goes on from another's `Trajectory.state` is the run that was never cut, bit for bit: the same
-    steps (the one that the cut shortened is taken again, whole), the clock and the drive's phase go on, a
-    contact that was cut goes on as one contact, and so do ledger, residual, rotor angle and statistics,
-    all of them since t = 0. Its first record is the state that it starts from; where the cut falls on a
-    record of the interval, its records are those of the uncut run. Only where nothing vibrates at all does
-    the length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
-    stands then goes on under the new ones.
-
-    A trajectory that is not complete says why and holds what it had.
+    steps (the one that the cut shortened is taken again, whole), clock, drive's phase and contact go on, and
+    so do ledger, residual, rotor angle and statistics, all since t = 0. Its first record is the state that it
+    starts from; where the cut falls on a record of the interval, its records are those of the uncut run. Only
+    where nothing vibrates at all does the length of a step follow the duration. Motor, law, steps and
+    tolerance may change at a cut: what stands then goes on under the new ones.
 
     Args:
-        motor, law: what moves, and what acts between tip and rotor.
         duration: [s], positive; of a run that goes on, how much longer it runs.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
-        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
-            law's default, or less, see `contactlab.engine.arguments.default_contact_step`.
+        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes that of
+            `contactlab.engine.arguments.default_contact_step`.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
-        start: the state of a run to go on from.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -113,11 +109,9 @@ def simulate(
     parameters, kernels, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
-    if start is not None:
-        check_start(start, plant, law)
     exact = isinstance(law, MultiplierLaw)
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
-    state = _at_start(motor, law, plant) if start is None else _going_on(start, plant)
+    state = _at_start(motor, law, plant) if start is None else _going_on(start, law, plant)
     _set_up(state, law, propagator.rule, duration, record_interval)
     state["window"], state["most_steps"] = pace_of(plant, state["end"], contact_step, not exact)
     state["tolerance"] = DEFAULT_TOLERANCE if tolerance is None else tolerance
@@ -135,7 +129,7 @@ def simulate(
         while state.time < state.end and state.ending == RUNNING:
             with errors():
                 loop(run, records, *kernels, parameters, STEPS_PER_CALL)
-            finished.append(_finished_contacts(run))
+            finished.append(_finished(run))
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
@@ -143,7 +137,7 @@ def simulate(
     if state.ending != RUNNING:
         with errors():
             ending, message = explain(run, kernels, parameters, contact_step)
-    finished.append(_finished_contacts(run))
+    finished.append(_finished(run))
     if state.phase == TOUCHING:
         # The end of the run cut it: it has no separation.
         cut = state.contact.copy().reshape(1)
@@ -223,8 +217,9 @@ def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
     return one(STATE, phase=phase, length=1.0, **unknown)
 
 
-def _going_on(start: State, plant: Plant) -> Any:
+def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
     """Set the motion that a run ended with, and give its state."""
+    check_start(start, plant, law)
     modes = modes_of(plant)
     modes["q"][:, START], modes["v"][:, START] = start["q"], start["v"]
     return state_from_value(start)
@@ -254,7 +249,7 @@ def _set_up(state: Any, law: ContactLaw, rule: Any, duration: float, interval: f
         state["projects"] = law.projects
 
 
-def _finished_contacts(run: Run) -> Any:
+def _finished(run: Run) -> Any:
     """Take the finished contacts out of the run's storage."""
     rows = run.step["contacts"][: run.state["stored"]].copy()
     run.state["stored"] = 0

@@ -105,7 +105,6 @@ STATE: Final = record(
 STEP: Final = record(
     # Generalised forces along u and th [N, N m].
     *((name, FORCE) for name in ("push_u", "push_th")),
-    *((name, LEDGER) for name in ("step_terms", "record_terms")),
     # The contact at the nodes [m, m/s, W]; `sliding` is what must keep its sign in slip: the slip, less what
     # a spring of the friction takes of it [m/s].
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal")),
