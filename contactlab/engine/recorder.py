@@ -259,20 +259,23 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
     A long run has no second one. Impulses become mean forces, and the ledger has its residual. A run that
     goes on from a state begins with that state's mean forces, and its residual is that since t = 0.
     """
-    state, table = run.state, records[: run.state.recorded]
-    time = state.origin + (state.first + np.arange(table.size, dtype=np.float64)) * state.interval
+    state, table = run.state, records[: run.state["recorded"]]
+    steps = state["first"] + np.arange(table.size, dtype=np.float64)
+    time = state["origin"] + steps * state["interval"]
     if table.size == records.size:
-        time[-1] = state.end
+        time[-1] = state["end"]
     series: dict[str, Array] = {v.name: table[v.name] for v in SERIES}
     for name in ("normal_force", "friction_force"):
         impulse = series[name]
         impulse[1:] = np.diff(impulse) / np.diff(time)
         impulse[:1] = state[name]
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
-    if np.isnan(state.initial_energy) and energy.size:
-        state.initial_energy = energy[0]
+    if np.isnan(state["initial_energy"]) and energy.size:
+        state["initial_energy"] = energy[0]
     losses = sum(
         series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
     )
-    series["energy_residual"][:] = energy - state.initial_energy - (series["drive_work"] - losses)
+    series["energy_residual"][:] = (
+        energy - state["initial_energy"] - (series["drive_work"] - losses)
+    )
     return time, series, table["contact_mode"]

@@ -167,10 +167,8 @@ def simulate(
 
 def prepare(motor: Motor, law: ContactLaw) -> None:
     """Compile the engine and a law, or load their code, before the first run asks for it."""
-    plant, step = plant_of(motor), law.default_contact_step
-    propagator = _workspace.propagator(plant, step, 1.0, isinstance(law, MultiplierLaw))
-    loop_for(law, Run(plant, propagator, one(STATE), one(STEP)))
-    kernels_of(law)
+    step = law.default_contact_step
+    simulate(motor, law, duration=step, record_interval=step)
 
 
 def take_in(
