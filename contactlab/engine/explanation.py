@@ -91,10 +91,8 @@ def explain(
     }
     if state.ending in endings:
         return endings[int(state.ending)]
-    answers, reach = (
-        partial(_answers, run, kernels, parameters),
-        rule.longest * 0.5**rule.contact_level,
-    )
+    answers = partial(_answers, run, kernels, parameters)
+    reach = rule.longest * 0.5**rule.contact_level
     answer = _not_finite(run, answers, reach)
     if answer or state.ending == NOT_FINITE:
         answer = answer or f"a value that is not finite near {_told(_contact_after(run, 0.0))}"

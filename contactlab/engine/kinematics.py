@@ -126,7 +126,7 @@ def _turn(tone: Any, place: int, cosine: float, sine: float) -> None:
 def _add_steady(
     plant: Plant, j: int, place: int, q: float, v: float, sign: float
 ) -> tuple[float, float]:
-    """Give displacement and rate with the steady state of a coordinate at a place, or, by -1, without it."""
+    """Give displacement and rate with a coordinate's steady state at a place, or, by sign -1, without."""
     for k in range(plant.tone_count):
         tone, phasor = plant.tones[k], plant.phasors[j, k]
         cosine, sine = tone.cosine[place], tone.sine[place]
@@ -162,10 +162,7 @@ def begin(run: Run) -> None:
 def _add_driven(
     plant: Plant, j: int, k: int, place: int, answer: tuple[float, float, float, float]
 ) -> None:
-    """Add to a place what a tone has done to a nearly resonant mode since the step's start.
-
-    `answer` is that to exp(i omega s) from rest, see `answer_from_rest`.
-    """
+    """Add what a tone did to a nearly resonant mode since the step's start, from `answer_from_rest`."""
     mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
     cosine, sine = tone.cosine[START], tone.sine[START]
     re = phasor.force_re * cosine - phasor.force_im * sine
@@ -267,10 +264,7 @@ def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
 
 @inner_kernel
 def checked(run: Run, event: int) -> int:
-    """Give the event of a step in contact; end the run where the law has not answered with numbers.
-
-    The state then stays as it is, so that it can be told what the law was asked.
-    """
+    """Give the event of a step in contact; end the run, as it stands, where the law gave no numbers."""
     state, step = run.state, run.step
     if state.ending == RUNNING:
         total = 0.0

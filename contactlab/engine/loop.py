@@ -60,10 +60,7 @@ _compiled: set[object] = set()
 
 
 def kernels_of(law: ContactLaw) -> tuple[tuple[Any, ...], tuple[Callback, ...]]:
-    """Give the law's kernels of normal force, friction and impulse; idle ones for those that it lacks.
-
-    With them come the callbacks behind those that the interpreter runs.
-    """
+    """Give the law's kernels, idle ones for those that it lacks, and the callbacks of interpreted ones."""
     functions: list[Any] = [NO_FORCE, NO_FRICTION, NO_IMPULSE]
     with law_errors(law.name):
         if isinstance(law, PenaltyLaw):
@@ -105,8 +102,7 @@ def advance_compliant(
 ) -> None:
     """Run a penalty law until the end, an ending, full contact storage or a number of steps.
 
-    Call it again to go on: run and series hold all that there is, so that it does not matter into how many
-    calls a run is cut. Kernels that the law lacks are idle.
+    Call it again to go on: run and series hold all that there is, however often a run is cut.
     """
     law = Law(force, friction, solve, parameters)
     while budget > 0 and _opens_step(run):

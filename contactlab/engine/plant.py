@@ -140,10 +140,7 @@ def persisting_rates(stiffness: Array, damping: Array) -> Array:
 
 
 def motion_rate(plant: Plant) -> float:
-    """Give the rate [rad/s] of what makes the contacts: the fastest tone that drives, or the slowest mode.
-
-    The faster of the two. A tone without amplitude moves nothing. Zero where nothing vibrates.
-    """
+    """Give the faster rate [rad/s] of fastest tone with an amplitude and slowest mode; else zero."""
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
@@ -154,10 +151,9 @@ def motion_rate(plant: Plant) -> float:
 def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
     """Give the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
 
-    The time is a period of what makes its contacts. A rigid contact lasts a step at least, and the flight
-    after it longer: its window is long enough for an event every fifth step to be chatter, if that is far
-    from what a few periods bring. Where nothing has a period, the step alone says what is often. No longer
-    than the run: the slowest of modes may be one that hardly has a period.
+    That is a period of what makes its contacts, but no longer than the run. A rigid contact lasts a step at
+    least, and the flight after it longer: its window is long enough for an event every fifth step to be
+    chatter, if that is far from a few periods. Where nothing has a period, the step says what is often.
     """
     rate = motion_rate(plant)
     window = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step

@@ -81,8 +81,7 @@ def commit(run: Run, law: Law, series: Any) -> None:
             due = state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
-        at = max(min(due - start, s), 0.0)
-        _write_record(run, law, series, at)
+        _write_record(run, law, series, max(min(due - start, s), 0.0))
     total, row = state.total, state.contact
     total.drive_work += drive
     total.damping_loss += damping
@@ -110,8 +109,7 @@ def commit(run: Run, law: Law, series: Any) -> None:
 @inner_kernel
 def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
     """Write the next record, at time s of the step, and leave the state there BETWEEN."""
-    state, lengths = run.state, run.plant.geometry
-    total = state.total
+    state, lengths, total = run.state, run.plant.geometry, run.state.total
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
     u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
@@ -164,10 +162,7 @@ def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
 
 @inner_kernel
 def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
-    """Sum the terms over [0, s] of a step; those over the whole of it from what is known at its nodes.
-
-    Where it is not whole, the last node leaves the state at s BETWEEN.
-    """
+    """Sum the terms over [0, s], the state there being left BETWEEN; over a whole step, from its nodes."""
     state, step, rule = run.state, run.step, run.propagator.rule
     drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(NODES):
@@ -214,10 +209,9 @@ def _energies(plant: Plant, place: int) -> tuple[float, float]:
 
 @part_kernel
 def _weigh(run: Run) -> None:
-    """Note the work of drive and load after a step, and what the ledger leaves where nothing touches.
+    """Note the work of drive and load, and what the ledger leaves, after every step that nothing touches.
 
-    So it is looked at after every step, however coarse the records are. In contact what the law stores is
-    not known without asking it; it is back, or lost, at the release.
+    In contact what the law stores is not known without asking it; it is back, or lost, at the release.
     """
     state, total = run.state, run.state.total
     state.turned_over = max(state.turned_over, abs(total.drive_work), abs(total.load_work))
@@ -232,10 +226,7 @@ def _weigh(run: Run) -> None:
 
 @part_kernel
 def _watch(run: Run, s: float) -> None:
-    """End a run that hardly moves the clock after a step of s, or whose state is no motor's any more.
-
-    That is one that is not finite, or deep inside the rotor.
-    """
+    """End a run that hardly moves the clock, by a step of s, or is not finite, or deep inside the rotor."""
     state = run.state
     crawls = s < CRAWL * step_length(run.propagator, run.propagator.rule.contact_level)
     state.idle = state.idle + 1 if crawls else 0
@@ -254,10 +245,10 @@ def _watch(run: Run, s: float) -> None:
 
 
 def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:
-    """Take times [s], series by name and contact modes out of the memory that the recorder filled.
+    """Take times [s], series and contact modes out of the records' own memory: a long run has no second one.
 
-    A long run has no second one. Impulses become mean forces, and the ledger has its residual. A run that
-    goes on from a state begins with that state's mean forces, and its residual is that since t = 0.
+    Impulses become mean forces, of which a run that goes on begins with those of its start; the ledger gets
+    its residual, since t = 0.
     """
     state, table = run.state, records[: run.state["recorded"]]
     steps = state["first"] + np.arange(table.size, dtype=np.float64)

@@ -224,9 +224,9 @@ def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
 
 
 def _set_up(state: Any, law: ContactLaw, rule: Any, duration: float, interval: float) -> None:
-    """Set the clock, the grid of records, the ladder, and what the kernels know of a law beside its own.
+    """Set clock, grid of records, ladder and what the kernels know of a law beside its own.
 
-    A run that goes on goes on on its ladder; on another one its next step is the first of its kind.
+    On another ladder than before, the next step is the first of its kind.
     """
     begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
     state["first"] = round((begins - state["origin"]) / interval)
