@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import prepare, simulate
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
 from contactlab.metrics import METRICS, Run, assess
 from contactlab.suggestion import suggestion
@@ -148,7 +147,7 @@ class Batch:
     def _ended(self, pieces: Sequence[Sequence[int]], count: int) -> Iterable[Answers]:
         """Give the answers of pieces one by one, from workers where there is to be more than one."""
         if count < 2:
-            return map(partial(_answers, *self._task, Workspace()), pieces)
+            return map(partial(_answers, *self._task), pieces)
         if self._executor is None:
             # With the engine loaded here none has to load it; a cell's own run tells what is wrong.
             for cell in pieces[0]:
@@ -180,7 +179,7 @@ def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     # What is there stays as it is: looking it over would copy the memory that a fork shares.
     gc.freeze()
-    _WORKER[:] = [partial(_answers, setup_at, outputs, Workspace())]
+    _WORKER[:] = [partial(_answers, setup_at, outputs)]
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -195,10 +194,8 @@ def _work(cells: Sequence[int]) -> Answers:
     return _WORKER[0](cells)
 
 
-def _answers(
-    setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cells: Sequence[int]
-) -> Answers:
-    return joined([_run(setup_at, outputs, workspace, cell) for cell in cells])
+def _answers(setup_at: SetupAt, outputs: Outputs, cells: Sequence[int]) -> Answers:
+    return joined([_run(setup_at, outputs, cell) for cell in cells])
 
 
 def joined(parts: Sequence[Answers]) -> Answers:
@@ -214,7 +211,7 @@ def joined(parts: Sequence[Answers]) -> Answers:
     return {**found, "time": time}
 
 
-def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -> Answers:
+def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
     """Run one cell: what became of it and why, with its numbers where it reached its end."""
     metrics, status = dict.fromkeys(outputs.metrics, np.nan), Status.FAILED
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
@@ -227,7 +224,6 @@ def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -
             record_interval=setup.record_interval if outputs.sampled else setup.duration,
             contact_step=setup.contact_step,
             tolerance=setup.tolerance,
-            workspace=workspace,
         )
         status, reason = status_of(run.ending), run.message
         if run.ending.reached_end:
