@@ -34,15 +34,6 @@ PROPERTIES["declares_what_it_breaks"] = declares_what_it_breaks
 against what others found, and the contract of a law, of which each takes a `Bench`."""
 
 
-def excuse_of(law: ContactLaw, name: str) -> str:
-    """Give the reason why a law declares to break a property, empty where it keeps it."""
-    if name == "no_tension" and law.allows_tension:
-        return "it allows tension."
-    if name == "stick_is_exact" and not law.exact_stick:
-        return "its stick is not exact."
-    return law.violations.get(name, "")
-
-
 def claims_of(proof: Callable[[], Claims], excuse: str = "") -> list[Claim]:
     """Give the claims of a proof, an excuse put to those that it is for: the broken ones, or all.
 
@@ -60,8 +51,14 @@ def claims_of(proof: Callable[[], Claims], excuse: str = "") -> list[Claim]:
 
 
 def check(bench: Bench, name: str) -> list[Claim]:
-    """Give the claims of one property."""
-    return claims_of(partial(PROPERTIES[name], bench), excuse_of(bench.law, name))
+    """Give the claims of one property, with the reason why the law declares to break it, if it does."""
+    law = bench.law
+    excuse = law.violations.get(name, "")
+    if name == "no_tension" and law.allows_tension:
+        excuse = "it allows tension."
+    if name == "stick_is_exact" and not law.exact_stick:
+        excuse = "its stick is not exact."
+    return claims_of(partial(PROPERTIES[name], bench), excuse)
 
 
 bench_of = lru_cache(maxsize=8)(Bench)

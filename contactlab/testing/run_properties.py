@@ -1,6 +1,6 @@
 """Properties of the runs of a law: its forces and what they cost, repetition, mirror and convergence."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import partial
 
 import numpy as np
@@ -150,8 +150,8 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     impulses = (forces * np.diff(made.time))[:, acting]
     values = (*(series[name] for name in names), end - made.time)
     u, th, late = (0.5 * (each[1:] + each[:-1])[acting] for each in values)
-    lengths = geometry.tip_length, radius, geometry.clearance
-    frames = [contact_frame(*at, *lengths)[1:] for at in zip(u.tolist(), th.tolist(), strict=True)]
+    places = zip(u.tolist(), th.tolist(), strict=True)
+    frames = [contact_frame(*place, *astuple(geometry))[1:] for place in places]
     # Of both forces on u and on th.
     acted = np.einsum("ijk,ji->ki", np.reshape(frames, (-1, 2, 2)), impulses)
     first, second = flight.exponents[motor.drive.frequency.size :].reshape(2, -1, 1)
