@@ -241,3 +241,13 @@ def test_no_picture_is_drawn_where_none_is_wanted(
     status, _, err = command("record.picture=5")
     assert status == 2
     assert "record.picture is 5; it must be true or false." in err
+
+
+def test_a_sweep_keeps_its_status_where_it_cannot_be_collected(
+    command: Command, simulations: Simulations
+) -> None:
+    Path("sweep/sweep.nc").mkdir(parents=True)
+    status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
+    assert status == 0
+    assert "The runs could not be collected: " in err
+    assert "Traceback" not in err
