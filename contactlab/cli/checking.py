@@ -26,9 +26,7 @@ from contactlab.config.groups import group_told_by
 from contactlab.config.nesting import flat
 from contactlab.config.schema import BYTES_A_RECORD, FRICTION, idle_friction
 from contactlab.results.files import STATE
-from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE
-from contactlab.sweeps.state import REFUSED as REFUSED_STATE
-from contactlab.sweeps.state import read_state
+from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE, REFUSED as REFUSED_STATE, read_state
 
 IN_FILE = 60
 """Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""

@@ -16,7 +16,7 @@ from contactlab.checks import Checked
 from contactlab.config import quantity
 from contactlab.config.nesting import nested
 from contactlab.laws.declaration import SHARED, family_of, members_of
-from contactlab.laws.lagrange_slip import LagrangeSlip
+from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
 

@@ -73,7 +73,7 @@ def test_an_order_too_low_to_be_trusted_is_told_but_not_extrapolated() -> None:
 
 def test_sensitivities_are_relative_changes() -> None:
     base = turning(2.0)
-    found = assess_variants(base, basis=turning(1.5), friction=(0.1, turning(2.1)))
+    found = assess_variants(base, basis=(1.0, turning(1.5)), friction=(0.1, turning(2.1)))
     assert list(found) == list(SENSITIVITIES)
     assert found["rotor_velocity_by_basis"] == pytest.approx(-0.25)
     assert found["rotor_velocity_by_friction"] == pytest.approx(0.5)

@@ -10,10 +10,10 @@ import pytest
 
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LagrangeStick, PenaltyLaw
+from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
-from contactlab.laws.part import NormalForce
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
