@@ -30,8 +30,6 @@ def check_fields(owner: Any, title: str = "") -> None:
     kinds, ranges = [], []
     for name, field in _checked(owner_class).items():
         value = getattr(owner, name)
-        if field.is_sound_float(value):
-            continue
         said, is_number = field.parameter, isinstance(value, Real)
         if not any(is_kind(value, kind) for kind in field.kinds):
             kinds.append(_other_kind(f"{title}: {name}", value, field.kinds))

@@ -84,12 +84,6 @@ class DeclaredField:
         """Whether it holds a declared number."""
         return self.parameter is not None and not {int, float}.isdisjoint(self.kinds)
 
-    def is_sound_float(self, value: object) -> bool:
-        """Tell whether a value is a float that needs no closer look, as nearly every one is."""
-        if type(value) is not float or self.parameter is None or float not in self.kinds:
-            return False
-        return self.parameter.admits(value)
-
     @property
     def hint(self) -> str:
         """A sentence that helps somebody who has run into the range: the declared one, or the default."""

@@ -35,6 +35,9 @@ def number_of(field: DeclaredField, value: object) -> float | None:
         return None
     said, whole = field.parameter, int in field.kinds
     assert said is not None
+    # Nearly every value is a float that needs no closer look.
+    if type(value) is float and not whole and said.admits(value):
+        return value
     try:
         if isinstance(value, bool) or not isinstance(value, str | Real):
             raise UnitError("which is not a number")
@@ -44,9 +47,8 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     except UnitError as error:
         wrong = "missing" if value == MISSING else f"{describe(value)}, {error}"
     else:
-        shown = f"{number:.12g}{said.label}"
-        if isinstance(value, str):
-            shown = f"'{value}' ({shown})"
+        plain = f"{number:.12g}{said.label}"
+        shown = f"'{value}' ({plain})" if isinstance(value, str) else plain
         if not isfinite(number):
             wrong = f"{number}, which is not finite"
         elif whole and number != int(number):

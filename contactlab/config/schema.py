@@ -137,7 +137,7 @@ def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
     """Give a value as it runs, or say by a UnitError what is wrong with it."""
     if field.is_number:
         try:
-            return value if field.is_sound_float(value) else number_of(field, value)
+            return number_of(field, value)
         except UnitError as fault:
             raise UnitError(f"{key} {fault}") from fault
     if any(is_kind(value, kind) for kind in field.kinds):
