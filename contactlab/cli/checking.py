@@ -112,8 +112,10 @@ def _faults_of(override: Override) -> Iterator[str]:
     elif override.is_hydra_override() and "." in key and key.split(".")[1] not in _OF_HYDRA:
         yield unknown_override(key)
     below = flat({key: value}) if isinstance(value, dict) else [key]
-    options = GlobalHydra.instance().config_loader().get_group_options(group)
-    if options and "." in key and not isinstance(value, dict):
+    # Asked of what may name an option alone: Hydra looks through all files for its answer.
+    is_choice = key.count(".") == 1 and isinstance(value, str | None)
+    loader = GlobalHydra.instance().config_loader()
+    if is_choice and (options := loader.get_group_options(group)):
         yield (
             f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
             f"Choose one of {', '.join(options)}."
