@@ -24,9 +24,8 @@ import numpy as np
 
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.sweeps.batch import Batch
-from contactlab.sweeps.plan import Outputs, Plan
-from contactlab.sweeps.planning import planned
+from contactlab.sweeps.batch import Batch, Outputs
+from contactlab.sweeps.plan import Plan, planned
 from contactlab.sweeps.sweep import ScriptComposer
 
 SETUPS: list[Setup] = []

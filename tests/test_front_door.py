@@ -51,8 +51,7 @@ def solution() -> cl.Solution:
 
 
 def test_every_name_is_there() -> None:
-    assert all(hasattr(cl, name) for name in cl.__all__)
-    laws = {made for name in cl.__all__ if isinstance(made := getattr(cl, name), type)}
+    laws = {made for made in vars(cl).values() if isinstance(made, type)}
     named = {law.name for law in laws if issubclass(law, cl.ContactLaw) and hasattr(law, "name")}
     assert named == set(LAWS)
     assert {part for family in PARTS.values() for part in family.values()} <= laws

@@ -14,7 +14,7 @@ from contactlab.config.quantity import UnitError, to_si
 from contactlab.metrics import read_run
 
 if TYPE_CHECKING:
-    from contactlab.plot.animation_data import Recording
+    from contactlab.plot.recording import Recording
 
 FILM_TIME = 10.0
 """How long an animation lasts [s], whatever it shows."""
@@ -99,14 +99,15 @@ def _animate(wanted: Namespace) -> None:
             "25 is usual."
         )
     # Imported here: they bring the plotting, which --help does not need.
-    from contactlab.plot.animation_data import UnfitRunError, film_of, run_of
     from contactlab.plot.animation_files import NoEncoderError, encoder, write_gif, write_mp4
+    from contactlab.plot.film import film_of
+    from contactlab.plot.recording import UnfitRunError, recording_of
 
     frames = round(FILM_TIME * fps)
     try:
         if output.suffix.lower() == ".mp4":
             encoder()
-        run = run_of(read_run(source))
+        run = recording_of(read_run(source))
         start, end = _window(run, wanted.start, wanted.duration)
         film = film_of(run, start, end, frames)
     except UnfitRunError as fault:

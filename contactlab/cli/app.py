@@ -19,11 +19,11 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
-from contactlab.cli.checking import sentences, setup_of, typed
+from contactlab.cli.checking import setup_of, typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
 from contactlab.config import Setup
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory, sentences
 from contactlab.config.faults import ConfigurationError
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 

@@ -1,6 +1,5 @@
 """What a command line gets wrong, told before anything is written: in its composition and in its values."""
 
-import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
@@ -12,30 +11,22 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
-from hydra.errors import (
-    HydraException,
-    MissingConfigException,
-    OverrideParseException,
-    SearchPathException,
-)
 from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.cli.arguments import VERBS, gives_several
+from contactlab.cli.arguments import gives_several
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import Setup, build
-from contactlab.config.faults import ConfigurationError, one_line, unknown_key
-from contactlab.config.groups import group_told_by, known_keys
+from contactlab.config.composition import SEVERAL, resolved, unknown_override
+from contactlab.config.faults import ConfigurationError, one_line
+from contactlab.config.groups import group_told_by
 from contactlab.config.nesting import flat
-from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
+from contactlab.config.schema import BYTES_A_RECORD, FRICTION, idle_friction
 from contactlab.results.files import STATE
-from contactlab.suggestion import suggestion
-from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE
-from contactlab.sweeps.state import REFUSED as REFUSED_STATE
-from contactlab.sweeps.state import read_state
+from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE, REFUSED as REFUSED_STATE, read_state
 
 IN_FILE = 60
 """Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""
@@ -45,8 +36,6 @@ WORTH_SAYING = 100e6
 
 _OF_HYDRA = {field.name for field in fields(HydraConf)}
 """Keys of Hydra's own part of the configuration."""
-
-_SEVERAL = "{} gives several values; a single run takes one. Add -m to run every combination."
 
 
 @final
@@ -98,12 +87,9 @@ def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
     """
     told = list(faults)
     try:
-        mine = [str(key) for key in config if key != "hydra"]
-        setup = build(OmegaConf.to_container(OmegaConf.masked_copy(config, mine), resolve=True))  # type: ignore[arg-type]
+        setup = build(resolved(config))
     except ConfigurationError as error:
         told += error.faults
-    except OmegaConfBaseException as error:
-        told.append(f"{one_line(error)} Correct the reference in ${{...}}.")
     if told:
         raise ConfigurationError(told)
     return setup
@@ -124,7 +110,7 @@ def misplaced(lines: Sequence[str], *, swept: bool = False) -> list[str]:
     overrides = OverridesParser.create().parse_overrides(list(lines))
     faults = [fault for override in overrides for fault in _faults_of(override)]
     if not swept:
-        faults += [_SEVERAL.format(line) for line in lines if gives_several(line)]
+        faults += [SEVERAL.format(line) for line in lines if gives_several(line)]
         faults += [
             f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
             "it out."
@@ -144,7 +130,7 @@ def _faults_of(override: Override) -> Iterator[str]:
             "Leave it out for the default."
         )
     elif override.is_hydra_override() and "." in key and key.split(".")[1] not in _OF_HYDRA:
-        yield _unknown(key)
+        yield unknown_override(key)
     is_set = "." in key and not isinstance(value, dict) and not override.is_delete()
     if is_set and (options := GlobalHydra.instance().config_loader().get_group_options(group)):
         yield (
@@ -201,57 +187,6 @@ def announce_series(runs: int, names: int, configuration: Mapping[str, Any]) -> 
             "record.interval or fewer names of sweep.series make it less.",
             sys.stderr,
         )
-
-
-def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
-    """Say in our words what ended a command, before or around its work.
-
-    Args:
-        error: of Hydra's, or of what it calls.
-        lines: the arguments as typed.
-    """
-    match error:
-        case ConfigurationError():
-            return error.faults
-        case OverrideParseException():
-            return [
-                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or "
-                "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
-                "too if it has special characters, \"KEY='1 µm'\". A verb stands first: "
-                f"{', '.join(VERBS)}."
-            ]
-        case MissingConfigException() if error.options and error.missing_cfg_file:
-            group, _, option = error.missing_cfg_file.rpartition("/")
-            hint = suggestion(option, error.options, "Choose one of them.")
-            return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
-        case SearchPathException():
-            return [f"{one_line(error)} It must be a folder; create it."]
-        case RecursionError():
-            return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
-    said = str(error)
-    # What Hydra says of a key that is not there; the schema does not get to see it.
-    if unknown := re.search(r"Could not override '([^']+)'", said):
-        return [_unknown(unknown[1], lines)]
-    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
-        return [_SEVERAL.format(several[1])]
-    if said.startswith("Config group override must be"):
-        choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
-        return [
-            f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
-            "contactlab --help lists the options of every group."
-        ]
-    if isinstance(error, HydraException | OmegaConfBaseException | UserWarning):
-        return [one_line(error)]
-    return [f"The run could not be started: {one_line(error)}"]
-
-
-def _unknown(key: str, lines: Iterable[str] = ()) -> str:
-    """Say that there is no such key, or none with what the arguments choose."""
-    path = key.replace("/", ".")
-    group = path.rpartition(".")[0].replace(".", "/")
-    chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
-    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
-    return unknown_key(path, next(chosen, "the default"), [*known_keys(), *hydras])
 
 
 def _folder_faults(config: DictConfig) -> Iterable[str]:

@@ -28,7 +28,7 @@ def main(arguments: list[str]) -> int:
     )
     given = parser.read(arguments)
     try:
-        _collect(given.directory, given.output, given.series.split(",") if given.series else ())
+        _collect(Path(given.directory), given.output, given.series)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "Interrupted before the runs were collected; nothing was written."
@@ -44,18 +44,17 @@ def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[st
         tell(f"The runs could not be collected: {error}", sys.stderr)
 
 
-def _collect(
-    folder: Path, output: Path | None, series: Sequence[str], metrics: Sequence[str] = ()
-) -> None:
+def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.config import ConfigurationError
     from contactlab.results.files import told
     from contactlab.sweeps import SweepError, collect
     from contactlab.sweeps.dataset import summary
 
     try:
         with terminal.raising():
-            dataset = collect(folder, output, series, metrics)
-    except SweepError as error:
+            dataset = collect(folder, output, *kept)
+    except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
         raise RefusalError(f"The runs could not be collected: {told(error)}") from error

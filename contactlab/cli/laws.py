@@ -7,9 +7,8 @@ from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
+from contactlab.laws.base import EVEN, ODD, ContactLaw, Friction, Part, PenaltyLaw
 from contactlab.laws.declaration import SHARED, family_of, members_of
-from contactlab.laws.part import Friction, Part
 from contactlab.laws.registry import PARTS, Origin, law_class, origins
 from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion

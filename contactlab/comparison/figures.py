@@ -17,7 +17,7 @@ from contactlab.comparison import curves
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.scorecard import ENERGY_TERMS
 from contactlab.metrics import NotApplicableError, needed
-from contactlab.plot.overview_data import drawable, envelope
+from contactlab.plot.recording import drawable, envelope
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.summary import prefixed_unit

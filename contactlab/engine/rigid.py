@@ -29,7 +29,7 @@ from contactlab.engine.kinematics import (
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
 from contactlab.laws.base import SLIP
-from contactlab.laws.lagrange_stick import wedges
+from contactlab.laws.lagrange import wedges
 
 NONE, ONE, SEVERAL = range(3)
 """How many answers the step of a law has; what is none and what are several see `wedges`."""

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
 from contactlab.metrics.run import Run, needed, positive
 from contactlab.motor.geometry import contact_frame
+from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 
 RESOLVED: Final = 1e-12  # share of the motor's energy below which round-off decides a graze
 CLOCK: Final = 8.0  # units in the last place of the time, within which two instants are one

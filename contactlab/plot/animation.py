@@ -1,7 +1,6 @@
 """The frames of an animation: tip, rotor and force in true geometry, and traces with a cursor.
 
-What stands still is drawn once, and every frame adds to it what moves; the frames are the same
-whatever order they are asked for in. The arrow is the force on the rotor.
+What stands still is drawn once, and every frame adds to it what moves.
 """
 
 from typing import Any, Final, cast
@@ -17,12 +16,12 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.plot.animation_data import Film
+from contactlab.plot.film import Film
 from contactlab.plot.overview import DENSE, explain_shades, shade
-from contactlab.plot.overview_data import drawable, envelope, steps
+from contactlab.plot.recording import drawable, envelope, steps
 from contactlab.plot.style import COLOURS
 from contactlab.results.netcdf import reached_end
-from contactlab.results.summary import prefixed, prefixed_unit
+from contactlab.results.summary import prefixed
 from contactlab.variables import CONTACT_MODE
 
 PIXELS: Final = (800, 640)
@@ -56,12 +55,7 @@ _HEIGHT: Final = 2.0 * _HALF_WIDTH * _SCENE[3] / _SCENE[2] * PIXELS[1] / PIXELS[
 
 
 class Animation:
-    """Draws the frames of a film.
-
-    Args:
-        film: what they show.
-        film_time: how long the animation lasts [s], to say how slow the motion is.
-    """
+    """Draws the frames of a film that lasts some time [s]."""
 
     def __init__(self, film: Film, film_time: float) -> None:
         self.film = film
@@ -86,24 +80,24 @@ class Animation:
         return sorted({*first.tolist(), int(np.argmax(force))})
 
     def frame(self, number: int) -> NDArray[np.uint8]:
-        """Give the pixels of a frame, red, green and blue, shape (height, width, 3)."""
+        """Give the pixels of a frame: red, green, blue and opacity, shape (height, width, 4)."""
         with rc_context(_STYLE):
             self._move(number)
             self._canvas.restore_region(self._still)
             for artist in self._moving:
                 artist.axes.draw_artist(artist) if artist.axes else self.figure.draw_artist(artist)
-        return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
+        return np.array(self._canvas.buffer_rgba())
 
     def _draw_words(self, film_time: float) -> None:
-        film = self.film
-        lasts = film.end - film.start
-        law = str(film.run.root.attrs.get("law", "")) or "run"
+        run = self.film.run
+        lasts = run.end - run.start
+        law = str(run.series.attrs.get("law", "")) or "run"
         title = f"{law}: 1 s shows {prefixed(lasts / film_time, 's')}"
-        if not reached_end(film.run.root.attrs):
+        if not reached_end(run.series.attrs):
             title += " \u2013 the run is incomplete"
         words = (
-            f"{prefixed(lasts, 's')} from t = {prefixed(film.start, 's')}; motion of the tip and angle of "
-            f"the rotor drawn \u00d7 {film.magnification:g}"
+            f"{prefixed(lasts, 's')} from t = {prefixed(run.start, 's')}; motion of the tip and angle of "
+            f"the rotor drawn \u00d7 {self.film.magnification:g}"
         )
         self.figure.text(0.02, 0.975, title, va="top", fontsize=12)
         self.figure.text(0.02, 0.925, words, va="top", fontsize=9, color="0.3")
@@ -121,12 +115,8 @@ class Animation:
         corners = [*rim, (rim[-1, 0], 2.0 * size), (rim[0, 0], 2.0 * size)]
         axes.add_patch(Polygon(corners, facecolor="#E6E6E6", edgecolor="none"))
         axes.plot(*rim.T, color="0.35", linewidth=1.2, scalex=False, scaley=False)
-        root, time = film.run.root, film.run.time
-        shown = (time >= film.start) & (time <= film.end)
-        path = film.tip_end(
-            drawable(root["tip_tangential_displacement"].values)[shown],
-            drawable(root["gap"].values)[shown],
-        )
+        motion = (film.run.series[name] for name in ("tip_tangential_displacement", "gap"))
+        path = film.tip_end(*(drawable(values.values) for values in motion))
         axes.plot(*path.T, color="0.6", linewidth=0.8, scalex=False, scaley=False, zorder=1.5)
         bar = 10.0 ** np.floor(np.log10(0.1 * size))
         left, low = -0.97 * _HALF_WIDTH * size, (_BOTTOM + 0.03) * size
@@ -146,32 +136,27 @@ class Animation:
 
     def _draw_traces(self) -> list[Axes]:
         """Draw normal force and rotor velocity below the scene, with the contact modes shaded."""
-        film, root, time = self.film, self.film.run.root, self.film.run.time
-        lasts = film.end - film.start
-        unit, scale = prefixed_unit(lasts, "s")
+        run, (unit, scale) = self.film.run, self.film.run.unit
         rows = self.figure.add_gridspec(
             2, 1, left=0.115, right=0.975, top=0.345, bottom=0.085, hspace=0.2
         )
         force = self.figure.add_subplot(rows[0])
         velocity = self.figure.add_subplot(rows[1], sharex=force)
-        # The records around the edges let the lines reach them.
-        first = max(int(np.searchsorted(time, film.start, side="right")) - 1, 0)
-        part = slice(first, int(np.searchsorted(time, film.end)) + 1)
-        edges = (time[part] - film.start) / scale
-        _, means = line = steps(edges, root["normal_force"].values[part][1:])
+        edges = (run.time - run.start) / scale
+        _, means = line = steps(edges, run.series["normal_force"].values[1:])
         force.plot(*line, color="black")
         velocity.plot(
-            *envelope(edges, drawable(root["rotor_velocity"].values)[part]), color="black"
+            *envelope(edges, drawable(run.series["rotor_velocity"].values)), color="black"
         )
         for axes in (force, velocity):
-            shade(axes, film.contact_spans(), 0.0, lasts, scale)
+            shade(axes, run, run.start)
             axes.locator_params(axis="y", nbins=4)
-        force.set_xlim(0.0, lasts / scale)
+        force.set_xlim(0.0, (run.end - run.start) / scale)
         if not np.nanmax(np.abs(means), initial=0.0) > 0.0:
             force.set_ylim(0.0, 1.0)
         force.set_ylabel("normal\nforce (N)")
         velocity.set_ylabel("rotor\n(rad/s)")
-        velocity.set_xlabel(f"time since {prefixed(film.start, 's')} ({unit})")
+        velocity.set_xlabel(f"time since {prefixed(run.start, 's')} ({unit})")
         force.tick_params(labelbottom=False)
         self.figure.align_ylabels([force, velocity])
         explain_shades(force, 0.98)
@@ -221,8 +206,8 @@ class Animation:
         self.arrow.set_facecolor(colour)
         for arrow, along in zip(self.components, film.axes_of_contact(number), strict=True):
             arrow.set_xy(end + arrow_outline(np.dot(force, along) * along, 0.003 * size))
-        unit, second = prefixed_unit(film.end - film.start, "s")
-        times = (film.time - film.start) / second
+        unit, second = film.run.unit
+        times = (film.time - film.run.start) / second
         for cursor in self.cursors:
             cursor.set_xdata([times[number]] * 2)
         self.mode.set_text(CONTACT_MODE.flags[film.mode[number]])
@@ -248,14 +233,9 @@ def _steady(values: Array, number: int) -> str:
 
 
 def arrow_outline(vector: Array, width: float) -> Array:
-    """Give an arrow from the origin; its apex, the fourth of seven corners, lies at the vector itself.
+    """Give the corners of an arrow from the origin, shape (7, 2); the fourth, its apex, is the vector itself.
 
-    Args:
-        vector: shape (2,).
-        width: of the shaft; an arrow shorter than its head is a smaller head.
-
-    Returns:
-        Corners, shape (7, 2).
+    One that is shorter than its head is a smaller head.
     """
     length = float(np.hypot(*vector))
     if not length > 0.0:

@@ -1,7 +1,7 @@
-"""An animation as a file, GIF or MP4, that stands under its name only when whole.
+"""An animation as a file, GIF or MP4.
 
-matplotlib's own writers are not used: they choose colours for every frame, so that what stands still
-flickers, and they round the time of a frame, so that the film is too short.
+matplotlib's own writers choose colours for every frame, so that what stands still flickers, and round the
+time of a frame, so that the film is too short.
 """
 
 import errno
@@ -26,13 +26,7 @@ class NoEncoderError(RuntimeError):
 
 
 def write_gif(animation: Animation, fps: float, path: Path, watch: Watch = iter) -> None:
-    """Write a GIF that repeats for ever. The same frames give the same bytes.
-
-    Args:
-        animation: what it shows.
-        fps: frames a second, at most 50; viewers slow down shorter ones.
-        path: in a folder that exists.
-        watch: progress.
+    """Write a GIF that repeats for ever, of at most 50 frames a second; the same frames give the same bytes.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -62,14 +56,14 @@ class _Palette:
     def __init__(self, animation: Animation) -> None:
         packed = np.concatenate([_packed(animation.frame(n)).ravel() for n in animation.samples])
         colours, counts = np.unique(packed, return_counts=True)
-        self._colours = _apart(colours[np.argsort(-counts, kind="stable")[:256]])
+        self._colours = _parts(colours[np.argsort(-counts, kind="stable")[:256]])
         self._nearest = np.full(1 << 24, -1, dtype=np.int16)
 
     def image(self, pixels: Pixels) -> Image.Image:
         """Give a frame in these colours."""
         packed = _packed(pixels)
         new = np.unique(packed[self._nearest[packed] < 0])
-        distances = ((_apart(new)[:, None, :] - self._colours) ** 2).sum(axis=2)
+        distances = ((_parts(new)[:, None, :] - self._colours) ** 2).sum(axis=2)
         self._nearest[new] = distances.argmin(axis=1)
         image = Image.fromarray(self._nearest[packed].astype(np.uint8))
         image.putpalette(self._colours.ravel().tolist())
@@ -78,13 +72,12 @@ class _Palette:
 
 def _packed(pixels: Pixels) -> NDArray[np.int64]:
     """Give every colour as one number."""
-    red, green, blue = np.moveaxis(pixels.astype(np.int64), -1, 0)
-    return np.asarray(red << 16 | green << 8 | blue)
+    return np.asarray(pixels.view("<u4")[:, :, 0] & 0xFFFFFF, dtype=np.int64)
 
 
-def _apart(packed: NDArray[np.int64]) -> NDArray[np.int64]:
+def _parts(packed: NDArray[np.int64]) -> NDArray[np.int64]:
     """Give red, green and blue of such numbers, shape (colour, 3)."""
-    return np.column_stack([packed >> shift & 255 for shift in (16, 8, 0)])
+    return packed.astype("<u4")[:, None].view(np.uint8)[:, :3].astype(np.int64)
 
 
 def encoder() -> str:
@@ -114,7 +107,7 @@ def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter)
     """
     height, width, _ = animation.frame(0).shape
     options = (
-        f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps:g} -i pipe:0 "
+        f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgba -s {width}x{height} -r {fps:g} -i pipe:0 "
         "-an -c:v libx264 -pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact "
         "-movflags +faststart -f mp4"
     )
@@ -125,8 +118,10 @@ def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter)
 
 
 def _feed(command: list[str], images: Iterator[bytes]) -> None:
-    """Start the encoder and give it the images; it ends with the body, whatever happens."""
-    # Ctrl-C is for us: in a session of its own the encoder does not die first and look like a fault.
+    """Give the images to an encoder that ends with this, whatever happens.
+
+    In a session of its own it does not die of Ctrl-C first and look like a fault.
+    """
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
     ) as process:

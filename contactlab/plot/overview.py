@@ -1,11 +1,8 @@
-"""The overview picture of a run.
+"""The overview of a run: rotor velocity, path of the tip end, and gap and force of the last drive periods.
 
-Four panels: the rotor's velocity over the whole run, the path of the tip end beside the rotor's
-surface, and gap and normal force over the last drive periods with the contact modes shaded. Only
-matplotlib's objects are used, so that nothing of a caller's own figures or settings changes.
+Only matplotlib's objects are used, so that nothing of a caller's own figures or settings changes.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,19 +15,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from contactlab.arrays import Array
-from contactlab.plot.overview_data import (
+from contactlab.plot.recording import (
     COLUMNS,
-    Window,
-    contact_spans,
+    Recording,
     drawable,
     envelope,
     extent,
-    last_periods,
+    recording_of,
     steps,
 )
 from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
-from contactlab.results.netcdf import configuration_of, reached_end
+from contactlab.results.netcdf import reached_end
 from contactlab.results.summary import prefixed, prefixed_unit
 
 DENSE: Final[dict[Any, Any]] = STYLE | {
@@ -52,16 +48,15 @@ DENSE: Final[dict[Any, Any]] = STYLE | {
 SHADE: Final = {"slip": 0.4, "stick": 0.55}
 """Opacity; stick is the darker one in a black and white print too."""
 
+PERIODS: Final = 3
+"""Drive periods at the end of a run that are shown in detail."""
+
 _SIZE: Final = (7.1, 5.9)
 """Inches; the width of two columns of a journal."""
 
 
 def overview(tree: xarray.DataTree, path: Path) -> None:
-    """Draw a run and write the picture as PNG.
-
-    Args:
-        tree: a run as from `contactlab.results.netcdf.to_datatree`, complete or not.
-        path: of the picture, in a folder that exists.
+    """Draw a run, complete or not, and write the picture as PNG.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -73,15 +68,9 @@ def overview(tree: xarray.DataTree, path: Path) -> None:
 
 
 def draw_overview(tree: xarray.DataTree) -> Figure:
-    """Draw a run, complete or not: `overview` without the file.
-
-    Returns:
-        A figure with the axes velocity, path, gap and force, in this order.
-    """
-    root = tree.to_dataset()
-    contacts = tree.children["contacts"].to_dataset(inherit=False)
-    configuration = configuration_of(tree)
-    window = last_periods(root, contacts, configuration)
+    """Draw a run, complete or not, into the axes velocity, path, gap and force."""
+    run = recording_of(tree)
+    window = run.between(run.end - PERIODS * run.period, run.end)
     with rc_context(DENSE):
         figure = Figure(figsize=_SIZE)
         FigureCanvasAgg(figure)
@@ -94,9 +83,9 @@ def draw_overview(tree: xarray.DataTree) -> Figure:
         below = rows[1].subgridspec(2, 1, hspace=0.17)
         gap = figure.add_subplot(below[0])
         force = figure.add_subplot(below[1], sharex=gap)
-        _draw_title(figure, root, contacts.sizes["contact"])
-        _draw_velocity(velocity, root)
-        _draw_path(path, window, configuration)
+        _draw_title(figure, run.series, run.contacts.sizes["contact"])
+        _draw_velocity(velocity, run)
+        _draw_path(path, window)
         _draw_gap(gap, window)
         _draw_force(force, window)
         for letter, axes in zip("abcd", (velocity, path, gap, force), strict=True):
@@ -109,21 +98,13 @@ def draw_overview(tree: xarray.DataTree) -> Figure:
     return figure
 
 
-def shade(axes: Axes, spans: Mapping[str, Array], start: float, end: float, unit: float) -> None:
-    """Shade the times of slip and of stick over the whole height of a panel.
-
-    Args:
-        axes: the panel, whose time is zero at zero.
-        spans: starts and ends by mode, see `contact_spans` [s].
-        start, end: of the panel [s].
-        unit: of its axis [s].
-    """
-    for mode, times in spans.items():
-        left = np.maximum(times[:, 0], start)
+def shade(axes: Axes, run: Recording, origin: float) -> None:
+    """Shade the times of slip and of stick in a panel whose time is zero at the origin [s]."""
+    for mode, times in run.spans().items():
         # A contact that is shorter than a pixel must still be seen.
-        width = np.maximum(times[:, 1] - left, (end - start) / COLUMNS)
+        width = np.maximum(times[:, 1] - times[:, 0], (run.end - run.start) / COLUMNS)
         axes.broken_barh(
-            [(a, b) for a, b in np.column_stack((left, width)) / unit],
+            [(a, b) for a, b in np.column_stack((times[:, 0] - origin, width)) / run.unit[1]],
             (0.0, 1.0),
             transform=axes.get_xaxis_transform(),
             color=COLOURS[mode],
@@ -150,24 +131,19 @@ def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
     time, velocity = float(np.ptp(root["time"].values)), float(root["rotor_velocity"][-1])
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
-    text = (
-        f"{root.attrs['law']}: {contacts} in {prefixed(time, 's')}, "
-        f"rotor velocity {speed} rad/s at the end"
-    )
-    complete = bool(root.attrs["complete"])
-    if not complete:
-        ending = root.attrs["ending"]
+    text = f"{root.attrs['law']}: {contacts} in {prefixed(time, 's')}, "
+    text += f"rotor velocity {speed} rad/s at the end"
+    colour = "black"
+    if not root.attrs["complete"]:
+        ending, colour = root.attrs["ending"], COLOURS["fault"]
         text += f" \u2013 {ending if reached_end(root.attrs) else f'incomplete: {ending}'}"
-    figure.text(
-        0.012, 0.985, text, va="top", fontsize=9, color="black" if complete else COLOURS["fault"]
-    )
+    figure.text(0.012, 0.985, text, va="top", fontsize=9, color=colour)
 
 
-def _draw_velocity(axes: Axes, root: xarray.Dataset) -> None:
+def _draw_velocity(axes: Axes, run: Recording) -> None:
     """Draw the rotor's velocity over the whole run."""
-    time = root["time"].values
-    unit, scale = prefixed_unit(float(time[-1] - time[0]), "s")
-    line = envelope(time / scale, drawable(root["rotor_velocity"].values))
+    time, (unit, scale) = run.time, run.unit
+    line = envelope(time / scale, drawable(run.series["rotor_velocity"].values))
     axes.plot(*line, color="black", marker="o" if time.size == 1 else "", markersize=2.5)
     if time.size > 1:
         axes.set_xlim(time[0] / scale, time[-1] / scale)
@@ -175,18 +151,16 @@ def _draw_velocity(axes: Axes, root: xarray.Dataset) -> None:
     axes.set_ylabel("rotor velocity (rad/s)")
 
 
-def _draw_path(axes: Axes, window: Window, configuration: Mapping[str, Any]) -> None:
+def _draw_path(axes: Axes, window: Recording) -> None:
     """Draw the path of the tip end and the rotor's surface, both from the tip end's place at rest.
 
     x = -L_tip sin th, y = u + L_tip (cos th - 1); rotor: (0, clearance + R) + R (sin, -cos).
     """
-    contact, radius = configuration["contact"], configuration["rotor"]["radius"]
-    series = window.series
+    series, surface = window.series, window.clearance
     x = drawable(series["tip_tangential_displacement"].values)
     # 1 - cos th without cancellation.
     versine = 2.0 * np.sin(0.5 * series["tip_slope"].values) ** 2
-    y = drawable(series["tip_normal_displacement"].values - contact["tip_length"] * versine)
-    surface = float(contact["clearance"])
+    y = drawable(series["tip_normal_displacement"].values - window.tip_length * versine)
     # A distant rotor would shrink the path to a dot.
     size = max(extent(x)[1], extent(y)[1])
     near = size == 0.0 or abs(surface - extent(y)[0]) <= 4.0 * size
@@ -202,7 +176,7 @@ def _draw_path(axes: Axes, window: Window, configuration: Mapping[str, Any]) -> 
         # Some depth of the rotor is shown over everything, with room for its name.
         depth = max(surface, float(np.nanmax(y, initial=surface))) + 0.12 * (size or surface)
         _set_equal_limits(axes, x / scale, np.append(y, depth) / scale)
-        _draw_rotor(axes, surface / scale, radius / scale)
+        _draw_rotor(axes, surface / scale, window.radius / scale)
         axes.text(0.03, 0.96, "rotor", transform=axes.transAxes, va="top", fontsize=7)
     else:
         _set_equal_limits(axes, x / scale, y / scale)
@@ -222,12 +196,12 @@ def _draw_rotor(axes: Axes, surface: float, radius: float) -> None:
     axes.plot(x, y, color="0.35", linewidth=0.6, scalex=False, scaley=False)
 
 
-def _draw_gap(axes: Axes, window: Window) -> None:
+def _draw_gap(axes: Axes, window: Recording) -> None:
     """Draw the gap over the last drive periods, and the legend of the shades."""
     time = (window.series["time"].values - window.end) / window.unit[1]
     gap = drawable(window.series["gap"].values)
     unit, scale = prefixed_unit(float(np.nanmax(np.abs(gap), initial=0.0)), "m", smallest=0.1)
-    _shade(axes, window)
+    shade(axes, window, window.end)
     axes.axhline(0.0, color="0.35", linewidth=0.6)
     axes.plot(*envelope(time, gap / scale), **_line(window))
     axes.set_ylabel(f"gap ({unit})")
@@ -236,12 +210,12 @@ def _draw_gap(axes: Axes, window: Window) -> None:
         explain_shades(axes, 1.03)
 
 
-def _draw_force(axes: Axes, window: Window) -> None:
+def _draw_force(axes: Axes, window: Recording) -> None:
     """Draw the normal force over the last drive periods: means over the record intervals, so steps."""
     unit, scale = window.unit
     edges = (window.series["time"].values - window.end) / scale
     force = window.series["normal_force"].values[1:]
-    _shade(axes, window)
+    shade(axes, window, window.end)
     axes.plot(*steps(edges, force), color="black")
     if window.start < window.end:
         axes.set_xlim((window.start - window.end) / scale, 0.0)
@@ -253,16 +227,10 @@ def _draw_force(axes: Axes, window: Window) -> None:
     axes.set_ylabel("normal force (N)")
 
 
-def _line(window: Window) -> dict[str, Any]:
+def _line(window: Recording) -> dict[str, Any]:
     """Say how a motion is drawn: as a line, or as points where a line would invent it."""
     points = {"linestyle": "none", "marker": "o", "markersize": 2.5}
     return {"color": "black", **(points if window.coarse else {})}
-
-
-def _shade(axes: Axes, window: Window) -> None:
-    """Shade a panel whose time is zero at the end of the run."""
-    spans = {k: v - window.end for k, v in contact_spans(window.series, window.contacts).items()}
-    shade(axes, spans, window.start - window.end, 0.0, window.unit[1])
 
 
 def _set_equal_limits(axes: Axes, x: Array, y: Array) -> None:

@@ -13,7 +13,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
-import netCDF4
 import numpy as np
 import xarray
 import yaml
@@ -131,9 +130,21 @@ def write_tree(tree: xarray.DataTree, path: Path) -> str:
     Raises:
         OSError: the folder is missing, not writable or full.
     """
+    encoding = {
+        node.path: {
+            name: _encoding(v) for name, v in node.to_dataset(inherit=False).variables.items()
+        }
+        for node in tree.subtree
+    }
     with whole_netcdf(path) as partial:
-        _write_file(tree, partial)
+        tree.to_netcdf(partial, engine="netcdf4", encoding=encoding)
         return digest_of_file(partial)
+
+
+def _encoding(variable: xarray.Variable) -> dict[str, Any]:
+    """Say how a variable is written: compressed without loss, without a fill value that would be no NaN."""
+    chunks = tuple(min(max(size, 1), _CHUNK) for size in variable.shape)
+    return {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None, "chunksizes": chunks}
 
 
 def reached_end(attributes: Mapping[Any, Any]) -> bool:
@@ -191,38 +202,3 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "message": trajectory.message,
         "complete": int(trajectory.complete),
     }
-
-
-def _write_file(tree: xarray.DataTree, path: Path) -> None:
-    """Write all of a tree to a new netCDF-4 file, `complete` after everything else."""
-    with netCDF4.Dataset(path, "w", format="NETCDF4", clobber=False) as file:
-        for node in tree.subtree:
-            group = file if node is tree else file.createGroup(node.path)
-            dataset = node.to_dataset(inherit=False)
-            for dimension, size in dataset.sizes.items():
-                group.createDimension(str(dimension), size)
-            for name, variable in dataset.variables.items():
-                _write_variable(group, str(name), variable)
-            group.setncatts({k: v for k, v in dataset.attrs.items() if k != "complete"})
-        file.sync()
-        file.setncattr("complete", tree.attrs["complete"])
-
-
-def _write_variable(group: netCDF4.Dataset, name: str, variable: xarray.Variable) -> None:
-    """Write one numeric variable, compressed without loss."""
-    target = group.createVariable(
-        name,
-        variable.dtype.str,
-        [str(dimension) for dimension in variable.dims],
-        compression="zlib",
-        complevel=1,
-        shuffle=True,
-        # A chunk is written once it is full; the library would keep 64 MiB of every variable.
-        chunk_cache=8 * _CHUNK,
-        # An empty dimension still wants a chunk of at least one value.
-        chunksizes=[min(max(size, 1), _CHUNK) for size in variable.shape],
-        # A missing value is a NaN, which needs no fill value; every value is written below.
-        fill_value=False,
-    )
-    target.setncatts(variable.attrs)
-    target[...] = variable.values

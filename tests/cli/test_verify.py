@@ -9,7 +9,7 @@ from support.command_line import Command
 from contactlab.cli import verify
 from contactlab.cli.arguments import VERBS
 from contactlab.testing import Claim, at_most, close
-from contactlab.testing.claim import REFERENCES
+from contactlab.testing.contract import REFERENCES
 
 GROUPS = "contactlab.cli.verify.all_claims"
 

@@ -9,12 +9,11 @@ import pytest
 from support.configurations import CONF, altered, composed, options
 
 from contactlab.config import ConfigurationError, build, groups, validate
-from contactlab.config.groups import keys_of_law, known_keys
-from contactlab.config.rules import MOST_RECORDS
+from contactlab.config.groups import Record, Solver, keys_of_law, known_keys
+from contactlab.config.schema import MOST_RECORDS
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
 from contactlab.motor import RitzResonator, Rotor, Steel
-from contactlab.settings import Record, Solver
 
 
 def faults(changes: dict[str, object], **choices: str) -> list[str]:

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from foreign.cvode_run import CvodeRun, solve
 from foreign.problem import CASE_A, MOTORS, problem_from, problem_of
-from hypothesis import Phase, given, settings
-from hypothesis import strategies as st
+from hypothesis import Phase, given, settings, strategies as st
 from support.command_line import cases
 from support.motors import default_motor, final, hertz, run, total
 

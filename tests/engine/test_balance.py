@@ -7,7 +7,6 @@ import pytest
 from support.faulty_laws import NoLoss, Sound, Unledgered
 from support.motors import case_a, default_motor, every_law, hertz
 
-from contactlab.energy import LEDGER_LIMIT, openness
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
@@ -16,7 +15,7 @@ from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import reached_end, to_datatree
 from contactlab.sweeps.state import Status, status_of
 from contactlab.testing.plants import block
-from contactlab.trajectory import Ending, Trajectory
+from contactlab.trajectory import LEDGER_LIMIT, Ending, Trajectory, openness
 
 
 def ran(motor: Motor, law: ContactLaw, interval: float = 1e-5, **given: float) -> Trajectory:

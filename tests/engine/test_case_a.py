@@ -10,12 +10,10 @@ import pytest
 from support.motors import case_a, final, hertz, run, total
 
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
-from contactlab.testing.references import HERTZ_CASE_A, RIGID_CASE_A
+from contactlab.testing.references import DIGITS, HERTZ_CASE_A, RIGID_CASE_A
 from contactlab.trajectory import Trajectory
 
-REFERENCE = {
-    mu: {name: value for name, (value, _, _) in row.items()} for mu, row in HERTZ_CASE_A.items()
-}
+REFERENCE = {mu: dict(zip(DIGITS, row, strict=True)) for mu, row in HERTZ_CASE_A.items()}
 """Hertz, K = 1e10 N m^-3/2, by friction coefficient. A printed sum of impulses of 4.532969e-3 N s is a
 trapezoid over solver steps of 2 us and low by 4e-4; the quadrature of the force and the momentum balance
 give the one that is used, as for the others."""

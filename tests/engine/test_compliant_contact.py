@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from oracle import solve_hertz
-from support.motors import default_motor, hertz, oracle_motor, random_motor, run, total
-from support.motors import final as last
+from support.motors import (
+    default_motor,
+    final as last,
+    hertz,
+    oracle_motor,
+    random_motor,
+    run,
+    total,
+)
 from support.stribeck_belt import Belt, Stribeck, number
 
 from contactlab.compiled import kernel

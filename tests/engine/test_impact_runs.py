@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from contactlab.laws import LagrangeStick, MoreauJean, Newton, Poisson, Stronge
-from contactlab.testing.contract import MOTOR_DURATION
-from contactlab.testing.plants import block, first, paper_motor, run
+from contactlab.testing.plants import MOTOR_DURATION, block, first, paper_motor, run
 from contactlab.trajectory import Trajectory
 
 Law = type[Newton] | type[Poisson] | type[Stronge] | type[MoreauJean]

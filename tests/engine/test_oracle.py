@@ -10,8 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from oracle import OracleMotor, OracleRun, shapes, solve_hertz, solve_rigid_stick
 from oracle.motor import Contact, Mechanics
 from oracle.rigid import stick_or_slip

@@ -9,8 +9,7 @@ from math import factorial, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from contactlab.engine.oscillator import impulse_integrals
 

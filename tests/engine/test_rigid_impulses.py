@@ -13,8 +13,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 from contactlab.laws import (
     LAWS,

@@ -18,7 +18,8 @@ from contactlab.laws import (
 )
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
-from contactlab.testing.contract import Bench, check
+from contactlab.testing.contract import check
+from contactlab.testing.plants import Bench
 
 Array = np.ndarray
 Forces = tuple[float, float, float, float]

@@ -4,8 +4,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 
 from contactlab.laws import LagrangeStick, MoreauJean, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.laws.base import STICK

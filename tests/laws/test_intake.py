@@ -17,8 +17,8 @@ from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.parameter import Parameter
-from contactlab.testing.contract import Bench, check
-from contactlab.testing.plants import block, paper_motor
+from contactlab.testing.contract import check
+from contactlab.testing.plants import Bench, block, paper_motor
 
 Array = np.ndarray
 Forces = tuple[float, float, float, float]

@@ -9,15 +9,13 @@ from numpy.testing import assert_allclose
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import ELASTOPLASTIC
+from contactlab.laws.base import ELASTOPLASTIC, Friction
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
 from contactlab.laws.normal import Linear
-from contactlab.laws.part import Friction
-from contactlab.testing.claim import PROPERTIES
-from contactlab.testing.contract import Bench, check
-from contactlab.testing.plants import block, paper_motor, run
+from contactlab.testing.contract import PROPERTIES, check
+from contactlab.testing.plants import Bench, block, paper_motor, run
 
 WEIGHT, STIFFNESS, MU = 10.0, 1e7, 0.3
 

@@ -14,7 +14,7 @@ from numba import njit
 
 from contactlab.engine import law_kernels, simulate
 from contactlab.laws import FRICTION_COEFFICIENT, ContactLaw, HertzPenalty, LagrangeStick, LawError
-from contactlab.laws.base import PENALTY_SIGNATURE, MultiplierLaw, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import MultiplierLaw, PenaltyKernel, PenaltyLaw
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
 from contactlab.testing.plants import paper_motor
@@ -78,7 +78,6 @@ def forget() -> None:
     law_kernels._made.cache_clear()
     law_kernels._say_once.cache_clear()
     law_kernels._made_from.clear()
-    law_kernels._compilations.clear()
 
 
 def same(first: Trajectory, second: Trajectory) -> bool:
@@ -230,15 +229,6 @@ def test_a_kernel_that_is_made_anew_every_time_is_compiled_once(
     assert same(run(motor, law), first)
     assert same(run(motor, Anew()), first)
     assert compilations.count("around") == 1
-
-
-def test_a_kernel_that_is_made_around_ever_other_values_is_told_once(capsys: Told) -> None:
-    forget()
-    for number in range(law_kernels.OFTEN + 1):
-        law_kernels.compiled(compiled_around(1e7 + number), PENALTY_SIGNATURE)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "has been compiled 8 times" in line
-    assert "let it read what varies from the law's parameters" in line
 
 
 SLOPE = 1e7

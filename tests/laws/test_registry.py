@@ -37,18 +37,17 @@ def test_every_law_of_the_package_is_found_by_its_name() -> None:
 
 def test_every_law_and_part_that_is_written_is_in_a_table() -> None:
     home = Path(laws.__file__).parent
-    tables = {".": LAWS} | dict(PARTS.items())
-    for folder, table in tables.items():
-        written = {
-            found
-            for path in (home / folder).glob("*.py")
-            for found in re.findall(
-                r"^@final\n@dataclass\(frozen=True\)\nclass (\w+)\(",
-                path.read_text(encoding="utf-8"),
-                re.MULTILINE,
-            )
-        }
-        assert written == {found.__name__ for found in table.values()}
+    written = {
+        found
+        for path in home.glob("*.py")
+        for found in re.findall(
+            r"^@final\n@dataclass\(frozen=True\)\nclass (\w+)\(",
+            path.read_text(encoding="utf-8"),
+            re.MULTILINE,
+        )
+    }
+    tables = LAWS, *PARTS.values()
+    assert written == {found.__name__ for table in tables for found in table.values()}
     for family, table in PARTS.items():
         assert all(part.name == name and part.family == family for name, part in table.items())
 

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator
 from contactlab.motor.finite_element import FREQUENCY_ERROR
-from contactlab.motor.materials import Piezoceramic
+from contactlab.motor.patched_beam import Piezoceramic
 
 PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]
 

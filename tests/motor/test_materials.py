@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from contactlab.motor.materials import Piezoceramic, PiezoceramicDatasheet, Steel, bending_vector
+from contactlab.motor.patched_beam import Piezoceramic, PiezoceramicDatasheet, Steel, bending_vector
 
 
 def test_steel_bends_with_235_442_gpa() -> None:

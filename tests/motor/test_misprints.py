@@ -25,8 +25,8 @@ def contact_rows(motor: Motor, u: float, th: float) -> tuple[Array, Array]:
         u, th, plant.geometry.tip_length, plant.geometry.radius, plant.geometry.clearance
     )
     modes = modes_of(plant)
-    normal = n_u * modes.row_u + n_th * modes.row_th
-    return normal, t_u * modes.row_u + t_th * modes.row_th + modes.row_r
+    u, th = modes["row_u"], modes["row_th"]
+    return n_u * u + n_th * th, t_u * u + t_th * th + modes["row_r"]
 
 
 def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:

@@ -9,8 +9,8 @@ from support.motors import PLACEMENT_1, PLACEMENT_2, final, hertz, run, stepped_
 
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
-from contactlab.motor.materials import Piezoceramic
 from contactlab.motor.motor import Motor
+from contactlab.motor.patched_beam import Piezoceramic
 from contactlab.trajectory import Trajectory
 
 PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]

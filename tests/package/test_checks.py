@@ -10,15 +10,15 @@ import pytest
 
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LagrangeStick, PenaltyLaw
+from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
-from contactlab.laws.part import NormalForce
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Steel
 from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.motor.patched_beam import Steel
 from contactlab.parameter import Parameter
 from contactlab.sweeps import sweep
 from contactlab.testing.plants import paper_motor

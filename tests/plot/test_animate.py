@@ -17,7 +17,8 @@ from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_tr
 from contactlab.cli import animate
 from contactlab.laws.base import FREE, SLIP, STICK
 from contactlab.plot.animation import COLOUR, LONGEST, Animation, arrow_outline
-from contactlab.plot.animation_data import Film, UnfitRunError, film_of, run_of
+from contactlab.plot.film import Film, film_of
+from contactlab.plot.recording import UnfitRunError, recording_of
 from contactlab.results.netcdf import to_datatree, write_tree
 
 PERIOD = 1.0 / FREQUENCY
@@ -25,7 +26,7 @@ HAS_ENCODER = importlib.util.find_spec("imageio_ffmpeg") is not None
 
 
 def film(frames: int = 100, tree: xarray.DataTree | None = None, end: float = 5e-3) -> Film:
-    run = run_of(tree or to_datatree(synthetic_trajectory(), CONFIGURATION))
+    run = recording_of(tree or to_datatree(synthetic_trajectory(), CONFIGURATION))
     return film_of(run, max(end - 2.0 * PERIOD, 0.0), end, frames)
 
 
@@ -108,7 +109,7 @@ def test_the_apex_of_an_arrow_lies_at_its_vector(length: float) -> None:
 @pytest.mark.parametrize("frames", [2, 7, 100, 2000])
 def test_mean_forces_add_up_to_the_impulses(frames: int) -> None:
     shown = film(frames)
-    interval = (shown.end - shown.start) / frames
+    interval = (shown.run.end - shown.run.start) / frames
     # Two contacts lie in two drive periods.
     impulse = 2.0 * 2.0 / np.pi * PEAK_FORCE * 60e-6
     assert shown.normal.sum() * interval == pytest.approx(impulse, rel=1e-9)
@@ -180,12 +181,12 @@ def diverged() -> xarray.DataTree:
 def test_every_run_can_be_drawn(make: Callable[[], xarray.DataTree]) -> None:
     tree = make()
     drawing = Animation(film(20, tree, float(tree["time"][-1])), 10.0)
-    assert {drawing.frame(number).shape for number in range(20)} == {(640, 800, 3)}
+    assert {drawing.frame(number).shape for number in range(20)} == {(640, 800, 4)}
 
 
 def test_a_part_that_has_diverged_is_refused() -> None:
     with pytest.raises(UnfitRunError, match="has diverged between"):
-        film_of(run_of(diverged()), 4.95e-3, 5e-3, 10)
+        film_of(recording_of(diverged()), 4.95e-3, 5e-3, 10)
 
 
 @pytest.mark.usefixtures("_short")
@@ -329,12 +330,6 @@ def test_a_run_that_is_not_as_it_was_left_is_refused(command: Command) -> None:
     status, _, err = command("animate", "run.nc")
     assert status == 2
     assert "'run.nc' is not as its run left it" in err
-
-
-def test_a_run_with_a_single_record_is_refused() -> None:
-    tree = to_datatree(synthetic_trajectory(), CONFIGURATION).isel(time=[0])
-    with pytest.raises(UnfitRunError, match="has 1 record in time"):
-        run_of(tree)
 
 
 def test_help_tells_of_it(command: Command) -> None:

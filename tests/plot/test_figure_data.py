@@ -11,7 +11,15 @@ from support.synthetic import (
     synthetic_trajectory,
 )
 
-from contactlab.plot.overview_data import COLUMNS, contact_spans, drawable, envelope, last_periods
+from contactlab.plot.overview import PERIODS
+from contactlab.plot.recording import (
+    COLUMNS,
+    Recording,
+    contact_spans,
+    drawable,
+    envelope,
+    recording_of,
+)
 from contactlab.results.netcdf import to_datatree
 
 
@@ -76,10 +84,14 @@ def test_stick_is_shaded_where_it_was_to_half_a_record() -> None:
     np.testing.assert_allclose(stick, expected, atol=0.51e-6)
 
 
+def shown(tree: xarray.DataTree) -> Recording:
+    """The last periods of a run."""
+    run = recording_of(tree)
+    return run.between(run.end - PERIODS * run.period, run.end)
+
+
 def test_the_window_is_the_last_three_drive_periods() -> None:
-    window = last_periods(
-        *datasets(to_datatree(synthetic_trajectory(), CONFIGURATION)), CONFIGURATION
-    )
+    window = shown(to_datatree(synthetic_trajectory(), CONFIGURATION))
     assert window.end == 5e-3
     assert window.end - window.start == pytest.approx(3.0 / FREQUENCY)
     assert window.series["time"][0] <= window.start < window.series["time"][1]
@@ -88,21 +100,20 @@ def test_the_window_is_the_last_three_drive_periods() -> None:
 
 
 def test_a_shorter_run_is_shown_whole() -> None:
-    tree = to_datatree(synthetic_trajectory(duration=250e-6), CONFIGURATION)
-    window = last_periods(*datasets(tree), CONFIGURATION)
+    window = shown(to_datatree(synthetic_trajectory(duration=250e-6), CONFIGURATION))
     assert (window.start, window.end) == (0.0, 250e-6)
 
 
 def test_a_drive_without_a_frequency_is_driven_at_the_first_natural_frequency() -> None:
-    root, contacts = datasets(to_datatree(synthetic_trajectory(), CONFIGURATION))
-    window = last_periods(root, contacts, {"drive": {"frequency": None}})
-    first = float(root["natural_frequency"][0])
+    told = {**CONFIGURATION, "drive": {"frequency": None}}
+    window = shown(tree := to_datatree(synthetic_trajectory(), told))
+    first = float(tree["natural_frequency"][0])
     assert window.end - window.start == pytest.approx(3.0 / first)
 
 
 def test_records_far_apart_are_not_joined() -> None:
     tree = to_datatree(synthetic_trajectory(interval=100e-6), CONFIGURATION)
-    assert last_periods(*datasets(tree), CONFIGURATION).coarse
+    assert shown(tree).coarse
 
 
 def test_a_short_line_is_drawn_as_it_is() -> None:

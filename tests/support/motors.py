@@ -14,8 +14,10 @@ from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStic
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Piezoceramic, Steel
 from contactlab.motor.motor import Motor, Rotor
+from contactlab.motor.patched_beam import Piezoceramic, Steel
+from contactlab.testing.plants import last
+from contactlab.testing.references import PLACEMENTS
 from contactlab.trajectory import Trajectory
 
 DEFAULTS: dict[str, float] = {
@@ -52,8 +54,11 @@ DEFAULTS: dict[str, float] = {
 }
 """Case A but for the law: the drive's first tone is given, not the first natural frequency."""
 
-PLACEMENT_1 = {"patch_start": 15.968e-3, "patch_end": 25.065e-3}
-PLACEMENT_2 = {"patch_start": 0.914e-3, "patch_end": 10.146e-3}
+PLACEMENT_1, PLACEMENT_2 = (
+    {"patch_start": start, "patch_end": end} for start, end in PLACEMENTS.values()
+)
+
+final = last
 
 STIFFNESS = 1e10
 """Hertz stiffness of case A [N m^-3/2]."""
@@ -147,11 +152,6 @@ def run(
     )
     assert trajectory.complete, trajectory.message
     return trajectory
-
-
-def final(trajectory: Trajectory, name: str) -> float:
-    """Last record of a series."""
-    return float(trajectory.series[name][-1])
 
 
 def total(trajectory: Trajectory, name: str) -> float:

@@ -130,7 +130,10 @@ def test_a_run_that_was_killed_is_run_again(
         stdout=subprocess.DEVNULL,
     )
     patience = time.monotonic() + 60.0
-    while not (place / "state.json").exists() and process.poll() is None:
+    # Until then it is absent.
+    while process.poll() is None and not (
+        (left := state.read_state(place)) and left.state == "running"
+    ):
         assert time.monotonic() < patience
         time.sleep(0.02)
     process.kill()
@@ -212,10 +215,11 @@ def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
     """The key that the plan finds is the one that the job itself finds."""
     planned = {}
 
-    def remember(folder: Path, jobs: dict[str, state.Job], samples: bool) -> None:
-        planned.update({folder / name: job for name, job in jobs.items()})
+    def remember(place: Path, left: state.State) -> None:
+        assert left.state == "absent"
+        planned[place] = left.job
 
-    monkeypatch.setattr("contactlab.cli.sweeper.extend_manifest", remember)
+    monkeypatch.setattr("contactlab.cli.sweeper.write_state", remember)
     groups = ("law=composed", "law/normal=linear,hertz_point", "placement=placement_1,placement_2")
     status, _, err = command("-m", *groups, "drive.phase=-36 deg", *QUICK)
     assert status == 0, err
@@ -224,3 +228,16 @@ def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
         left = state.read_state(place)
         assert left is not None
         assert left.job == job
+
+
+def test_no_picture_is_drawn_where_none_is_wanted(
+    command: Command, simulations: Simulations
+) -> None:
+    for wanted in (True, False):
+        status, out, err = command(f"record.picture={wanted}", f"hydra.run.dir=drawn_{wanted}")
+        assert status == 0, err
+        assert Path(f"drawn_{wanted}", "run.png").exists() is wanted
+        assert ("run.png" in out) is wanted
+    status, _, err = command("record.picture=5")
+    assert status == 2
+    assert "record.picture is 5; it must be true or false." in err

@@ -12,7 +12,7 @@ from contactlab.laws.damping import DAMPINGS, Flores, LinearDamping
 from contactlab.laws.friction import FRICTIONS, Coulomb, LuGre, Mindlin
 from contactlab.laws.normal import NORMAL_FORCES, Line, Linear
 from contactlab.testing import LawContract
-from contactlab.testing.claim import PROPERTIES
+from contactlab.testing.contract import PROPERTIES
 
 HELD = {
     "hertz_penalty": HertzPenalty(stiffness=1e10, friction_coefficient=0.3),

@@ -12,93 +12,17 @@ from math import floor, log10
 from typing import Final, final
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.laws.base import FREE, SLIP, STICK
-from contactlab.plot.overview_data import COARSE, contact_spans, drawable, drive_period
-from contactlab.results.netcdf import configuration_of
+from contactlab.plot.recording import Recording, UnfitRunError, contact_spans, drawable
 
 REACH: Final = 0.1
 """How far the drawn vibration may reach, in parts of the smaller of tip length and rotor radius."""
 
-_RECORDED: Final = (
-    "tip_tangential_displacement", "gap", "tip_slope", "rotor_angle", "rotor_velocity",
-    "normal_force", "friction_force",
-)  # fmt: skip
-
-NEEDED: Final = {
-    "/": ("time", *_RECORDED, "contact_mode", "natural_frequency"),
-    "/contacts": ("start_time", "duration", "stick_duration"),
-}
-"""Variables of the groups of a dataset without which there is no animation."""
-
 LITTLE: Final = 1e-9
 """Pace of the clock that counts time in contact, where there is none."""
-
-
-class UnfitRunError(ValueError):
-    """A dataset that cannot be animated; the message is a sentence that goes on from its name."""
-
-
-@final
-@dataclass(frozen=True)
-class Recording:
-    """A recorded run as far as an animation needs it: lengths of tip and rotor [m], drive period [s]."""
-
-    root: xarray.Dataset
-    contacts: xarray.Dataset
-    tip_length: float
-    radius: float
-    period: float
-
-    @property
-    def time(self) -> Array:
-        """Give the times of the records [s]."""
-        return np.asarray(self.root["time"].values, dtype=float)
-
-    @property
-    def coarse(self) -> bool:
-        """Whether the records are too far apart to show how the tip moves between them."""
-        return bool(self.time[1] - self.time[0] > self.period / COARSE)
-
-
-def run_of(tree: xarray.DataTree) -> Recording:
-    """Take a dataset apart, of a complete run or not.
-
-    Raises:
-        UnfitRunError: something is missing, or there is no motion in it.
-    """
-    for group, names in NEEDED.items():
-        node = tree if group == "/" else tree.children.get(group.removeprefix("/"))
-        missing = [name for name in names if node is None or name not in node.variables]
-        if missing:
-            raise UnfitRunError(f"lacks {', '.join(missing)} in the group {group}")
-    root = tree.to_dataset()
-    time = root["time"].values
-    if time.ndim != 1 or time.size < 2:
-        raise UnfitRunError(f"has {time.size} record in time, and a motion takes at least 2")
-    if not np.all(np.diff(time) > 0.0):
-        raise UnfitRunError("has times that do not increase")
-    configuration = configuration_of(tree)
-    try:
-        run = Recording(
-            root=root,
-            contacts=tree.children["contacts"].to_dataset(inherit=False),
-            tip_length=float(configuration["contact"]["tip_length"]),
-            radius=float(configuration["rotor"]["radius"]),
-            period=drive_period(root, configuration),
-        )
-    except (LookupError, TypeError, ValueError, AttributeError) as fault:
-        raise UnfitRunError(
-            "lacks contact.tip_length, rotor.radius or drive.frequency in its attribute configuration"
-        ) from fault
-    if not all(0.0 < x < np.inf for x in (run.tip_length, run.radius, run.period)):
-        raise UnfitRunError(
-            "has a tip length, a rotor radius or a drive frequency that is not positive"
-        )
-    return run
 
 
 @final
@@ -107,10 +31,9 @@ class Film:
     """What is shown, one value a frame.
 
     Args:
-        run: what is shown.
-        start, end: of the part that is shown [s]; frame k stands at the end of the k-th of equal
-            intervals between them, at `time`.
+        run: the part of a run that is shown.
         magnification: M.
+        time: of the frames [s], the ends of equal intervals of the part.
         tangential, gap, slope, angle, velocity: of the tip end [m], the tip [rad] and the rotor
             [rad, rad/s] at these times.
         normal, friction: force on the tip [N], mean since the frame before, so that no impact falls
@@ -120,8 +43,6 @@ class Film:
     """
 
     run: Recording
-    start: float
-    end: float
     magnification: float
     time: Array
     tangential: Array
@@ -167,14 +88,6 @@ class Film:
         normal, tangent = self.axes_of_contact(frame)
         return np.asarray(-self.normal[frame] * normal - self.friction[frame] * tangent)
 
-    def contact_spans(self) -> dict[str, Array]:
-        """Give the times of slip and stick that are shown, from the start of the film [s]."""
-        spans = contact_spans(self.run.root, self.run.contacts)
-        clipped = {
-            mode: np.clip(times, self.start, self.end) - self.start for mode, times in spans.items()
-        }
-        return {mode: times[times[:, 1] > times[:, 0]] for mode, times in clipped.items()}
-
 
 def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     """Choose what a number of frames show of a run, from start to end [s].
@@ -182,20 +95,25 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     Raises:
         UnfitRunError: this part has diverged.
     """
+    run = run.between(start, end)
     edges, time = np.linspace(start, end, frames + 1), run.time
+    spans = contact_spans(run.series, run.contacts)
     size = min(run.tip_length, run.radius)
-    inside = slice(np.searchsorted(time, start), np.searchsorted(time, end) + 1)
-    values = {name: drawable(np.asarray(run.root[name].values, dtype=float)) for name in _RECORDED}
-    reach = 0.0
-    for name in ("tip_tangential_displacement", "gap"):
+
+    def recorded(name: str) -> Array:
+        return drawable(np.asarray(run.series[name].values, dtype=float))
+
+    def at_frames(name: str) -> Array:
+        return np.interp(edges[1:], time, recorded(name))
+
+    def motion(name: str) -> Array:
         # What is larger than the motor itself has diverged.
-        values[name] = np.where(np.abs(values[name]) < size, values[name], np.nan)
-        if not np.isfinite(values[name][inside]).any():
+        values = np.where(np.abs(recorded(name)) < size, recorded(name), np.nan)
+        if not np.isfinite(values).any():
             raise UnfitRunError(
                 f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
             )
-        reach = max(reach, float(np.nanmax(np.abs(values[name][inside]))))
-    spans = contact_spans(run.root, run.contacts)
+        return values
 
     def clock(times: Array) -> Array:
         # Recorded forces are means over an interval, of which a contact may have been a part only: the
@@ -203,23 +121,22 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
         return LITTLE * times + sum(_time_spent(times, those) for those in spans.values())
 
     def means(name: str) -> Array:
-        impulse = np.concatenate(([0.0], np.cumsum(values[name][1:] * np.diff(time))))
+        impulse = np.concatenate(([0.0], np.cumsum(recorded(name)[1:] * np.diff(time))))
         mean = np.diff(np.interp(clock(edges), clock(time), impulse)) / np.diff(edges)
         # What is left of a difference of sums is no force.
         return np.where(np.abs(mean) > 1e-6 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
 
-    at_frames = {name: np.interp(edges[1:], time, those) for name, those in values.items()}
+    tangential, gap = motion("tip_tangential_displacement"), motion("gap")
+    reach = float(np.nanmax(np.abs((tangential, gap))))
     return Film(
         run=run,
-        start=start,
-        end=end,
         magnification=_magnification(reach, size),
         time=edges[1:],
-        tangential=at_frames["tip_tangential_displacement"],
-        gap=at_frames["gap"],
-        slope=at_frames["tip_slope"],
-        angle=at_frames["rotor_angle"],
-        velocity=at_frames["rotor_velocity"],
+        tangential=np.interp(edges[1:], time, tangential),
+        gap=np.interp(edges[1:], time, gap),
+        slope=at_frames("tip_slope"),
+        angle=at_frames("rotor_angle"),
+        velocity=at_frames("rotor_velocity"),
         normal=means("normal_force"),
         friction=means("friction_force"),
         mode=_modes(edges, run, spans),

@@ -1,0 +1,205 @@
+"""A recorded run made ready to be drawn; nothing here knows matplotlib."""
+
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+import numpy as np
+import xarray
+
+from contactlab.arrays import Array
+from contactlab.results.netcdf import configuration_of
+from contactlab.results.summary import prefixed_unit
+
+COARSE: Final = 20
+"""Records in a drive period below which lines between them would invent the motion."""
+
+COLUMNS: Final = 2000
+"""Pixel columns of the widest panel: finer detail than this is drawn as its envelope."""
+
+LARGEST: Final = 1e30
+"""Beyond this a diverged run is not drawn: the square of an axis range would overflow."""
+
+NEEDED: Final = {
+    "/": (
+        "time", "contact_mode", "natural_frequency", "gap", "tip_tangential_displacement", "tip_slope",
+        "rotor_angle", "rotor_velocity", "normal_force", "friction_force",
+    ),
+    "/contacts": ("start_time", "duration", "stick_duration"),
+}  # fmt: skip
+"""Variables of the groups of a dataset without which there is no picture."""
+
+
+class UnfitRunError(ValueError):
+    """A dataset that cannot be drawn; the message is a sentence that goes on from its name."""
+
+
+@final
+@dataclass(frozen=True)
+class Recording:
+    """A recorded run, or a part of one.
+
+    Args:
+        series: root variables, with a record at or before `start` and one at or after `end`.
+        contacts: those that lie in the part, wholly or not.
+        start, end: of the part [s].
+        tip_length, radius, clearance: of tip end, rotor and the gap at rest [m].
+        period: of the first tone, or else of the first natural frequency; endless without both [s].
+    """
+
+    series: xarray.Dataset
+    contacts: xarray.Dataset
+    start: float
+    end: float
+    tip_length: float
+    radius: float
+    clearance: float
+    period: float
+
+    @property
+    def time(self) -> Array:
+        """Times of the records [s]."""
+        return np.asarray(self.series["time"].values, dtype=float)
+
+    @property
+    def coarse(self) -> bool:
+        """Whether the records are too far apart to show how the tip moves between them."""
+        time = self.time
+        # A single record, of a run that failed at once, is a point as well.
+        return time.size == 1 or (time.size > 2 and float(time[1] - time[0]) > self.period / COARSE)
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Unit of a time axis and its size [s]."""
+        return prefixed_unit(self.end - self.start, "s")
+
+    def between(self, start: float, end: float) -> "Recording":
+        """Give a part; a start before the first record is the first record."""
+        start = max(start, float(self.time[0]))
+        first = max(int(np.searchsorted(self.time, start, side="right")) - 1, 0)
+        last = int(np.searchsorted(self.time, end)) + 1
+        begins = self.contacts["start_time"].values
+        meets = (begins + self.contacts["duration"].values >= start) & (begins <= end)
+        return replace(
+            self,
+            series=self.series.isel(time=slice(first, last)),
+            contacts=self.contacts.isel(contact=meets),
+            start=start,
+            end=end,
+        )
+
+    def spans(self) -> dict[str, Array]:
+        """Give starts and ends of slip and of stick within the part [s], shape (span, 2)."""
+        clipped = {}
+        for mode, times in contact_spans(self.series, self.contacts).items():
+            meets = (times[:, 1] >= self.start) & (times[:, 0] <= self.end)
+            clipped[mode] = np.clip(times[meets], self.start, self.end)
+        return clipped
+
+
+def recording_of(tree: xarray.DataTree) -> Recording:
+    """Take a run apart, complete or not.
+
+    Raises:
+        UnfitRunError: something is missing, or a length or a frequency is not positive.
+    """
+    for group, names in NEEDED.items():
+        node = tree if group == "/" else tree.children.get(group.removeprefix("/"))
+        missing = [name for name in names if node is None or name not in node.variables]
+        if missing:
+            raise UnfitRunError(f"lacks {', '.join(missing)} in the group {group}")
+    root, configuration = tree.to_dataset(), configuration_of(tree)
+    try:
+        contact, radius = configuration["contact"], float(configuration["rotor"]["radius"])
+        tip_length, clearance = float(contact["tip_length"]), float(contact["clearance"])
+        told = configuration.get("drive", {}).get("frequency")
+        frequency = float(told or root["natural_frequency"].values[0])
+    except (LookupError, TypeError, ValueError, AttributeError) as fault:
+        raise UnfitRunError(
+            "lacks contact.tip_length, contact.clearance, rotor.radius or drive.frequency in its attribute "
+            "configuration"
+        ) from fault
+    if not (0.0 < tip_length < np.inf and 0.0 < radius < np.inf and 0.0 <= frequency < np.inf):
+        raise UnfitRunError(
+            "has a tip length, a rotor radius or a drive frequency that is not positive"
+        )
+    time = root["time"].values
+    return Recording(
+        series=root,
+        contacts=tree.children["contacts"].to_dataset(inherit=False),
+        start=float(time[0]),
+        end=float(time[-1]),
+        tip_length=tip_length,
+        radius=radius,
+        clearance=clearance,
+        period=1.0 / frequency if frequency else np.inf,
+    )
+
+
+def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str, Array]:
+    """Give starts and ends of slip and of stick in the order of time [s], shape (span, 2).
+
+    A contact begins and ends when its row says so; inside, the mode changes half-way between two
+    records that differ. A contact without a record inside takes the mode of its larger part.
+    """
+    starts, duration = contacts["start_time"].values, contacts["duration"].values
+    ends = starts + duration
+    time, mode = series["time"].values, series["contact_mode"].values
+    owner = np.searchsorted(starts, time, side="right") - 1
+    inside = (mode > 0) & (owner >= 0)
+    inside[inside] = time[inside] <= ends[owner[inside]]
+    time, mode, owner = time[inside], mode[inside], owner[inside]
+
+    unseen = np.setdiff1d(np.arange(starts.size), owner)
+    sticks = contacts["stick_duration"].values[unseen] >= 0.5 * duration[unseen]
+    new = np.diff(owner, prepend=-1) != 0
+    first = np.flatnonzero(new | (np.diff(mode, prepend=mode[:1]) != 0))
+    last = np.append(first[1:], time.size) - 1 if first.size else first
+    between = 0.5 * (time + np.append(time[1:], time[-1:]))
+    left = np.where(new[first], starts[owner[first]], between[first - 1])
+    follows = np.append(~new[first[1:]], False) if first.size else first.astype(bool)
+    right = np.where(follows, between[last], ends[owner[last]])
+
+    spans = {}
+    for value, name in ((1, "slip"), (2, "stick")):
+        seen = mode[first] == value
+        rest = unseen[sticks == (value == 2)]
+        begin = np.concatenate((left[seen], starts[rest]))
+        finish = np.concatenate((right[seen], ends[rest]))
+        spans[name] = np.column_stack((begin, finish))[np.argsort(begin, kind="stable")]
+    return spans
+
+
+def extent(values: Array) -> tuple[float, float]:
+    """Give the middle and the width of the values that can be drawn; zeros where none can."""
+    if not np.isfinite(values).any():
+        return 0.0, 0.0
+    least, most = float(np.nanmin(values)), float(np.nanmax(values))
+    return 0.5 * (most + least), most - least
+
+
+def drawable(values: Array) -> Array:
+    """Leave a gap where a diverged run has nothing that could be drawn."""
+    return np.where(np.abs(values) < LARGEST, values, np.nan)
+
+
+def envelope(x: Array, y: Array) -> tuple[Array, Array]:
+    """Give a line that looks the same on `COLUMNS` pixel columns, in four points a column.
+
+    Every column keeps its first and its last point and spans its smallest to its largest value,
+    so no peak is lost and no slope is drawn that is not there.
+    """
+    if x.size <= 4 * COLUMNS:
+        return x, y
+    first = np.unique(np.searchsorted(x, np.linspace(x[0], x[-1], COLUMNS + 1)[:-1]))
+    last = np.append(first[1:], x.size) - 1
+    centre = 0.5 * (x[first] + x[last])
+    lowest, highest = np.fmin.reduceat(y, first), np.fmax.reduceat(y, first)
+    return (
+        np.column_stack((x[first], centre, centre, x[last])).ravel(),
+        np.column_stack((y[first], lowest, highest, y[last])).ravel(),
+    )
+
+
+def steps(edges: Array, means: Array) -> tuple[Array, Array]:
+    """Give the line of means over intervals: horizontal over each, vertical between two."""
+    return envelope(np.repeat(edges, 2)[1:-1], np.repeat(drawable(means), 2))
