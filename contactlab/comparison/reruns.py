@@ -27,8 +27,7 @@ MORE_SHAPES: Final = 4  # functions that are added to the resonator's basis, to 
 RECORDS_PER_PERIOD: Final = 300.0  # at least, so that a contact can be drawn
 MOST_RECORDS: Final = 1_000_000  # beyond which a rerun records as the run did
 
-SLOWEST: Final = 0.9
-"""Ratio of successive differences beyond which a sequence is not said to converge any faster."""
+SLOWEST: Final = 0.9  # ratio of successive differences of a sequence that does not converge
 
 
 @final
@@ -85,10 +84,7 @@ def refined(run: Run) -> Refined:
     try:
         setup = build(run.configuration)
     except ConfigurationError as error:
-        fault = error.faults[0].rstrip(".")
-        law.notes.append(
-            f"{run.label} is taken as recorded, its configuration does not build: {fault}."
-        )
+        law.notes.append(f"{run.label} is taken as recorded; it does not build: {error.faults[0]}")
         return law
     law.control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
     law.order = setup.law.convergence_order
@@ -114,9 +110,7 @@ def refined(run: Run) -> Refined:
     known = run.columns.get("natural_frequency")
     tuned = {"frequency": None} if known is not None and drive["frequency"] == known[0] else {}
     if coefficient == 0.0:
-        law.notes.append(
-            f"{run.label} is frictionless: no sensitivity to the friction coefficient."
-        )
+        law.notes.append(f"{run.label} is frictionless: no sensitivity to the coefficient.")
     elif more := _again(law, "with more friction", contact={"friction_coefficient": coefficient}):
         law.variants["friction"] = FRICTION_CHANGE, more
     words = f"with resonator.{key} {larger}"

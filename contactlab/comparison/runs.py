@@ -40,16 +40,12 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
         ComparisonError: with every fault that was found.
     """
     faults = [] if sources else ["There is nothing to compare; give one run folder or more."]
-    places: dict[Any, tuple[str, Path | xarray.DataTree]] = {}
+    places: dict[Path | str, Path | xarray.DataTree] = {}
     for number, source in enumerate(sources, 1):
         if isinstance(source, Solution | xarray.DataTree):
-            tree = source.tree if isinstance(source, Solution) else source
-            places[number] = f"run {number}", tree
+            places[f"run {number}"] = source.tree if isinstance(source, Solution) else source
         elif paths := _datasets(Path(source)):
-            names = [str(path.parent if path.name == DATASET else path) for path in paths]
-            places |= {
-                path.resolve(): (name, path) for path, name in zip(paths, names, strict=True)
-            }
+            places |= {path.resolve(): path for path in paths}
         else:
             faults.append(
                 f"'{source}' {'holds no run' if Path(source).is_dir() else 'does not exist'}; it must be a "
@@ -57,9 +53,9 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
                 "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
             )
     runs = []
-    for name, place in places.values():
+    for key, place in places.items():
         try:
-            runs.append(_read(name, place))
+            runs.append(_read(str(key), place))
         except ValueError as error:
             faults.append(str(error))
     labels = [_label(run, runs) for run in runs]
@@ -85,6 +81,8 @@ def _in_order(path: Path) -> str:
 
 def _read(name: str, source: Path | xarray.DataTree) -> Run:
     """Read a run that has reached its end; a ValueError says what is wrong with another."""
+    if isinstance(source, Path):
+        name = str(source.parent if source.name == DATASET else source)
     try:
         run = Run.of(read_run(source))
     except ValueError as error:

@@ -113,10 +113,8 @@ def _judged(law: Refined) -> tuple[dict[str, float], dict[str, float]]:
 
 def _refinement(law: Refined) -> str:
     """Say what the law's values were found at."""
-    if not law.steps:
-        return "as recorded"
-    units = " s" if law.control == "contact_step" else ""
-    return f"{law.control} {', '.join(f'{value:.3g}' for value, _ in law.steps)}{units}"
+    said = f"{law.control} {', '.join(f'{step:.3g}' for step, _ in law.steps)}"
+    return said if law.steps else "as recorded"
 
 
 def energy_flow(run: Run) -> dict[str, float]:
