@@ -117,6 +117,11 @@ def part_kernel(function: Function) -> Function:
     return _compile(function, options)
 
 
+def merged_kernel(function: Function) -> Function:
+    """An inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
+    return _compile(function, {"inline": "always"})
+
+
 def fleeting_kernel(function: Function) -> Function:
     """A kernel that is made while the program runs, around another."""
     njit: Any = numba.njit
@@ -129,7 +134,7 @@ def remade(kernel: Any) -> Any:
     return jit(**kernel.targetoptions)(kernel.py_func)
 
 
-def _compile(function: Function, options: dict[str, bool]) -> Function:
+def _compile(function: Function, options: dict[str, Any]) -> Function:
     njit: Any = numba.njit
     decorate = njit(error_model="numpy", _nrt=False, **options)
     made: Any = decorate(function)

@@ -1,13 +1,13 @@
 """What every committed step does to a run, time, state, ledger, records and contacts, and how it is read."""
 
 from math import ceil, pi, sin
-from typing import Any
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_at, contact_of, tip_motion
 from contactlab.engine.ledger import (
     add,
@@ -31,6 +31,9 @@ from contactlab.engine.state import (
 from contactlab.laws.base import FREE, SET_VALUED, STICK
 from contactlab.variables import SERIES
 
+PART: Final = cast(bool, np.bool_(False))
+"""That a step is not whole, as a flag that no kernel is copied for."""
+
 IDLE_LIMIT = 1000
 """Steps in a row that hardly move the clock."""
 
@@ -45,7 +48,7 @@ STEP_LIMIT = 20_000
 of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
 
 
-@part_kernel
+@merged_kernel
 def commit(run: Run, law: Law, series: Any) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, step, plant = run.state, run.step, run.plant
@@ -68,7 +71,7 @@ def commit(run: Run, law: Law, series: Any) -> None:
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
-        increments(run, law, at, False, step.record_terms)
+        increments(run, law, at, PART, step.record_terms)
         _write_record(run, law, series, at)
     add(state.total, step.step_terms)
     if state.mode != FREE:
