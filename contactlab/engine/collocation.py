@@ -162,9 +162,12 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
         if change <= AGREEMENT * most or change * state.length <= least:
             if kind != SET_VALUED and not follows:
                 follow_bound(run, law, sign)
-            forces = state.normal, state.friction, state.bound, state.internal_rate
-            for force in (*forces, step.push_u, step.push_th):
-                fit(rule, force)
+            fit(rule, state.normal)
+            fit(rule, state.friction)
+            fit(rule, state.bound)
+            fit(rule, state.internal_rate)
+            fit(rule, step.push_u)
+            fit(rule, step.push_th)
             return sweep
     return 0
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, merged_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.collocation import Known, attempt, sound_normal
 from contactlab.engine.friction import friction_and_steepness
 from contactlab.engine.kinematics import Law, Run, add_collocated, checked, contact_at
@@ -123,7 +123,7 @@ def _solve(
     return level, error
 
 
-@merged_kernel
+@part_kernel
 def _guess(run: Run, known: Known) -> None:
     """Make `taken` the place x = s/h of the step's start on the force polynomial that stands.
 

@@ -8,7 +8,7 @@ until every piece is either proven open or holds one falling zero.
 
 from math import sqrt
 
-from contactlab.compiled import inner_kernel, merged_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import (
     Law,
     Run,
@@ -113,7 +113,7 @@ def step_flight(run: Run, law: Law) -> int:
     return TOUCH if touch >= 0.0 and s <= remaining else NOTHING
 
 
-@merged_kernel
+@part_kernel
 def _certain_opening(gap: float, rate: float, bound: float, h: float, coarse: float) -> float:
     """Give the time up to which the gap only widens and at which it is open, in (0, h); zero where unknown.
 
@@ -124,7 +124,7 @@ def _certain_opening(gap: float, rate: float, bound: float, h: float, coarse: fl
     return rate / bound if certain else 0.0
 
 
-@merged_kernel
+@inner_kernel
 def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     """Give B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
 
@@ -164,7 +164,7 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     return float(u_acc + lever * th_acc + length * th_rate * th_rate + speed * speed / radius)
 
 
-@merged_kernel
+@inner_kernel
 def coarseness(run: Run, slope: float) -> float:
     """Give what the digits of the gap [m] grow by where the parts that it is summed from outgrow REACH.
 

@@ -6,7 +6,7 @@ There is a loop for each family of laws, so that a run compiles only what it nee
 from typing import Any
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel, merged_kernel
+from contactlab.compiled import inner_kernel, kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.flight import step_flight
 from contactlab.engine.kinematics import Law, Run, begin, contact_at
@@ -81,7 +81,7 @@ def advance_rigid(
         budget -= 1
 
 
-@merged_kernel
+@inner_kernel
 def _opens_step(run: Run, refinement: int) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state, step = run.state, run.step
@@ -100,7 +100,7 @@ def _opens_step(run: Run, refinement: int) -> bool:
     return True
 
 
-@merged_kernel
+@inner_kernel
 def _act(run: Run, event: int, refinement: int) -> None:
     """Open, close or switch the contact after the event of a committed step."""
     state = run.state
