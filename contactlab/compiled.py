@@ -118,7 +118,10 @@ def part_kernel(function: Function) -> Function:
 
 
 def merged_kernel(function: Function) -> Function:
-    """An inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
+    """Make an inner kernel part of its one caller before anything is compiled, and so compile it once.
+
+    The compiler optimises all that a kernel calls anew with it, at every level of callers.
+    """
     return _compile(function, {"inline": "always"})
 
 

@@ -20,6 +20,7 @@ from contactlab.engine.rootfinding import (
 from contactlab.engine.state import (
     CHATTERED,
     COLLOCATED,
+    CONE,
     EVENT_LIMIT,
     NODES,
     NOTHING,
@@ -67,7 +68,7 @@ def step_compliant(run: Run, law: Law) -> int:
         # What has no say in the slip cannot have followed its sign.
         state.sign = 1 if slip > 0.0 else -1
     _guess(run, known)
-    level, error = _solve(run, law, gap, rate, slip, known)
+    level, error, normal = _solve(run, law, gap, rate, slip, known)
     if state.ending == UNSOLVED:
         return checked(run, NOTHING)
     remaining = state.end - state.time
@@ -75,7 +76,7 @@ def step_compliant(run: Run, law: Law) -> int:
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
-    track_extremes(run, law, gap, rate, known[0])
+    track_extremes(run, law, gap, rate, normal)
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
@@ -90,8 +91,8 @@ def step_compliant(run: Run, law: Law) -> int:
 @merged_kernel
 def _solve(
     run: Run, law: Law, gap: float, rate: float, slip: float, known: Known
-) -> tuple[int, float]:
-    """Shorten a step until it is right; gives its level and its error over the tolerance.
+) -> tuple[int, float, float]:
+    """Shorten a step until it is right; gives its level, error over the tolerance and first normal force.
 
     UNSOLVED where no step, however short, satisfies the law.
     """
@@ -118,9 +119,10 @@ def _solve(
             level += 2 * (flips // 2)
             known = _start_forces(run, law, gap, rate, slip)
         else:
-            return level, error
-    state.ending = UNSOLVED
-    return level, error
+            break
+    else:
+        state.ending = UNSOLVED
+    return level, error, known[0]
 
 
 @part_kernel
@@ -226,16 +228,15 @@ def count_event(state: Any) -> None:
 @inner_kernel
 def switch_friction(state: Any, event: int) -> None:
     """Set the friction mode after a step that ended in REVERSAL or CONE."""
-    friction = value_at(state.friction, state.taken / state.length)
-    _switch_to(state, STICK if event == REVERSAL else SLIP, friction)
+    _switch(state, event, value_at(state.friction, state.taken / state.length))
 
 
 @inner_kernel
-def _switch_to(state: Any, mode: int, friction: float) -> None:
+def _switch(state: Any, event: int, friction: float) -> None:
     """Let the contact stick, or slip against the friction that it cannot hold [N]."""
-    state.mode = mode
-    if mode == SLIP:
-        state.sign = -1 if friction > 0.0 else 1
+    state.mode = STICK
+    if event == CONE:
+        state.mode, state.sign = SLIP, -1 if friction > 0.0 else 1
     state.friction_switches += 1
     count_event(state)
 
@@ -260,5 +261,5 @@ def _contradicted(run: Run, law: Law, slip: float) -> bool:
             slip = event_value(run, law, 0.0, REVERSAL) if state.contact.duration > 0.0 else 0.0
         denied = denied and not state.sign * slip > SLIP_ROUND_OFF
     if denied:
-        _switch_to(state, SLIP if sticks else STICK, friction)
+        _switch(state, CONE if sticks else REVERSAL, friction)
     return denied

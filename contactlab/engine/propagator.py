@@ -100,31 +100,6 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
     return nodes, lagrange @ (1.0 / powers), lagrange, np.asarray(derivative, np.float64)
 
 
-def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
-    """Make an empty ladder that has the contact step [s] as one of its levels.
-
-    The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;
-    after a release the steps start short enough for the fastest transient and double from there. Steps in
-    contact have that length at most, or `exact`ly.
-    """
-    # Steps may outlast a run, so that a longer one begins like it, but not for ever.
-    rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
-    rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
-    doublings = floor(log2(RESOLUTION / rate / contact_step))
-    if exact:
-        doublings = max(doublings, 0)
-    longest = contact_step * 2.0**doublings
-    turns = max(longest * fastest_rate(plant), 1.0)
-    propagator = one(propagator_record(*plant.phasors.shape))
-    propagator.levels["length"] = longest * 0.5 ** np.arange(MOST_LEVELS)
-    rule = propagator.rule
-    rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
-    rule.longest, rule.contact_level = longest, max(doublings, 0)
-    rule.level_count = max(LEVELS, rule.contact_level + ROOM)
-    rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), rule.level_count - 8)
-    return propagator
-
-
 @final
 class Workspace:
     """Keeps the step responses of the last motor for a next one that has the same.
@@ -141,14 +116,32 @@ class Workspace:
     def propagator(
         self, plant: Plant, contact_step: float, duration: float, exact: bool
     ) -> Propagator:
-        """Give a ladder for a plant, see `propagator_for`."""
+        """Give a ladder for a plant that has the contact step [s] as one of its levels.
+
+        The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;
+        after a release the steps start short enough for the fastest transient and double from there.
+        Steps in contact have that length at most, or `exact`ly.
+        """
         names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
         modes = [plant.modes[name].tobytes() for name in names]
         key = (*modes, plant.tones["omega"].tobytes(), contact_step, duration, exact)
-        if key != self._key:
-            self._propagator = propagator_for(plant, contact_step, duration, exact)
-            self._key = key
-        return self._propagator
+        if key == self._key:
+            return self._propagator
+        # Steps may outlast a run, so that a longer one begins like it, but not for ever.
+        rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
+        rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
+        doublings = floor(log2(RESOLUTION / rate / contact_step))
+        longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
+        turns = max(longest * fastest_rate(plant), 1.0)
+        propagator = one(propagator_record(*plant.phasors.shape))
+        propagator.levels["length"] = longest * 0.5 ** np.arange(MOST_LEVELS)
+        rule = propagator.rule
+        rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
+        rule.longest, rule.contact_level = longest, max(doublings, 0)
+        rule.level_count = max(LEVELS, rule.contact_level + ROOM)
+        rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), rule.level_count - 8)
+        self._key, self._propagator = key, propagator
+        return propagator
 
 
 @part_kernel
