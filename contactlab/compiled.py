@@ -83,7 +83,7 @@ def is_compiled(name: str) -> bool:
     return any(code_folder().glob(f"*/*.{name}-*.nbi"))
 
 
-def kernel(function: Function, **options: bool) -> Function:
+def kernel(function: Function, **options: Any) -> Function:
     """Compile a scalar or array function on first use and keep the code; another package's by `keep_code`.
 
     Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
@@ -97,7 +97,7 @@ def kernel(function: Function, **options: bool) -> Function:
     return cast(Function, made)
 
 
-def inner_kernel(function: Function, **options: bool) -> Function:
+def inner_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel that only kernels call, never Python.
 
     No way in from Python is built, which is most of its compilation: a call from there would crash.
@@ -110,7 +110,12 @@ def part_kernel(function: Function) -> Function:
     return inner_kernel(function, forceinline=True)
 
 
-def fleeting_kernel(function: Function, **options: bool) -> Function:
+def merged_kernel(function: Function) -> Function:
+    """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
+    return inner_kernel(function, inline="always")
+
+
+def fleeting_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel while the program runs, around another."""
     njit: Any = numba.njit
     return cast(Function, njit(error_model="numpy", _nrt=False, **options)(function))

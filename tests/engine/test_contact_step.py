@@ -10,7 +10,7 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
 from contactlab.engine.arguments import LARGEST_TURN, default_contact_step
 from contactlab.engine.plant import plant_of
-from contactlab.engine.propagator import ROOM, propagator_for
+from contactlab.engine.propagator import ROOM, Workspace
 from contactlab.laws import (
     ContactLaw,
     LagrangeSlip,
@@ -135,7 +135,7 @@ def test_what_opens_the_ledger_is_the_way_that_is_put_back() -> None:
 def test_the_ladder_has_room_below_the_step_in_contact(step: float, exact: bool) -> None:
     for duration in (step, 1e3 * step, step / SMALLEST_STEP):
         for motor in (case_a(), block()):
-            propagator = propagator_for(plant_of(motor), step, duration, exact)
+            propagator = Workspace().propagator(plant_of(motor), step, duration, exact)
             assert propagator.rule.contact_level + ROOM <= propagator.rule.level_count <= 70
             assert propagator.rule.fresh_level < propagator.rule.level_count
             assert propagator.rule.longest * 0.5**propagator.rule.contact_level <= step
