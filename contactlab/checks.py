@@ -63,9 +63,7 @@ def check_kind(words: str, value: object, kind: type) -> None:
 check_number = partial(check_kind, kind=float)
 
 
-def check_shape(
-    words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf"
-) -> None:
+def check_shape(words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf") -> None:
     """Refuse what is no array of numbers (TypeError), or not finite or of another shape (ValueError).
 
     In the shape, -1 stands for any number; the kinds are those of NumPy's `dtype.kind`.
@@ -75,9 +73,7 @@ def check_shape(
     sizes = zip(values.shape, shape, strict=False)
     if len(values.shape) != len(shape) or any(n != m for n, m in sizes if m >= 0):
         expected = str(shape).replace("-1", "any")
-        raise ValueError(
-            f"{words} has shape {values.shape}; it must have shape {expected}, {meaning}."
-        )
+        raise ValueError(f"{words} has shape {values.shape}; it must have shape {expected}, {meaning}.")
     if not np.isfinite(values).all():
         odd = values[~np.isfinite(values)][0]
         raise ValueError(f"{words} has {odd} among its numbers; all must be finite.")

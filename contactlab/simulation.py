@@ -15,13 +15,7 @@ from contactlab.engine.arguments import check_kinds, default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
-from contactlab.results.netcdf import (
-    configuration_of,
-    settings_of,
-    state_of,
-    to_datatree,
-    write_tree,
-)
+from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
@@ -232,9 +226,7 @@ def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
     """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
     check_kinds(motor, law)
     if "duration" not in given:
-        raise ValueError(
-            "The duration is missing; a motor and a law need one in seconds: duration=5e-3."
-        )
+        raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
     usual = Setup(
         motor=motor,
         law=law,

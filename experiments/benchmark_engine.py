@@ -101,12 +101,7 @@ def compiled_side(motor: Motor) -> RightHandSide:
 
 
 def integrate(
-    motor: Motor,
-    side: RightHandSide,
-    duration: float,
-    method: str,
-    rtol: float,
-    step: float = np.inf,
+    motor: Motor, side: RightHandSide, duration: float, method: str, rtol: float, step: float = np.inf
 ) -> tuple[float, float]:
     """End state (u, th) by one of SciPy's solvers; tolerances scaled to displacements and rates."""
     count = motor.modes.stiffness.size

@@ -92,10 +92,7 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
         for work in ways.values():
             work(blocks[0])
         times = np.array(
-            [
-                [[timed(work, cells) for work in ways.values()] for cells in blocks]
-                for _ in range(repeats)
-            ]
+            [[[timed(work, cells) for work in ways.values()] for cells in blocks] for _ in range(repeats)]
         )
     shortest = times.min(axis=0).sum(axis=0) / plan.cells
     return [Row(way, float(took)) for way, took in zip(ways, shortest, strict=True)]
@@ -112,19 +109,10 @@ def in_sweeps(jobs: int, repeats: int) -> list[Row]:
     """A job of a sweep by Hydra's launchers, as whole commands."""
     launchers = {"job of -m, basic launcher": []}
     if "hydra-joblib-launcher" in {found.name for found in distributions()}:
-        launchers["job of -m, joblib with two workers"] = [
-            "hydra/launcher=joblib",
-            "hydra.launcher.n_jobs=2",
-        ]
+        launchers["job of -m, joblib with two workers"] = ["hydra/launcher=joblib", "hydra.launcher.n_jobs=2"]
     few = max(jobs // 4, 1)
     return [
-        Row(
-            way,
-            min(
-                (sweep(arguments, jobs + few) - sweep(arguments, few)) / jobs
-                for _ in range(repeats)
-            ),
-        )
+        Row(way, min((sweep(arguments, jobs + few) - sweep(arguments, few)) / jobs for _ in range(repeats)))
         for way, arguments in launchers.items()
     ]
 

@@ -110,9 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     (folder / PAGE).write_text(page(), encoding="utf-8")
     with plt.style.context(STYLE):
         for _, name, _, law in entries():
-            draw(curves_of(law)).savefig(
-                folder / picture(name), dpi=110, metadata={"Software": None}
-            )
+            draw(curves_of(law)).savefig(folder / picture(name), dpi=110, metadata={"Software": None})
     return 0
 
 

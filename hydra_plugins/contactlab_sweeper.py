@@ -24,9 +24,7 @@ class ContactlabSweeper(Sweeper):
     def __init__(self, **options: Any) -> None:
         self.options = options
 
-    def setup(
-        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
-    ) -> None:
+    def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """See `Sweeper.setup`."""
         self.given = (hydra_context, task_function, config)
 

@@ -129,9 +129,7 @@ def _number(option: str, text: str, unit: str) -> float:
         raise RefusalError(f"{option} is '{text}', {fault}; write it like {example}.") from fault
 
 
-def _window(
-    run: "Recording", start_text: str | None, duration_text: str | None
-) -> tuple[float, float]:
+def _window(run: "Recording", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
     """Start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])

@@ -23,13 +23,7 @@ from contactlab.cli.checking import typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
 from contactlab.config import ConfigurationError, build
-from contactlab.config.composition import (
-    CONFIG_NAME,
-    VERSION_BASE,
-    conf_directory,
-    resolved,
-    sentences,
-)
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory, resolved, sentences
 from contactlab.results.provenance import versions
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 

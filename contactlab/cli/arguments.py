@@ -29,9 +29,7 @@ _LONG_FLAGS = {
     "--shell-completion",
 }
 
-_LISTED = re.compile(
-    r"(?P<key>[^=]+)=\s*'?(?P<value>(?P<name>linspace|geomspace|range)\(.*\))'?\s*"
-)
+_LISTED = re.compile(r"(?P<key>[^=]+)=\s*'?(?P<value>(?P<name>linspace|geomspace|range)\(.*\))'?\s*")
 _NUMBER_WITH_UNIT = re.compile(r"[\d.]\s*(?![eE][-+\d])[^\W\d_]")
 
 
@@ -81,13 +79,9 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
     flags: list[str] = []
     for argument in arguments:
         if re.search("[\0\ud800-\udfff]", argument):
-            raise ValueError(
-                f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out."
-            )
+            raise ValueError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
         if argument.startswith("--") and argument.partition("=")[0] not in _LONG_FLAGS:
-            hint = suggestion(
-                argument, sorted(_LONG_FLAGS), "contactlab --help lists what there is."
-            )
+            hint = suggestion(argument, sorted(_LONG_FLAGS), "contactlab --help lists what there is.")
             raise ValueError(f"unrecognized arguments: {argument}. {hint}")
         if argument.startswith("="):
             raise ValueError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")

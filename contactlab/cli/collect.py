@@ -17,9 +17,7 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser("collect", ", with a status and a reason where one is missing.")
     parser.add_argument("directory", metavar="DIR", help="a folder of runs, as -m leaves it")
-    parser.add_argument(
-        "--output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc"
-    )
+    parser.add_argument("--output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc")
     parser.add_argument(
         "--series",
         default="",
@@ -30,9 +28,7 @@ def main(arguments: list[str]) -> int:
     try:
         _collect(Path(given.directory), given.output, given.series)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            "Interrupted before the runs were collected; nothing was written."
-        ) from None
+        raise KeyboardInterrupt("Interrupted before the runs were collected; nothing was written.") from None
     return COMPLETE
 
 

@@ -23,10 +23,7 @@ def main(arguments: list[str]) -> int:
         "that the difference between laws is seen against the numerical error of each.",
     )
     parser.add_argument(
-        "runs",
-        nargs="+",
-        metavar="DIR",
-        help="a run's folder, its run.nc, or a folder of such folders",
+        "runs", nargs="+", metavar="DIR", help="a run's folder, its run.nc, or a folder of such folders"
     )
     parser.add_argument(
         "--output",
@@ -58,7 +55,5 @@ def main(arguments: list[str]) -> int:
     print(as_text(data), "", *differences(data), conclusion(data), sep="\n")
     if notes := data.attrs["notes"]:
         print(f"\nNotes:\n{notes}")
-    print(
-        f"\nWritten to {output}: report.html, scorecard.csv, scorecard.tex, metrics.nc and figures."
-    )
+    print(f"\nWritten to {output}: report.html, scorecard.csv, scorecard.tex, metrics.nc and figures.")
     return COMPLETE

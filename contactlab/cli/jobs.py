@@ -23,8 +23,7 @@ from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job,
 PICTURE = "run.png"
 
 SET_ANOTHER = (
-    "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
-    "hydra.sweep.subdir=NAME for -m."
+    "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and hydra.sweep.subdir=NAME for -m."
 )
 
 _MOST_CHARACTERS = 500

@@ -43,9 +43,7 @@ def main(arguments: list[str]) -> int:
     for family, table in PARTS.items():
         heading = f"{FAMILIES[family]} of a composed law: law=composed law/{family}=NAME"
         names = {name: f"{family}/{name}" for name in table}
-        sections[heading] = {
-            names[n]: partial(_described, part, names[n]) for n, part in table.items()
-        }
+        sections[heading] = {names[n]: partial(_described, part, names[n]) for n, part in table.items()}
     print("\n\n".join(_chosen(sections, wanted)))
     return COMPLETE
 

@@ -67,6 +67,4 @@ def _refuse_what_is_no_verb(word: str) -> None:
             "sweep.keep=metrics keeps numbers alone."
         )
     if word.isalpha() and (hint := suggestion(word, VERBS)):
-        raise RefusalError(
-            f"There is no verb '{word}'; it must be one of {', '.join(VERBS)}. {hint}"
-        )
+        raise RefusalError(f"There is no verb '{word}'; it must be one of {', '.join(VERBS)}. {hint}")

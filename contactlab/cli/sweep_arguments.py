@@ -141,9 +141,7 @@ class Arguments:
                 random.shuffle(values)
             return values
         if not override.is_discrete_sweep():
-            self.faults.append(
-                f"{override.input_line} cannot be swept; a swept parameter must have {FORMS}."
-            )
+            self.faults.append(f"{override.input_line} cannot be swept; a swept parameter must have {FORMS}.")
             return []
         return [_plain(value) for value in override.sweep_iterator(Transformer.identity)]
 

@@ -22,12 +22,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import quoted
-from contactlab.cli.checking import (
-    announce,
-    announce_series,
-    misplaced,
-    sets_friction,
-)
+from contactlab.cli.checking import announce, announce_series, misplaced, sets_friction
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.sweep_arguments import Arguments, table
@@ -142,9 +137,7 @@ class Sweeping:
         if pending:
             OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
-        batch = [
-            [*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending
-        ]
+        batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending]
         return self._launched(self.task, batch, store)
 
     def _metrics(self, store: Store, workers: int | None) -> int:

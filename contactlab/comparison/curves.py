@@ -78,9 +78,7 @@ def _recorded(law: Refined, length: float, start: float, duration: float, peak: 
     since = np.insert(middle, place, start) - start
     shown = (since >= -MARGIN * length) & (since <= (1.0 + MARGIN) * length)
     both = [run.columns["normal_force"], run.columns["friction_force"]]
-    return Contact(
-        since[shown], np.insert(both, place, 0.0, axis=1)[:, shown], start, duration, peak
-    )
+    return Contact(since[shown], np.insert(both, place, 0.0, axis=1)[:, shown], start, duration, peak)
 
 
 def last_periods(law: Refined) -> slice:

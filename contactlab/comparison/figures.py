@@ -126,9 +126,7 @@ def draw_paths(laws: Sequence[Refined]) -> Figure:
     with suppress(NotApplicableError):
         clearance = 1e6 * drawn[0][1].run.setting("contact.clearance")
         axes.axhline(clearance, **THIN)
-        axes.text(
-            1.0, clearance, "rotor", transform=axes.get_yaxis_transform(), va="bottom", **NOTE
-        )
+        axes.text(1.0, clearance, "rotor", transform=axes.get_yaxis_transform(), va="bottom", **NOTE)
     axes.set_xlabel("tangential displacement of the tip (\u00b5m)")
     axes.set_ylabel("normal displacement (\u00b5m)")
     return _legend(figure, axes)

@@ -99,9 +99,7 @@ def _list(sentences: Iterable[str]) -> str:
 
 
 def _row(metric: Metric, cells: dict[str, Cell]) -> str:
-    line = (
-        f"<tr><td title='{escape(metric.meaning)}'>{escape(metric.brief + metric.bracketed)}</td>"
-    )
+    line = f"<tr><td title='{escape(metric.meaning)}'>{escape(metric.brief + metric.bracketed)}</td>"
     line += f"<td>{escape(metric.threshold)}</td>"
     for cell in cells.values():
         kind = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none"}.get(cell.verdict, "")

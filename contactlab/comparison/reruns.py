@@ -19,9 +19,7 @@ from contactlab.simulation import simulate
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
 """Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
 
-FRICTION_CHANGE: Final = (
-    0.01  # of the friction coefficient, to show the sensitivity to it, relative
-)
+FRICTION_CHANGE: Final = 0.01  # of the friction coefficient, to show the sensitivity to it, relative
 MORE_SHAPES: Final = 4  # functions that are added to the resonator's basis, to show that to it
 
 RECORDS_PER_PERIOD: Final = 300.0  # at least, so that a contact can be drawn

@@ -130,9 +130,7 @@ def shown(value: Any) -> str:
     """Write a value in a sentence or a label, to nine digits."""
     if isinstance(value, list):
         return " ".join(map(shown, value))
-    return (
-        "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
-    )
+    return "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def _untold(runs: Sequence[Run]) -> Iterator[str]:

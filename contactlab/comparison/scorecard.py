@@ -52,8 +52,7 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
     values = [[found.get(metric.key, nan) for metric in every] for found, _ in judged]
     errors = [[error.get(metric.key, nan) for metric in every] for _, error in judged]
     verdicts = [
-        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)]
-        for row in values
+        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)] for row in values
     ]
     configurations = [dict(run.configuration) for run in runs]
     flows = [energy_flow(law.best) for law in laws]

@@ -105,8 +105,7 @@ _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
 GROUPS: Final[dict[str, Section]] = {
     "resonator": Section(
-        {name: _named("basis", name, keys_of(kind, *_OF_OTHERS)) for name, kind in BASES.items()},
-        "basis",
+        {name: _named("basis", name, keys_of(kind, *_OF_OTHERS)) for name, kind in BASES.items()}, "basis"
     ),
     "piezoceramic": Section(
         {
@@ -115,9 +114,7 @@ GROUPS: Final[dict[str, Section]] = {
         },
         "constants",
     ),
-    "placement": Section(
-        {"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}
-    ),
+    "placement": Section({"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}),
     "drive": Section({"two_mode": keys_of(motor.TwoMode)}),
     "contact": Section(
         {
@@ -203,9 +200,7 @@ def content(group: str, option: str) -> dict[str, Any]:
     return {"defaults": [*entries, "_self_"], **own} if entries else own
 
 
-def full_keys(
-    keys: Keys, before: str = "", *, told: bool = True
-) -> Iterator[tuple[str, DeclaredField]]:
+def full_keys(keys: Keys, before: str = "", *, told: bool = True) -> Iterator[tuple[str, DeclaredField]]:
     """Give what is declared of every full key, without those of sections whose option is told, if asked."""
     for name, below in keys.items():
         if isinstance(below, DeclaredField):

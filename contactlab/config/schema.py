@@ -10,15 +10,7 @@ from typing import Any, get_args
 
 from contactlab.checks import SMALLEST_STEP, is_kind
 from contactlab.config.faults import ConfigurationError, unknown_key
-from contactlab.config.groups import (
-    GROUPS,
-    NOT_OF_A_RUN,
-    Keys,
-    Section,
-    keys_of_law,
-    known_keys,
-    laws,
-)
+from contactlab.config.groups import GROUPS, NOT_OF_A_RUN, Keys, Section, keys_of_law, known_keys, laws
 from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
@@ -76,15 +68,11 @@ class Examination:
             try:
                 if name not in given:
                     if key not in NOT_OF_A_RUN:
-                        raise UnitError(
-                            f"{key} is missing; it must be given. Add it to the configuration."
-                        )
+                        raise UnitError(f"{key} is missing; it must be given. Add it to the configuration.")
                 elif isinstance(below, Section):
                     values[name] = {}
                     chosen = _chosen(below, given[name], key)
-                    values[name] = self._values(
-                        below.options[chosen], given[name], f"{key}.", chosen
-                    )
+                    values[name] = self._values(below.options[chosen], given[name], f"{key}.", chosen)
                 else:
                     values[name] = _value_of(below, given[name], key)
                     self.declared[key] = below

@@ -11,12 +11,7 @@ from contactlab.engine.friction import friction_and_steepness
 from contactlab.engine.kinematics import Law, Run, add_collocated, checked, contact_at
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
-from contactlab.engine.rootfinding import (
-    CONE_ROUND_OFF,
-    event_value,
-    first_event,
-    track_extremes,
-)
+from contactlab.engine.rootfinding import CONE_ROUND_OFF, event_value, first_event, track_extremes
 from contactlab.engine.state import (
     CHATTERED,
     COLLOCATED,

@@ -53,9 +53,7 @@ Contact = tuple[float, float, float]
 Answers = Callable[[Contact], dict[str, float]]
 
 
-def explain(
-    run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float
-) -> tuple[Ending, str]:
+def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float) -> tuple[Ending, str]:
     """Give the ending of a run that stopped by itself, and a sentence on it; the kernels are its law's."""
     state, rule = run.state, run.propagator.rule
     time, pace = f"{state.time:.6g} s", f"within {state.window:.3g} s"
@@ -184,11 +182,7 @@ def _jump(run: Run, answers: Answers, reach: float) -> str:
     known = answers(here)
     size = max(abs(known.get("normal force", 0.0)), state.momentum / reach)
     gap, speed = abs(here[0]), max(abs(here[1]), state.impact_speed)
-    scales = (
-        ("gap", "m", gap),
-        ("gap rate", "m/s", speed),
-        ("slip", "m/s", max(abs(here[2]), speed)),
-    )
+    scales = (("gap", "m", gap), ("gap rate", "m/s", speed), ("slip", "m/s", max(abs(here[2]), speed)))
     for narrow, (i, (name, unit, scale)), sign in product(NARROW, enumerate(scales), (-1.0, 1.0)):
         moved = list(here)
         moved[i] += sign * narrow * scale
@@ -214,9 +208,7 @@ def _told(contact: Contact) -> str:
     return "a gap of {:.6g} m, a gap rate of {:.6g} m/s and a slip of {:.6g} m/s".format(*contact)
 
 
-def _answers(
-    run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact
-) -> dict[str, float]:
+def _answers(run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact) -> dict[str, float]:
     """Give what a penalty law says to a contact, by name; nothing where it is open."""
     if not contact[0] < 0.0:
         return {}

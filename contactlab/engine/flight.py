@@ -95,9 +95,7 @@ def step_flight(run: Run, law: Law) -> int:
     elif opening > 0.0:
         state.phase = OPEN
         before, rate_before, _, _, _, _, _ = contact_after(run, opening)
-        touch = _first_touch(
-            run, law, (opening, before, rate_before), (h, gap, rate), bound, coarse
-        )
+        touch = _first_touch(run, law, (opening, before, rate_before), (h, gap, rate), bound, coarse)
     elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0 and rate < rate_before:
         touch = h
     elif gap > coarse * CLEAR:
@@ -185,9 +183,7 @@ def coarseness(run: Run, slope: float) -> float:
 
 
 @inner_kernel
-def _first_touch(
-    run: Run, law: Law, start: Instant, end: Instant, bound: float, coarse: float
-) -> float:
+def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float, coarse: float) -> float:
     """Find the time of the first touch-down of a flight that begins open; else give NO_TOUCH or LOST."""
     step = run.step
     a, gap_a, rate_a = start

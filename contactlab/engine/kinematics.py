@@ -75,9 +75,7 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
     """Give the contact of a motion of the tip."""
     u, th, u_rate, th_rate, rotor = tip
     lengths = plant.geometry
-    gap, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, lengths.tip_length, lengths.radius, lengths.clearance
-    )
+    gap, n_u, n_th, t_u, t_th = contact_frame(u, th, lengths.tip_length, lengths.radius, lengths.clearance)
     rate = n_u * u_rate + n_th * th_rate
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 
@@ -92,8 +90,7 @@ def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]
     """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
     modes = modes_of(plant)
     u, th, u_rate, th_rate, rotor = (
-        float(modes[f"row_{row}"] @ of)
-        for row, of in (("u", q), ("th", q), ("u", v), ("th", v), ("r", v))
+        float(modes[f"row_{row}"] @ of) for row, of in (("u", q), ("th", q), ("u", v), ("th", v), ("r", v))
     )
     gap, n_u, n_th, t_u, t_th = contact_frame(u, th, *plant["geometry"].item())
     return gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
@@ -123,9 +120,7 @@ def _turn(tone: Any, place: int, cosine: float, sine: float) -> None:
 
 
 @part_kernel
-def _add_steady(
-    plant: Plant, j: int, place: int, q: float, v: float, sign: float
-) -> tuple[float, float]:
+def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: float) -> tuple[float, float]:
     """Give displacement and rate with a coordinate's steady state at a place, or, by sign -1, without."""
     for k in range(plant.tone_count):
         tone, phasor = plant.tones[k], plant.phasors[j, k]
@@ -159,9 +154,7 @@ def begin(run: Run) -> None:
 
 
 @inner_kernel
-def _add_driven(
-    plant: Plant, j: int, k: int, place: int, answer: tuple[float, float, float, float]
-) -> None:
+def _add_driven(plant: Plant, j: int, k: int, place: int, answer: tuple[float, float, float, float]) -> None:
     """Add what a tone did to a nearly resonant mode since the step's start, from `answer_from_rest`."""
     mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
     cosine, sine = tone.cosine[START], tone.sine[START]
@@ -228,9 +221,7 @@ def free_response(run: Run, level: int, first: int) -> None:
                 for k in range(plant.tone_count):
                     if plant.phasors[j, k].near != 0:
                         part = propagator.driven[level, j, k].part
-                        _add_driven(
-                            plant, j, k, i, (part[i, 0], part[i, 1], part[i, 2], part[i, 3])
-                        )
+                        _add_driven(plant, j, k, i, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
 
 
 @part_kernel

@@ -171,11 +171,7 @@ def _open_contact(run: Run) -> None:
     """Start a contact at the present state, some levels below that of the contact step."""
     state, contact = run.state, run.state.contact
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    contact.start_time, contact.approach_velocity, contact.separation_velocity = (
-        state.time,
-        rate,
-        0.0,
-    )
+    contact.start_time, contact.approach_velocity, contact.separation_velocity = (state.time, rate, 0.0)
     contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
     contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
     contact.peak_normal_force, contact.max_penetration = 0.0, 0.0

@@ -15,14 +15,10 @@ _NOISE: Final = re.compile(r"Failed in |During: |>>> |File \"|- |\* |\s*$|\^|rai
 _UNKNOWN: Final = r"Untyped global name '(.+)': Cannot determine Numba type of "
 _NO_FUNCTION: Final = r"The decorated object is not a function \(got type "
 
-ALLOCATES: Final = (
-    "it makes an array, a list, a dict or a text, and a kernel must not ask for memory"
-)
+ALLOCATES: Final = "it makes an array, a list, a dict or a text, and a kernel must not ask for memory"
 _CAUSES: Final = {
     r"NRT required but not enabled|Only accept returning of array": ALLOCATES,
-    "Cannot modify readonly array": (
-        "it writes to an array that is read-only, as the parameters are"
-    ),
+    "Cannot modify readonly array": ("it writes to an array that is read-only, as the parameters are"),
     _UNKNOWN + "<class 'function'>": (
         r"\1 is a Python function; decorate it with contactlab.compiled.kernel"
     ),
@@ -32,9 +28,7 @@ _CAUSES: Final = {
     r"Signature mismatch: (\d+) argument types given, but function takes (\d+) arguments": (
         r"it is called with \1 arguments and names \2"
     ),
-    _NO_FUNCTION + "<class 'method'>": (
-        "it is a method of an object; decorate it with @staticmethod"
-    ),
+    _NO_FUNCTION + "<class 'method'>": ("it is a method of an object; decorate it with @staticmethod"),
     _NO_FUNCTION + r"<class '(?:.*\.)?(\w+)'>": r"it is a \1 and no function of its own",
     r"(name '.+' is not defined)": r"\1",
     r"Unknown attribute '(.+)' of type Module\(<module '([\w.]+)'": r"\2.\1 has no compiled form",
@@ -69,9 +63,7 @@ def _places(error: Exception, text: str, function: Any) -> Iterator[tuple[str, i
 
 
 def _cause(error: Exception, text: str, signature: Any) -> str:
-    if given := re.search(
-        r"No conversion from (.+) to (.+) for '\$\w*return_(?:value|const)", text
-    ):
+    if given := re.search(r"No conversion from (.+) to (.+) for '\$\w*return_(?:value|const)", text):
         return f"it gives {_words(given[1])} and not {_words(str(signature.return_type))}"
     for pattern, words in _CAUSES.items():
         if found := re.search(pattern, text):

@@ -84,9 +84,7 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
 
 
 @kernel
-def answer_from_rest(
-    k: float, c: float, omega: float, s: float
-) -> tuple[float, float, float, float]:
+def answer_from_rest(k: float, c: float, omega: float, s: float) -> tuple[float, float, float, float]:
     """Give Re R, Im R [s^2] and their rates [s] of an underdamped oscillator under exp(i omega s), from rest.
 
     Near resonance the steady state is what the tone builds up over a long time, up to a billion times what

@@ -171,9 +171,7 @@ def fastest_rate(plant: Plant) -> float:
 
 
 @kernel
-def delassus(
-    plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float
-) -> tuple[float, float, float]:
+def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> tuple[float, float, float]:
     """Give D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(plant.mode_count):

@@ -40,10 +40,7 @@ RULE = record(
     whole="contact_level fresh_level level_count",
 )
 LEVEL = record(
-    ("tip_q", float, (3, NODES, NODES)),
-    ("tip_v", float, (4, NODES, NODES)),
-    real="length",
-    whole="built",
+    ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), real="length", whole="built"
 )
 RESPONSE = record(
     ("flow", float, (NODES, 4)),
@@ -113,9 +110,7 @@ class Workspace:
         self._key: tuple[object, ...] = ()
         self._propagator: Propagator = None
 
-    def propagator(
-        self, plant: Plant, contact_step: float, duration: float, exact: bool
-    ) -> Propagator:
+    def propagator(self, plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
         """Give a ladder for a plant that has the contact step [s] as one of its levels.
 
         The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;

@@ -19,14 +19,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import (
-    Law,
-    Run,
-    contact_at,
-    flow_to,
-    rates_in_frame,
-    tip_motion,
-)
+from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame, tip_motion
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
@@ -263,10 +256,6 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
     if np.isnan(state["initial_energy"]) and energy.size:
         state["initial_energy"] = energy[0]
-    losses = sum(
-        series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
-    )
-    series["energy_residual"][:] = (
-        energy - state["initial_energy"] - (series["drive_work"] - losses)
-    )
+    losses = sum(series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work"))
+    series["energy_residual"][:] = energy - state["initial_energy"] - (series["drive_work"] - losses)
     return time, series, table["contact_mode"]

@@ -93,9 +93,7 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     state, step = run.state, run.step
     left, before = 0.0, rate
     sticks = state.mode == STICK
-    slides = (
-        largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
-    )
+    slides = largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         gap, now = step.gap[i], step.gap_rate[i]

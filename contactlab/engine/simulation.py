@@ -171,9 +171,7 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
     simulate(motor, law, duration=step, record_interval=step)
 
 
-def take_in(
-    law: ContactLaw,
-) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
+def take_in(law: ContactLaw) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
     """Give a law's parameters between guards and its kernels, see `kernels_of`.
 
     Raises:

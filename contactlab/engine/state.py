@@ -45,9 +45,7 @@ that has no impulse for a contact that closes."""
 EVENT_LIMIT = 1000
 """Touch-downs and friction switches within one window that count as chattering."""
 
-COUNTS: Final = (
-    "flight_steps contact_steps rejected_steps sweeps touchdowns friction_switches wedged_steps"
-)
+COUNTS: Final = "flight_steps contact_steps rejected_steps sweeps touchdowns friction_switches wedged_steps"
 """Statistics of the solver's work."""
 
 

@@ -84,9 +84,7 @@ class Mindlin(Friction):
     exact_stick = False
     internal_variables = ("stretch of the spring [m]",)
 
-    stiffness_ratio: Annotated[
-        float, positive("kappa", "1", "tangential over normal stiffness")
-    ] = 0.82
+    stiffness_ratio: Annotated[float, positive("kappa", "1", "tangential over normal stiffness")] = 0.82
 
     @staticmethod
     @kernel
@@ -118,12 +116,8 @@ class Bristles(Friction):
     )
 
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
-    bristle_stiffness: Annotated[float, positive("sigma_0", "m-1", "bristle stiffness over N")] = (
-        1e6
-    )
-    bristle_damping: Annotated[
-        float, not_negative("sigma_1", "s m-1", "bristle damping over N")
-    ] = 0.1
+    bristle_stiffness: Annotated[float, positive("sigma_0", "m-1", "bristle stiffness over N")] = 1e6
+    bristle_damping: Annotated[float, not_negative("sigma_1", "s m-1", "bristle damping over N")] = 0.1
     stribeck_velocity: Annotated[float, positive("v_s", "m s-1", "Stribeck velocity")] = 1e-2
 
 

@@ -60,10 +60,7 @@ class HertzPenalty(PenaltyLaw):
 
 
 def hertz_stiffness(
-    tip_radius: float,
-    rotor_radius: float,
-    youngs_modulus: float = 210e9,
-    poisson_ratio: float = 0.3,
+    tip_radius: float, rotor_radius: float, youngs_modulus: float = 210e9, poisson_ratio: float = 0.3
 ) -> float:
     """Give K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
 

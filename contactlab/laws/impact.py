@@ -49,9 +49,7 @@ def newton_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_t
     """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
     # The plastic law to the rate that is asked for in place of zero.
     missing = normal_rate + parameters[1] * min(gap_rate, 0.0)
-    return stick_or_slip_impulse(
-        missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-    )
+    return stick_or_slip_impulse(missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
 
 
 @final
@@ -139,9 +137,7 @@ def restituted(approach, end, first, second, p_c, e):
 
 
 @inner_kernel
-def process_impulse(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy
-):
+def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy):
     """Give impulses [N s] and mode; the restitution is of the work of compression, or else of its impulse.
 
     What forces bring within the step is no impact, or contact that lasts would bounce in every step; and
@@ -168,9 +164,7 @@ def process_impulse(
         return p_n, p_t, mode
     # Round-off is no slip.
     left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-    more_n, more_t, mode = stick_or_slip_impulse(
-        rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters
-    )
+    more_n, more_t, mode = stick_or_slip_impulse(rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters)
     return p_n + more_n, p_t + more_t, mode
 
 

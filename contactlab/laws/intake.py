@@ -78,9 +78,7 @@ def misfits(law: PenaltyLaw) -> Iterator[str]:
     """Give what a law says of its friction and contradicts, in sentences."""
     kind, kernel, kept = law.friction_kind, law.friction_force, law.internal_variables
     if kind not in (SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT):
-        yield (
-            f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base."
-        )
+        yield (f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base.")
         return
     said = f"its friction_kind is {KINDS[kind]}"
     if kind == SET_VALUED and kernel is not None:
@@ -113,9 +111,7 @@ def check_answers(
     ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
     if isinstance(law, PenaltyLaw):
         for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
-            where = (
-                f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-            )
+            where = f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
             normal, bound, *_ = ask("force", force, where, -depth, rate, slip, abs(rate))
             if bound < -ROUND_OFF * abs(normal):
                 raise LawError(
@@ -141,9 +137,7 @@ def check_answers(
             raise LawError(f"{law.name}: its kernel solve {fault}")
 
 
-def _answer(
-    law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float
-) -> Any:
+def _answer(law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Any:
     """Give the answer to one state, or raise a LawError where it cannot be one, whatever it means."""
     given, *others = (kernel(*state, row) for row in rows)
     count = 3 if name == "solve" else 4

@@ -50,9 +50,7 @@ class LagrangeSlip(MultiplierLaw):
 
 
 @kernel
-def stick_or_slip_impulse(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-):
+def stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
 
     One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and

@@ -36,9 +36,7 @@ class Metric:
     bound: float = inf  # the largest value that passes; infinite where it is only reported
     reason: str = ""  # for the bound
     source: str = ""
-    invariant: bool = (
-        False  # holds whatever the law: where it fails, the solver or the file is wrong
-    )
+    invariant: bool = False  # holds whatever the law: where it fails, the solver or the file is wrong
     needs_records: bool = True  # takes other records than the last
     usual: bool = False  # is kept where none is named, as one that costs next to nothing
 

@@ -12,9 +12,7 @@ from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, 
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 
-ONE_RATIO: Final = (
-    1e-6  # relative difference of ratios of steps, given in decimals, that are the same
-)
+ONE_RATIO: Final = 1e-6  # relative difference of ratios of steps, given in decimals, that are the same
 
 LEAST_ORDER: Final = 0.5
 """Below it an extrapolation is no more than a guess: it goes further than two of the differences that it is
@@ -80,10 +78,7 @@ def velocity_order(ladder: Ladder) -> float:
 
 
 @of_steps(
-    "Omega_3 - d2 / (ratio^p - 1)",
-    "rotor velocity extrapolated to no step at all",
-    "rad s-1",
-    source=ROACHE,
+    "Omega_3 - d2 / (ratio^p - 1)", "rotor velocity extrapolated to no step at all", "rad s-1", source=ROACHE
 )
 def extrapolated_rotor_velocity(ladder: Ladder) -> float:
     _, second, third, ratio = _velocities(ladder)
@@ -128,9 +123,7 @@ def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[st
     return measured(STEP_METRICS, [(float(step), Run.of(run)) for step, run in runs])
 
 
-def _sensitivity(
-    runs: Mapping[str, tuple[float, Run]], thing: str, value: Callable[[Run], float]
-) -> float:
+def _sensitivity(runs: Mapping[str, tuple[float, Run]], thing: str, value: Callable[[Run], float]) -> float:
     """Give ((x_changed - x) / x) / amount."""
     needed(thing in runs and runs[thing][0] != 0.0)
     amount, variant = runs[thing]

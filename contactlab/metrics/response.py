@@ -115,10 +115,7 @@ def force_bandwidth(run: Run) -> float:
 
 
 @metric(
-    "mean Omega",
-    "mean rotor velocity of the last whole drive periods",
-    "rad s-1",
-    source="paper, fig. 8",
+    "mean Omega", "mean rotor velocity of the last whole drive periods", "rad s-1", source="paper, fig. 8"
 )
 def rotor_velocity(run: Run) -> float:
     span = run.last_periods()
@@ -156,8 +153,6 @@ def friction_share(run: Run) -> float:
     return run.gain("friction_loss") / positive(run.gain("drive_work"))
 
 
-@without_records(
-    "W_n / W_d", "loss in normal damping and impacts over work of the drive", usual=True
-)
+@without_records("W_n / W_d", "loss in normal damping and impacts over work of the drive", usual=True)
 def normal_loss_share(run: Run) -> float:
     return run.gain("contact_loss") / positive(run.gain("drive_work"))

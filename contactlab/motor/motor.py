@@ -56,9 +56,7 @@ class NormalModes:
         return 0.5 * self.damping / np.sqrt(self.stiffness)
 
 
-_LOAD = Parameter(
-    "tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative"
-)
+_LOAD = Parameter("tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative")
 _START = Parameter("Omega(0)", "rad s-1", "velocity at the start")
 
 

@@ -54,9 +54,7 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 
 _DENSITY = positive("rho_p", "kg m-3", "density")
 _POISSON = Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
-_STRAIN_RATIO = Parameter(
-    "nu_p", "1", "ratio of the strains through the thickness and along the beam"
-)
+_STRAIN_RATIO = Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam")
 _PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
 
 

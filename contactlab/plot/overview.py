@@ -15,15 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from contactlab.arrays import Array
-from contactlab.plot.recording import (
-    COLUMNS,
-    Recording,
-    drawable,
-    envelope,
-    extent,
-    recording_of,
-    steps,
-)
+from contactlab.plot.recording import COLUMNS, Recording, drawable, envelope, extent, recording_of, steps
 from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end

@@ -119,9 +119,7 @@ def recording_of(tree: xarray.DataTree) -> Recording:
             "configuration"
         ) from fault
     if not (0.0 < tip_length < np.inf and 0.0 < radius < np.inf and 0.0 <= frequency < np.inf):
-        raise UnfitRunError(
-            "has a tip length, a rotor radius or a drive frequency that is not positive"
-        )
+        raise UnfitRunError("has a tip length, a rotor radius or a drive frequency that is not positive")
     time = root["time"].values
     return Recording(
         series=root,

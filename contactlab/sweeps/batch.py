@@ -102,11 +102,7 @@ class Batch:
     """
 
     def __init__(
-        self,
-        setup_at: SetupAt,
-        outputs: Outputs,
-        workers: int | None = None,
-        report: Report | None = None,
+        self, setup_at: SetupAt, outputs: Outputs, workers: int | None = None, report: Report | None = None
     ) -> None:
         self._task = (setup_at, outputs)
         self._count = workers or processors()

@@ -198,16 +198,12 @@ def _dataset(runs: Sequence[FoundRun], metrics: Sequence[str]) -> xarray.Dataset
     return dataset_of(_parameters(runs), columns, attributes, samples=True)
 
 
-def _slabs(
-    runs: Sequence[FoundRun], dataset: xarray.Dataset, names: Sequence[str]
-) -> Iterator[Slab]:
+def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, names: Sequence[str]) -> Iterator[Slab]:
     """Give the time series of the complete runs; a SweepError tells of those that cannot be joined."""
     places = {job: place for place, job in np.ndenumerate(dataset["job"].values)}
     complete = [run for run in runs if run.status is Status.COMPLETE]
     if not complete:
-        raise SweepError(
-            "There is no complete run; there must be one for time series. Leave out --series."
-        )
+        raise SweepError("There is no complete run; there must be one for time series. Leave out --series.")
     first: NDArray[Any] | None = None
     for run in complete:
         try:

@@ -41,10 +41,7 @@ REASONS: Final = {
 """Reasons that need no run to tell them."""
 
 _ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
-    **{
-        k: {"units": m.units, "symbol": m.symbol, "long_name": m.meaning}
-        for k, m in METRICS.items()
-    },
+    **{k: {"units": m.units, "symbol": m.symbol, "long_name": m.meaning} for k, m in METRICS.items()},
     **{f"{name}_series": cf_attributes(variable) for name, variable in SERIES.items()},
     "status": {
         "long_name": "what became of the run",
@@ -114,11 +111,7 @@ def dataset_of(
     status, time = columns["status"], columns.get("time", np.empty(0))
     if time.size:
         coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
-    found = {
-        name: variable(_ATTRIBUTES[name], values)
-        for name, values in columns.items()
-        if name != "time"
-    }
+    found = {name: variable(_ATTRIBUTES[name], values) for name, values in columns.items() if name != "time"}
     every = {
         "Conventions": "CF-1.11",
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
@@ -183,13 +176,9 @@ def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
         cell = dataset.isel(dict(zip(status.dims, place, strict=True)))
         point = ", ".join(f"{key}={text_of(value.item())}" for key, value in cell.coords.items())
         name = cell["job"].item() if "job" in cell else point
-        lines.append(
-            f"{name}: {Status(cell['status'].item()).name.lower()}. {cell['reason'].item()}"
-        )
+        lines.append(f"{name}: {Status(cell['status'].item()).name.lower()}. {cell['reason'].item()}")
     if len(told) > most:
-        lines.append(
-            f"... and {len(told) - most} more: `status` and `reason` in the file tell of each."
-        )
+        lines.append(f"... and {len(told) - most} more: `status` and `reason` in the file tell of each.")
     sizes = " x ".join(f"{name} {size}" for name, size in dataset.sizes.items())
     return "\n".join([*lines, f"Collected in {path}: {sizes}."])
 

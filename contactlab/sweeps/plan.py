@@ -29,8 +29,7 @@ CHUNK: Final = 1000
 """Runs in a chunk where nothing is said: seconds of work. And chunks: clusters take about so many tasks."""
 
 NOTHING: Final = (
-    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no "
-    "sweep."
+    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
 )
 
 MOST_JOBS: Final = 100_000
@@ -235,9 +234,7 @@ def with_key(configuration: Configuration, key: str, value: Value) -> Configurat
     return {**configuration, first: with_key(inner, rest, value) if rest else value}
 
 
-def _faults_of(
-    columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs
-) -> Iterator[str]:
+def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:
     """Say what can be no sweep at all."""
     for key, column in columns.items():
         if not len(column):

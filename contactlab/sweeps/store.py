@@ -168,9 +168,7 @@ class Store:
                 column[cells.start : cells.stop] = answers[name]
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         configuration = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
-        dataset = dataset_of(
-            plan.axes, columns, {"configuration": configuration}, samples=plan.samples
-        )
+        dataset = dataset_of(plan.axes, columns, {"configuration": configuration}, samples=plan.samples)
         path = self.path / (DATASET if whole else UNFINISHED)
         with whole_netcdf(path) as partial:
             write(dataset, partial, plan.outputs.series, lambda: self._slabs(chunks))

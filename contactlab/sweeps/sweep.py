@@ -125,9 +125,7 @@ def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
         )
 
 
-def _setup(
-    plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int
-) -> Setup:
+def _setup(plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int) -> Setup:
     """Make what runs in a cell by functions of its values."""
     point = plan.point(cell)
     return setup_of(motor(**point), law(**point) if callable(law) else law, solver)

@@ -100,9 +100,7 @@ def _stepped(line: str, key: str, parts: list[str], units: str) -> list[Value]:
     ends = [*(["0"] if len(parts) == 1 else []), *parts, "1"][:3]
     start, stop, step = (Decimal(repr(_number(key, end, units))) for end in ends)
     if not all(end.is_finite() for end in (start, stop, step)) or not step:
-        raise SweepError(
-            f"{line} does not end; START, STOP and STEP must be finite and STEP not 0."
-        )
+        raise SweepError(f"{line} does not end; START, STOP and STEP must be finite and STEP not 0.")
     steps = (stop - start) / step
     # Whoever sorts a range may have added and subtracted floats before.
     whole = abs(steps - round(steps)) < Decimal("1e-9")

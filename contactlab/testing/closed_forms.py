@@ -99,10 +99,7 @@ def modal_impacts(seed: int = 1) -> Claims:
     d_nn, d_nt, d_tt = g_n @ g_n, g_n @ g_t, g_t @ g_t + radius**2 / rotor.inertia
     touch = first(run(motor, LagrangeStick(0.0), 1e-8, INSTANT), "start_time")
     for law, e in rigid_laws(0.0, 0.6):
-        made, words = (
-            run(motor, law, touch + INSTANT, INSTANT),
-            f"modal impact, e = {e:g}, {law.name}",
-        )
+        made, words = (run(motor, law, touch + INSTANT, INSTANT), f"modal impact, e = {e:g}, {law.name}")
         speed = first(made, "approach_velocity")
         impulse, loss = -(1.0 + e) * speed / d_nn, 0.5 * (1.0 - e * e) * speed**2 / d_nn
         yield close(f"{words}: impulse", first(made, "normal_impulse"), impulse, 1e-6, "N s")
@@ -159,10 +156,7 @@ def stops(mu: float = 0.2, velocity: float = 0.5, stiffness: float = 400.0) -> C
         yield close(f"{words}: way until it stops", gone[-1], far, error, "m")
         yield at_most(f"{words}: creep after it", crept, 1e-15 * far, "m")
 
-        motor, words = (
-            resting(height=height, way=start, stiffness=stiffness),
-            f"oscillator, {law.name}",
-        )
+        motor, words = (resting(height=height, way=start, stiffness=stiffness), f"oscillator, {law.name}")
         cycle, made = (run(motor, law, halves * half, 1e-5) for halves in (2.0, 6.0))
         passed, left = (way_of(each.series["tip_slope"])[-1] for each in (cycle, made))
         yield close(f"{words}: decay in a cycle", start - passed, 4.0 * dead, error, "m")

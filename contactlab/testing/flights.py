@@ -90,8 +90,7 @@ class Flight:
         step = duration / (side * side - 1)
         # exp(r (i side + j) step) is a product, so that a grid of n points takes 2 sqrt(n) exponentials.
         coarse, fine = (
-            np.exp(np.multiply.outer(size * np.arange(side), self.exponents))
-            for size in (step * side, step)
+            np.exp(np.multiply.outer(size * np.arange(side), self.exponents)) for size in (step * side, step)
         )
         gap, rate = self._gap_and_rate((coarse[:, None] * fine).reshape(side * side, -1))
         rate[0] = 0.0

@@ -144,8 +144,7 @@ def rigid_case_a() -> Claims:
     """The rigid laws, extrapolated from two steps; the impact's force is its impulse over the step."""
     steps = ((LagrangeStick(0.3), 5e-8), (LagrangeSlip(0.3), 2e-8))
     (coarse, fine), (slipping, finest) = (
-        [run(paper_motor(), law, CASE_A_DURATION, size) for size in (step, 0.5 * step)]
-        for law, step in steps
+        [run(paper_motor(), law, CASE_A_DURATION, size) for size in (step, 0.5 * step)] for law, step in steps
     )
     for name, (value, left, units) in RIGID_CASE_A.items():
         found = 2.0 * _measure(fine, name) - _measure(coarse, name)

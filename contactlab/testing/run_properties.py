@@ -80,9 +80,7 @@ def stick_is_exact(bench: Bench) -> Claims:
         forces = ((float(d), law.force(-d, 0.0, 0.0, 0.0, row)[0]) for d in depths)
         depth, weight = next((pair for pair in forces if pair[1] > 1e-3), (0.0, 0.0))
         if weight == 0.0:
-            raise RuntimeError(
-                f"{law.name}: its normal force carries no weight at any penetration."
-            )
+            raise RuntimeError(f"{law.name}: its normal force carries no weight at any penetration.")
     push = 0.4 * law.friction_limit * weight
     motor = block(MASS, height=-depth, weight=weight, push=push)
     # An interval that no number of steps fills, or a chatter of two steps could hide in it.

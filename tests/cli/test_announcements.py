@@ -83,11 +83,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
     ],
 )
 def test_work_that_will_take_long_says_so_once(
-    clock: Callable[[float], None],
-    capsys: pytest.CaptureFixture[str],
-    spent: float,
-    done: float,
-    words: str,
+    clock: Callable[[float], None], capsys: pytest.CaptureFixture[str], spent: float, done: float, words: str
 ) -> None:
     with terminal.progress(10.0, "s", "The run") as show:
         # Before the first of it there is the compiler, whose time is no measure.

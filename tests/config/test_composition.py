@@ -17,9 +17,7 @@ from contactlab.laws import law_class
 
 def test_overrides_compose_what_the_files_and_declarations_say() -> None:
     assert compose() == composed()
-    assert compose(["law=newton", "placement=placement_1"]) == composed(
-        law="newton", placement="placement_1"
-    )
+    assert compose(["law=newton", "placement=placement_1"]) == composed(law="newton", placement="placement_1")
 
 
 def test_a_setup_is_built_from_overrides_from_a_mapping_or_from_nothing() -> None:
@@ -45,10 +43,7 @@ def test_a_text_is_no_list_of_overrides() -> None:
         ("law.stifness=1", "law.stifness is not a known key. Did you mean law.stiffness?"),
         ("um", "um cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."),
         ("solver.duration=[1", "solver.duration=[1 cannot be read; "),
-        (
-            "solver.duration=1,2",
-            "solver.duration=1,2 gives several values; a single run takes one.",
-        ),
+        ("solver.duration=1,2", "solver.duration=1,2 gives several values; a single run takes one."),
         ("law=null", "law=null names no option; it must have the form GROUP=OPTION."),
         ("rotor.inertia=${nothing}", "Correct the reference in ${...}."),
     ],

@@ -23,9 +23,7 @@ def ran(motor: Motor, law: ContactLaw, interval: float = 1e-5, **given: float) -
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-5, 5e-3], ids=["fine", "usual", "none"])
-def test_a_law_that_keeps_a_loss_to_itself_is_unbalanced_at_any_record_interval(
-    interval: float,
-) -> None:
+def test_a_law_that_keeps_a_loss_to_itself_is_unbalanced_at_any_record_interval(interval: float) -> None:
     trajectory = ran(case_a(), Unledgered(), interval)
     assert trajectory.ending is Ending.UNBALANCED
     assert trajectory.ending.reached_end
@@ -53,9 +51,7 @@ def test_ending_and_metric_judge_by_the_same_scale(law: ContactLaw) -> None:
         energy = sum(series[f"{kind}_energy"][0] for kind in ("kinetic", "strain", "contact"))
         works = [float(np.abs(series[f"{kind}_work"]).max()) for kind in ("drive", "load")]
         share = openness(float(np.abs(series["energy_residual"]).max()), *works, float(energy))
-        assert assess(to_datatree(trajectory, {}))["energy_residual"] == pytest.approx(
-            share, rel=1e-6
-        )
+        assert assess(to_datatree(trajectory, {}))["energy_residual"] == pytest.approx(share, rel=1e-6)
         assert trajectory.complete == (share <= LEDGER_LIMIT)
 
 

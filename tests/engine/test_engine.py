@@ -95,9 +95,7 @@ def test_a_shorter_run_is_the_beginning_of_a_longer_one(law: ContactLaw) -> None
         assert np.array_equal(short.series[name][:-1], long.series[name][:100]), name
     count = len(short.contacts["start_time"]) - 1
     assert count > 0
-    assert np.array_equal(
-        short.contacts["normal_impulse"][:count], long.contacts["normal_impulse"][:count]
-    )
+    assert np.array_equal(short.contacts["normal_impulse"][:count], long.contacts["normal_impulse"][:count])
 
 
 @laws
@@ -178,9 +176,7 @@ def test_load_torque_turns_the_free_rotor_with_constant_acceleration() -> None:
 @pytest.mark.parametrize("damping", [1e-6, 1e-3, 5.0])
 def test_damping_slows_the_free_rotor_exponentially(damping: float) -> None:
     torque, start, inertia = 1e-3, -0.7, 4.8e-5
-    motor = default_motor(
-        clearance=1e-3, rotor_damping=damping, load_torque=torque, initial_velocity=start
-    )
+    motor = default_motor(clearance=1e-3, rotor_damping=damping, load_torque=torque, initial_velocity=start)
     trajectory = run(motor, hertz(), 5e-3)
     settled = -torque / damping
     decayed = np.expm1(-damping / inertia * trajectory.time)
@@ -224,9 +220,7 @@ def crowded(clearance: float) -> Motor:
         tip_slope=np.append(few.tip_slope, few.tip_slope[1] * weak),
         shape_coupling=few.shape_coupling,
     )
-    phasors = np.array([60.0, 60.0, 20.0, 20.0, 20.0, 20.0]) * np.exp(
-        1j * np.arange(12.0).reshape(2, 6)
-    )
+    phasors = np.array([60.0, 60.0, 20.0, 20.0, 20.0, 20.0]) * np.exp(1j * np.arange(12.0).reshape(2, 6))
     frequencies = 3210.0 * np.array([1.0, 2.0, 0.5, 1.5, 3.0, 2.5])
     return replace(motor, modes=modes, drive=Drive(frequencies, phasors))
 
@@ -263,9 +257,7 @@ def test_what_ran_before_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None
         given = {"duration": 1e-3, "record_interval": 1e-3, "contact_step": step}
         return final(simulate(default_motor(**change), law, **given), "rotor_angle")
 
-    cases = [
-        (law, step, change) for law in every_law() for step in (1e-7, 2e-7) for change in changes
-    ]
+    cases = [(law, step, change) for law in every_law() for step in (1e-7, 2e-7) for change in changes]
     shared = [angle(*case) for case in cases]
     for case, expected in zip(cases, shared, strict=True):
         monkeypatch.setattr(WORKSPACE, Workspace())

@@ -9,9 +9,7 @@ from contactlab.trajectory import Trajectory
 
 Law = type[Newton] | type[Poisson] | type[Stronge] | type[MoreauJean]
 
-all_laws = pytest.mark.parametrize(
-    "law", [Newton, Poisson, Stronge, MoreauJean], ids=lambda law: law.name
-)
+all_laws = pytest.mark.parametrize("law", [Newton, Poisson, Stronge, MoreauJean], ids=lambda law: law.name)
 
 
 @pytest.mark.parametrize("law", [Newton, Poisson, Stronge], ids=lambda law: law.name)

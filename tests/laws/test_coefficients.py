@@ -8,14 +8,7 @@ import pytest
 
 from contactlab.compiled import kernel
 from contactlab.engine.simulation import take_in
-from contactlab.laws import (
-    FRICTION_COEFFICIENT,
-    Composed,
-    Friction,
-    LawError,
-    NormalForce,
-    Parameter,
-)
+from contactlab.laws import FRICTION_COEFFICIENT, Composed, Friction, LawError, NormalForce, Parameter
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
 from contactlab.testing.contract import check

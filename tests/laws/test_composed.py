@@ -10,22 +10,9 @@ from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty
 from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
-from contactlab.laws.damping import (
-    Flores,
-    HuntCrossley,
-    LankaraniNikravesh,
-    LinearDamping,
-    loss_number,
-)
+from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, LinearDamping, loss_number
 from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
-from contactlab.laws.normal import (
-    NORMAL_FORCES,
-    HertzElliptic,
-    HertzPoint,
-    Line,
-    Linear,
-    approach_factor,
-)
+from contactlab.laws.normal import NORMAL_FORCES, HertzElliptic, HertzPoint, Line, Linear, approach_factor
 from contactlab.testing.plants import block, paper_motor, run, way_of
 from contactlab.trajectory import Trajectory
 
@@ -218,11 +205,7 @@ def test_elasto_plastic_friction_does_not_drift_where_lugre_does() -> None:
     """Dupont et al. (2002): a load that swings inside the cone moves LuGre's block for ever."""
     weight, mu = 10.0, 0.3
     ways = []
-    for friction in (
-        LuGre(mu, bristle_stiffness=1e5),
-        ElastoPlastic(mu, bristle_stiffness=1e5),
-        Coulomb(mu),
-    ):
+    for friction in (LuGre(mu, bristle_stiffness=1e5), ElastoPlastic(mu, bristle_stiffness=1e5), Coulomb(mu)):
         motor = block(
             1e-3,
             height=-weight / 1e7,

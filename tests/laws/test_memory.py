@@ -51,12 +51,7 @@ def test_every_touch_down_begins_without_memory(friction: Friction) -> None:
     rate = 2.0 * np.pi * 40.0
 
     def thrown(velocity: float) -> dict[str, np.ndarray]:
-        motor = block(
-            mass,
-            gap_rate=-speed,
-            velocity=velocity,
-            normal_stiffness=mass * rate**2,
-        )
+        motor = block(mass, gap_rate=-speed, velocity=velocity, normal_stiffness=mass * rate**2)
         return run(motor, law, 0.03, 1e-6).contacts
 
     contacts = thrown(0.02)

@@ -81,14 +81,10 @@ def forget() -> None:
 
 
 def same(first: Trajectory, second: Trajectory) -> bool:
-    return all(
-        np.array_equal(first.series[k], second.series[k], equal_nan=True) for k in first.series
-    )
+    return all(np.array_equal(first.series[k], second.series[k], equal_nan=True) for k in first.series)
 
 
-def test_a_plain_function_is_compiled_without_a_word(
-    run_of: Runs, motor: Motor, capsys: Told
-) -> None:
+def test_a_plain_function_is_compiled_without_a_word(run_of: Runs, motor: Motor, capsys: Told) -> None:
     run(motor, HertzPenalty())
     capsys.readouterr()
     found = run_of(plain)
@@ -97,9 +93,7 @@ def test_a_plain_function_is_compiled_without_a_word(
     assert capsys.readouterr().err == ""
 
 
-def test_what_cannot_be_compiled_runs_the_same_and_says_once_how_slowly(
-    run_of: Runs, capsys: Told
-) -> None:
+def test_what_cannot_be_compiled_runs_the_same_and_says_once_how_slowly(run_of: Runs, capsys: Told) -> None:
     forget()
     compiled = run_of(plain)
     capsys.readouterr()
@@ -260,9 +254,7 @@ def test_a_constant_that_is_changed_while_the_program_runs_counts(
     assert 1.5 < peaks[1] / peaks[0] < 2.5
 
 
-def test_a_kernel_with_signatures_of_its_own_is_compiled_for_the_engine(
-    run_of: Runs, capsys: Told
-) -> None:
+def test_a_kernel_with_signatures_of_its_own_is_compiled_for_the_engine(run_of: Runs, capsys: Told) -> None:
     run_of(plain)
     capsys.readouterr()
     eager = njit("UniTuple(f8, 4)(f8, f8, f8, f8, f8[::1])", error_model="numpy")(plain)

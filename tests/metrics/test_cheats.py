@@ -111,12 +111,7 @@ class Drifting(MultiplierLaw):
         )
 
 
-CHEATS = {
-    "normal_gain": Pump(),
-    "tension": Pulling(),
-    "cone_excess": Reaching(),
-    "stick_slip": Drifting(),
-}
+CHEATS = {"normal_gain": Pump(), "tension": Pulling(), "cone_excess": Reaching(), "stick_slip": Drifting()}
 
 
 STICKING = {"rotor": {"initial_velocity": -2.0, "load_torque": -5e-3}}

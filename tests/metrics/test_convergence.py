@@ -7,13 +7,7 @@ import pytest
 import xarray
 from support.configurations import case_a_tree
 
-from contactlab.metrics import (
-    NOT_APPLICABLE,
-    SENSITIVITIES,
-    STEP_METRICS,
-    assess_steps,
-    assess_variants,
-)
+from contactlab.metrics import NOT_APPLICABLE, SENSITIVITIES, STEP_METRICS, assess_steps, assess_variants
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
 

@@ -190,10 +190,7 @@ def test_what_is_of_the_wrong_kind_is_refused(make: Make, words: str) -> None:
             "Rotor: inertia is 0.0 kg m^2; it must be greater than 0 kg m^2. The default is",
         ),
         (lambda: Rotor(damping=np.nan), "Rotor: damping is nan; it must be finite"),
-        (
-            lambda: ContactGeometry(rotor_radius=-1.0),
-            "rotor_radius is -1.0 m; it must be greater than 0 m",
-        ),
+        (lambda: ContactGeometry(rotor_radius=-1.0), "rotor_radius is -1.0 m; it must be greater than 0 m"),
     ],
 )
 def test_what_has_the_wrong_shape_or_range_is_refused(make: Make, words: str) -> None:

@@ -142,15 +142,10 @@ def loaded() -> FunctionType:
         ("pack/late.py", "4.0", "4.1"),
         ("pack/constants.py", "1.0", "1.1"),
         ("pack/lookup.py", "[1.0, 2.0]", "[1.0, 2.1]"),
-        *(
-            ("pack/lookup.py", f" {number}.0", f" {number}.25")
-            for number in (1, 2, 3, 4, 5, 6, 7, 8)
-        ),
+        *(("pack/lookup.py", f" {number}.0", f" {number}.25") for number in (1, 2, 3, 4, 5, 6, 7, 8)),
     ],
 )
-def test_it_changes_with_all_that_is_called_and_read(
-    folder: Path, file: str, old: str, new: str
-) -> None:
+def test_it_changes_with_all_that_is_called_and_read(folder: Path, file: str, old: str, new: str) -> None:
     before = Fingerprint(loaded())
     sources = before.sources()
     text = (folder / file).read_text()

@@ -186,9 +186,7 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell(workers: int) -> None
         ({"series": ["gap"]}, "Give a record_interval"),
     ],
 )
-def test_what_cannot_be_kept_is_refused_in_a_sentence(
-    changes: dict[str, list[str]], words: str
-) -> None:
+def test_what_cannot_be_kept_is_refused_in_a_sentence(changes: dict[str, list[str]], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         swept(hertz(), **changes)
 
@@ -210,10 +208,7 @@ def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> Non
         xarray.testing.assert_equal(commanded, found)
         assert commanded["clearance"].attrs == found["clearance"].attrs
         assert commanded["clearance"].attrs["key"] == "contact.clearance"
-        assert (
-            "clearance" in commanded["clearance"].attrs["long_name"]
-            or commanded["clearance"].units == "m"
-        )
+        assert "clearance" in commanded["clearance"].attrs["long_name"] or commanded["clearance"].units == "m"
     stored = sweep(given, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
     xarray.testing.assert_equal(stored, found)
 

@@ -59,14 +59,8 @@ def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
                 assert str(cell["reason"].values) == ""
 
 
-def test_what_is_not_complete_is_missing_with_a_reason(
-    command: Command, simulations: Simulations
-) -> None:
-    simulations.endings = {
-        2.0: RuntimeError("no luck"),
-        3.0: Ending.CHATTERED,
-        4.0: Ending.INTERRUPTED,
-    }
+def test_what_is_not_complete_is_missing_with_a_reason(command: Command, simulations: Simulations) -> None:
+    simulations.endings = {2.0: RuntimeError("no luck"), 3.0: Ending.CHATTERED, 4.0: Ending.INTERRUPTED}
     values = "contact.clearance=1e-6,2e-6,3e-6,4e-6,5e-6"
     assert command("-m", values, *QUICK)[0] == 130
     found = collect("sweep")
@@ -139,9 +133,7 @@ def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Sim
 def test_a_sweep_that_was_extended_is_one_grid_with_the_empty_cells_told(
     command: Command, simulations: Simulations
 ) -> None:
-    assert (
-        command("-m", "law=hertz_penalty,lagrange_stick", "contact.clearance=1e-6", *QUICK)[0] == 0
-    )
+    assert command("-m", "law=hertz_penalty,lagrange_stick", "contact.clearance=1e-6", *QUICK)[0] == 0
     assert command("-m", "law=hertz_penalty", "contact.clearance=2e-6,3e-6", *QUICK)[0] == 0
     found = collect("sweep")
     assert found.sizes == {"law": 2, "clearance": 3}
@@ -171,20 +163,14 @@ def test_points_that_form_no_grid_are_a_list_with_all_parameters(
         assert command("-m", *lines, *QUICK)[0] == 0
     with xarray.open_dataset("sweep/sweep.nc") as found:
         assert found.sizes == {"run": 4}
-        pairs = zip(
-            found["clearance"].values,
-            found["friction_coefficient"].values,
-            strict=True,
-        )
+        pairs = zip(found["clearance"].values, found["friction_coefficient"].values, strict=True)
         assert list(pairs) == [(float(f"{c}e-6"), mu) for c, mu in points]
         assert found["friction_coefficient"].attrs["units"] == "1"
         for n, (clearance, _) in enumerate(points):
             assert f"clearance={clearance}" in str(found["job"][n].values)
 
 
-def test_parameters_of_one_law_are_missing_in_the_others(
-    command: Command, simulations: Simulations
-) -> None:
+def test_parameters_of_one_law_are_missing_in_the_others(command: Command, simulations: Simulations) -> None:
     assert command("-m", "law=lagrange_stick", *QUICK)[0] == 0
     assert command("-m", "law=hertz_penalty", "law.stiffness=1e10,2e10", *QUICK)[0] == 0
     found = collect("sweep")
@@ -274,10 +260,7 @@ def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simul
     [
         (["nowhere"], "'nowhere' is not there; it must be a folder of runs."),
         (["."], "holds no run, nor does a folder below it"),
-        (
-            ["sweep", "--series", "speed"],
-            "There is no series 'speed'; it must be one of tip_normal",
-        ),
+        (["sweep", "--series", "speed"], "There is no series 'speed'; it must be one of tip_normal"),
         (["sweep", "--series", "gap"], "for time series they must be the same"),
         (["sweep", "--output", "nowhere/all.nc"], "its folder does not exist; create it first"),
     ],

@@ -95,9 +95,7 @@ def test_two_processes_leave_the_same_bits_and_status_as_one(command: Command) -
 
 @needs_signals
 @pytest.mark.parametrize("whole_group", [True, False], ids=["terminal", "command_alone"])
-def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(
-    tmp_path: Path, whole_group: bool
-) -> None:
+def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(tmp_path: Path, whole_group: bool) -> None:
     with endless_sweep(tmp_path) as (process, children):
         assert len(children) >= 2
         (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
@@ -148,10 +146,7 @@ def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
 
 
 def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> None:
-    swept = [
-        *METRICS_ALONE,
-        *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms"),
-    ]
+    swept = [*METRICS_ALONE, *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms")]
     assert command(*swept, "hydra.sweep.dir=one")[0] == 0
     # In a process of its own, with which its workers end.
     two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "hydra.sweep.dir=two"]

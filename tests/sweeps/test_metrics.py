@@ -54,11 +54,7 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
             setup = build(with_key(changed, "drive.phase", float(phase)))
             assert setup.law.name == "lagrange_stick"
             run = simulate(
-                setup.motor,
-                setup.law,
-                duration=1e-3,
-                record_interval=1e-3,
-                contact_step=setup.contact_step,
+                setup.motor, setup.law, duration=1e-3, record_interval=1e-3, contact_step=setup.contact_step
             )
             cell = found.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
@@ -76,9 +72,7 @@ def test_a_sweep_is_the_sweep_of_single_runs_in_one_file(command: Command) -> No
         assert found["final_rotor_velocity"].sel(law=law) == alone
 
 
-def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
-    tmp_path: Path,
-) -> None:
+def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(tmp_path: Path) -> None:
     arguments = [
         *(sys.executable, "-m", "contactlab", *METRICS_ALONE, "sweep.chunk=40", "sweep.workers=2"),
         *("contact.clearance=linspace(0,2e-6,20)", "drive.phase=linspace(-3,3,20)", SHORT),
@@ -213,11 +207,7 @@ def test_what_is_finished_of_a_sweep_can_be_collected(command: Command) -> None:
     assert f"Collected in {Path('here') / UNFINISHED}" in out
     assert not (Path("here") / DATASET).exists()
     part = opened(Path("here"), UNFINISHED)
-    assert [Status(code) for code in part["status"].values] == [
-        Status.ABSENT,
-        Status.COMPLETE,
-        Status.ABSENT,
-    ]
+    assert [Status(code) for code in part["status"].values] == [Status.ABSENT, Status.COMPLETE, Status.ABSENT]
     assert part["peak_force"][1] == whole["peak_force"][1]
     assert part.attrs["complete"] == 0
     assert command(*arguments)[0] == 0

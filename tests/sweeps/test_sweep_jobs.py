@@ -20,9 +20,7 @@ from contactlab.trajectory import Ending
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
 
-def test_a_sweep_run_again_skips_all_and_says_so(
-    command: Command, simulations: Simulations
-) -> None:
+def test_a_sweep_run_again_skips_all_and_says_so(command: Command, simulations: Simulations) -> None:
     status, out, err = command(*THREE)
     assert status == 0, err
     assert "3 runs: 3 are new: these run." in out
@@ -35,9 +33,7 @@ def test_a_sweep_run_again_skips_all_and_says_so(
     assert {path: path.stat().st_mtime_ns for path in Path("sweep").glob("*/*")} == runs
 
 
-def test_what_failed_is_run_again_and_the_others_are_not(
-    command: Command, simulations: Simulations
-) -> None:
+def test_what_failed_is_run_again_and_the_others_are_not(command: Command, simulations: Simulations) -> None:
     simulations.endings = {2.0: RuntimeError("no luck"), 3.0: Ending.DIVERGED}
     status, out, err = command(*THREE)
     assert status == 1
@@ -60,9 +56,7 @@ def test_what_failed_is_run_again_and_the_others_are_not(
     }  # fmt: skip
 
 
-def test_a_sweep_with_more_values_runs_those_alone(
-    command: Command, simulations: Simulations
-) -> None:
+def test_a_sweep_with_more_values_runs_those_alone(command: Command, simulations: Simulations) -> None:
     assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
     status, out, _ = command("-m", "contact.clearance=2e-6,1e-6,0.5e-6", *QUICK)
     assert status == 0
@@ -125,15 +119,11 @@ def test_a_run_that_was_killed_is_run_again(
     long_run = ["-m", "contact.clearance=1e-6,2e-6", "solver.duration=1e4", "record.interval=1e-2"]
     place = tmp_path / folder("1e-06", "record.interval=1e-2", "solver.duration=1e4")
     process = subprocess.Popen(
-        [sys.executable, "-m", "contactlab", *long_run, *QUICK],
-        cwd=tmp_path,
-        stdout=subprocess.DEVNULL,
+        [sys.executable, "-m", "contactlab", *long_run, *QUICK], cwd=tmp_path, stdout=subprocess.DEVNULL
     )
     patience = time.monotonic() + 60.0
     # Until then it is absent.
-    while process.poll() is None and not (
-        (left := state.read_state(place)) and left.state == "running"
-    ):
+    while process.poll() is None and not ((left := state.read_state(place)) and left.state == "running"):
         assert time.monotonic() < patience
         time.sleep(0.02)
     process.kill()
@@ -146,9 +136,7 @@ def test_a_run_that_was_killed_is_run_again(
     assert state_of(place)["state"] == "complete"
 
 
-def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(
-    command: Command, simulations: Simulations
-) -> None:
+def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(command: Command, simulations: Simulations) -> None:
     simulations.endings = {2.0: Ending.INTERRUPTED}
     assert command(*THREE)[0] == 130
     assert not Path("sweep/sweep.nc").exists()
@@ -230,9 +218,7 @@ def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
         assert left.job == job
 
 
-def test_no_picture_is_drawn_where_none_is_wanted(
-    command: Command, simulations: Simulations
-) -> None:
+def test_no_picture_is_drawn_where_none_is_wanted(command: Command, simulations: Simulations) -> None:
     for wanted in (True, False):
         status, out, err = command(f"record.picture={wanted}", f"hydra.run.dir=drawn_{wanted}")
         assert status == 0, err

@@ -177,17 +177,13 @@ def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
 
 
 def reverses(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
-    _, p_t, mode = stick_or_slip_impulse(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
-    )
+    _, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
     # The approach is stopped none the less.
     return max(-(normal_rate - 0.5 * d_nt * p_t) / d_nn, 0.0), -0.5 * p_t, mode
 
 
 def sinks(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
-    p_n, p_t, mode = stick_or_slip_impulse(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
-    )
+    p_n, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
     return 0.9 * p_n, 0.9 * p_t, mode
 
 
@@ -252,12 +248,8 @@ def holds_what_opens(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d
     return abs(normal_rate) / d_nn, 0.0, SLIP
 
 
-def answers_opening_with_no_number(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
-):
-    p_n, p_t, mode = stick_or_slip_impulse(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p
-    )
+def answers_opening_with_no_number(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+    p_n, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
     return p_n, p_t if normal_rate < 0.0 else np.nan, mode
 
 
