@@ -28,9 +28,16 @@ _KNOWN: Final = {_PACKAGE, "numpy", "numba", "llvmlite", "scipy", *sys.stdlib_mo
 _PLAIN: Final = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis))
 
 _NOT_OF_A_CLASS: Final = {
-    *("__dict__", "__weakref__", "__module__", "__firstlineno__", "__static_attributes__"),
+    "__dict__",
+    "__weakref__",
+    "__module__",
+    "__firstlineno__",
+    "__static_attributes__",
     # What fields are declared to be changes no number; the source that declares them is in `sources`.
-    *("__annotations__", "__annotate__", "__dataclass_fields__", "__dataclass_params__"),
+    "__annotations__",
+    "__annotate__",
+    "__dataclass_fields__",
+    "__dataclass_params__",
 }
 
 

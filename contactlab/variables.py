@@ -59,12 +59,18 @@ CONTACT_MODE: Final = Variable(
 
 RESONATOR: Final = (
     Variable(
-        *("natural_frequency", ("mode",), "Hz", "f"),
+        "natural_frequency",
+        ("mode",),
+        "Hz",
+        "f",
         "undamped natural frequency; pseudo-modes of a static correction come last",
     ),
     Variable("damping_ratio", ("mode",), "1", "zeta", "damping ratio"),
     Variable(
-        *("electromechanical_coupling", ("shape", "electrode"), "N V-1", "Gamma"),
+        "electromechanical_coupling",
+        ("shape", "electrode"),
+        "N V-1",
+        "Gamma",
         "generalised force per voltage on a shape psi of int psi^2 dx = L: beam shapes (ritz) or "
         "modes (finite_element); electrode 0 is the patch set as placed, 1 its mirror",
     ),
@@ -81,7 +87,9 @@ CONTACTS: Final = _along(
     ("max_penetration", "m", "d_max", "largest penetration"),
     ("approach_velocity", "m s-1", "g_dot_0", "gap rate at touch-down, negative"),
     (
-        *("separation_velocity", "m s-1", "g_dot_1"),
+        "separation_velocity",
+        "m s-1",
+        "g_dot_1",
         "gap rate at release; missing for a contact that the end of the run cut",
     ),
     ("energy_loss", "J", "W", "friction and contact loss during the contact"),

@@ -18,14 +18,30 @@ VERBS = {
 """What each verb does. Its work is `main(arguments)` in the module of its name beside this one."""
 
 _VALUED = {
-    *("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn"),
-    *("--config-dir", "-cd", "--experimental-rerun", "--info", "-i"),
+    "--cfg",
+    "-c",
+    "--package",
+    "-p",
+    "--config-path",
+    "-cp",
+    "--config-name",
+    "-cn",
+    "--config-dir",
+    "-cd",
+    "--experimental-rerun",
+    "--info",
+    "-i",
 }
 """Hydra's flags that take a value; that of `--info` may be left out."""
 
 _LONG_FLAGS = {
     *(flag for flag in _VALUED if flag.startswith("--")),
-    *("--help", "--hydra-help", "--version", "--resolve", "--run", "--multirun"),
+    "--help",
+    "--hydra-help",
+    "--version",
+    "--resolve",
+    "--run",
+    "--multirun",
     "--shell-completion",
 }
 

@@ -24,7 +24,9 @@ _Names = list[str] | str | None
 _said = partial(Parameter, "", "1")
 _STEP = positive("h", "s", "largest step in contact", hint="Leave it out for that of the law.")
 _TOLERANCE = Parameter(
-    *("", "1", "relative tolerance in contact, compliant laws only"),
+    "",
+    "1",
+    "relative tolerance in contact, compliant laws only",
     at_least=1e-14,
     at_most=1e-2,
     hint="Leave it out for the solver's own default.",

@@ -42,8 +42,10 @@ NARROW: Final = 10.0 ** np.arange(-15.0, -6.0)
 
 OF_FORCE: Final = ("normal force", "friction bound", "stored energy", "normal loss")
 OF_FRICTION: Final = (
-    *("friction", "rate of the friction's memory"),
-    *("stored energy of the friction", "tangential stiffness"),
+    "friction",
+    "rate of the friction's memory",
+    "stored energy of the friction",
+    "tangential stiffness",
 )
 FORCES: Final = {*OF_FORCE[:2], OF_FRICTION[0]}
 

@@ -30,10 +30,7 @@ GROUP = "contactlab.laws"
 
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
-    for law in (
-        *(Composed, HertzPenalty, LagrangeSlip, LagrangeStick),
-        *(MoreauJean, Newton, Poisson, Stronge),
-    )
+    for law in (Composed, HertzPenalty, LagrangeSlip, LagrangeStick, MoreauJean, Newton, Poisson, Stronge)
 }
 """The package's own laws."""
 
