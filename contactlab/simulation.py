@@ -10,7 +10,6 @@ import xarray
 
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.engine import simulate as trajectory_of
 from contactlab.engine.arguments import check_kinds, default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
@@ -186,16 +185,7 @@ def simulate(
         setup = _changed(motor, given)
     else:
         setup = setup_of(motor, law, given)
-    trajectory = trajectory_of(
-        setup.motor,
-        setup.law,
-        duration=setup.duration,
-        record_interval=setup.record_interval,
-        contact_step=setup.contact_step,
-        tolerance=setup.tolerance,
-        progress=progress,
-        start=None if start is None else start.state,
-    )
+    trajectory = setup.run(progress=progress, start=None if start is None else start.state)
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 
 

@@ -23,7 +23,6 @@ from time import perf_counter
 import numpy as np
 
 from contactlab.config import Setup
-from contactlab.engine import simulate
 from contactlab.sweeps.batch import Batch, Outputs
 from contactlab.sweeps.plan import Plan, planned
 from contactlab.sweeps.sweep import ScriptComposer
@@ -57,14 +56,7 @@ def plan_with(runs: int) -> Plan:
 def bare(cells: range) -> None:
     """Run cells by the engine alone."""
     for setup in (SETUPS[cell] for cell in cells):
-        simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=setup.duration,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-        )
+        setup.run(record_interval=setup.duration)
 
 
 def in_batches(plan: Plan, repeats: int) -> list[Row]:

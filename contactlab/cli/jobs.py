@@ -9,7 +9,6 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 
-from contactlab import engine
 from contactlab.cli import terminal
 from contactlab.cli.terminal import tell
 from contactlab.config import Setup
@@ -80,15 +79,7 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
             show(time)
             look()
 
-        trajectory = engine.simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=setup.record_interval,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-            progress=report,
-        )
+        trajectory = setup.run(progress=report)
     wall_time = perf_counter() - started
     with terminal.raising():
         tree = netcdf.to_datatree(trajectory, setup.configuration)

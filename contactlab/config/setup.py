@@ -15,7 +15,7 @@ from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.arguments import default_contact_step
-from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
+from contactlab.engine.simulation import DEFAULT_TOLERANCE, simulate, take_in
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, law_class
@@ -29,6 +29,7 @@ from contactlab.motor import (
     Rotor,
     Steel,
 )
+from contactlab.trajectory import Trajectory
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
@@ -56,6 +57,11 @@ class Setup:
     contact_step: float
     tolerance: float | None
     configuration: dict[str, Any]
+
+    def run(self, **others: Any) -> Trajectory:
+        """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own."""
+        names = ("duration", "record_interval", "contact_step", "tolerance")
+        return simulate(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
 
 
 def build(configuration: Values | Sequence[str] = ()) -> Setup:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.engine import prepare, simulate
+from contactlab.engine import prepare
 from contactlab.engine.callback import is_of_a_signal
 from contactlab.laws import LawError
 from contactlab.metrics import METRICS, Run, assess
@@ -213,14 +213,7 @@ def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
     try:
         setup = setup_at(cell)
-        run = simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=setup.record_interval if outputs.sampled else setup.duration,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-        )
+        run = setup.run(record_interval=setup.record_interval if outputs.sampled else setup.duration)
         status, reason = status_of(run.ending), run.message
         if run.ending.reached_end:
             metrics = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)

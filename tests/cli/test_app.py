@@ -17,7 +17,6 @@ from support.command_line import Command, left_behind
 from support.configurations import CONF, options
 from support.synthetic import synthetic_trajectory
 
-from contactlab import engine
 from contactlab.cli import app
 from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
@@ -35,7 +34,7 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Ending | BaseException]
             message = "" if how is Ending.COMPLETE else "It ended too early."
             return dataclasses.replace(trajectory, ending=how, message=message)
 
-        monkeypatch.setattr(engine, "simulate", simulate)
+        monkeypatch.setattr("contactlab.config.setup.simulate", simulate)
 
     return replace
 

@@ -57,9 +57,7 @@ def ringing_setup(law: str, step: float | None = None) -> Setup:
 
 
 def run_of(setup: Setup) -> Trajectory:
-    found = simulate(
-        setup.motor, setup.law, duration=setup.duration, record_interval=1e-5, contact_step=setup.contact_step
-    )
+    found = setup.run(record_interval=1e-5)
     assert found.ending.reached_end, found.message
     return found
 

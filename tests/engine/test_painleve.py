@@ -98,9 +98,7 @@ def test_no_contact_of_a_point_mass_with_strong_friction_makes_energy(law: str) 
     sections["drive"] |= {"voltage_1": 600.0, "voltage_2": 600.0}
     sections["solver"] |= {"duration": 3e-3}
     setup = build(sections)
-    found = simulate(
-        setup.motor, setup.law, duration=3e-3, record_interval=1e-5, contact_step=setup.contact_step
-    )
+    found = setup.run(record_interval=1e-5)
     assert found.complete, found.message
     loss = found.contacts["energy_loss"]
     assert loss.size > 5

@@ -83,14 +83,7 @@ def configured(option: str = "hertz_penalty", /, **changes: dict[str, Any]) -> d
 def datatree(configuration: dict[str, Any]) -> xarray.DataTree:
     """A run of a configuration as the command makes it."""
     setup = build(configuration)
-    trajectory = simulate(
-        setup.motor,
-        setup.law,
-        duration=setup.duration,
-        record_interval=setup.record_interval,
-        contact_step=setup.contact_step,
-        tolerance=setup.tolerance,
-    )
+    trajectory = setup.run()
     assert trajectory.complete, trajectory.message
     return to_datatree(trajectory, setup.configuration)
 

@@ -11,7 +11,6 @@ import yaml
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
-from contactlab import engine
 from contactlab.metrics import METRICS, assess, read_run
 from contactlab.sweeps import Status, collect
 from contactlab.trajectory import Ending
@@ -23,7 +22,7 @@ GRID = ("law=lagrange_stick,hertz_penalty", "contact.clearance=2 um,1e-6,3e-6")
 def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
     # Runs that differ, so that none can stand for another.
     made = Simulations(duration=lambda clearance: 1e-3 * clearance)
-    monkeypatch.setattr(engine, "simulate", made)
+    monkeypatch.setattr("contactlab.config.setup.simulate", made)
     return made
 
 

@@ -14,7 +14,6 @@ from support.command_line import Command
 from support.sweeps import METRICS_ALONE
 
 from contactlab.config import build
-from contactlab.engine import simulate
 from contactlab.metrics import METRICS
 from contactlab.sweeps import SweepError
 from contactlab.sweeps.batch import Batch, Outputs
@@ -53,9 +52,7 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
             changed = with_key(base, "contact.clearance", float(clearance))
             setup = build(with_key(changed, "drive.phase", float(phase)))
             assert setup.law.name == "lagrange_stick"
-            run = simulate(
-                setup.motor, setup.law, duration=1e-3, record_interval=1e-3, contact_step=setup.contact_step
-            )
+            run = setup.run(duration=1e-3, record_interval=1e-3)
             cell = found.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
