@@ -16,6 +16,9 @@ from contactlab.suggestion import suggestion
 
 FAMILIES = {"normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"}
 
+Sections = dict[str, list[tuple[str, partial[str]]]]
+"""Names and what prints their paragraphs, by heading."""
+
 _wrapped = partial(
     fill,
     width=100,
@@ -39,18 +42,19 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
-    sections = {"Laws: choose one by law=NAME": {o.name: partial(_law, o) for o in origins()}}
+    # Two packages may bring a law of one name.
+    sections: Sections = {"Laws: choose one by law=NAME": [(o.name, partial(_law, o)) for o in origins()]}
     for family, table in PARTS.items():
         heading = f"{FAMILIES[family]} of a composed law: law=composed law/{family}=NAME"
-        names = {name: f"{family}/{name}" for name in table}
-        sections[heading] = {names[n]: partial(_described, part, names[n]) for n, part in table.items()}
+        parts = [(f"{family}/{name}", part) for name, part in table.items()]
+        sections[heading] = [(name, partial(_described, part, name)) for name, part in parts]
     print("\n\n".join(_chosen(sections, wanted)))
     return COMPLETE
 
 
-def _chosen(sections: dict[str, dict[str, partial[str]]], wanted: str | None) -> Iterator[str]:
+def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
     """Give the paragraphs; a part goes by its own name and by that with its family."""
-    names = [name for entries in sections.values() for name in entries]
+    names = [name for entries in sections.values() for name, _ in entries]
     known = dict.fromkeys(each for name in names for each in (name.rpartition("/")[2], name))
     if wanted is not None and wanted not in known:
         hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
@@ -58,7 +62,7 @@ def _chosen(sections: dict[str, dict[str, partial[str]]], wanted: str | None) ->
     for heading, entries in sections.items():
         if wanted is None:
             yield heading
-        for name, paragraph in entries.items():
+        for name, paragraph in entries:
             if wanted in (None, name, name.rpartition("/")[2]):
                 yield paragraph()
 
