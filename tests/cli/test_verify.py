@@ -14,6 +14,7 @@ from contactlab.testing.contract import REFERENCES
 GROUPS = "contactlab.cli.verify.all_claims"
 
 
+@pytest.mark.long
 def test_an_installed_copy_verifies_itself(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     few_flights = partial(REFERENCES["random_touchdowns"], 100)
     monkeypatch.setitem(REFERENCES, "random_touchdowns", few_flights)

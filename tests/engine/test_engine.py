@@ -225,6 +225,7 @@ def crowded(clearance: float) -> Motor:
     return replace(motor, modes=modes, drive=Drive(frequencies, phasors))
 
 
+@pytest.mark.long
 @laws
 def test_a_motor_beyond_the_usual_room_for_modes_and_tones_runs(law: ContactLaw) -> None:
     motor = crowded(1e-6)

@@ -91,6 +91,7 @@ def columns_of(found: Trajectory) -> dict[str, np.ndarray]:
     return {**found.series, **found.contacts}
 
 
+@pytest.mark.long
 def test_laws_of_both_families_give_the_same_bits_without_machine_code(tmp_path: Path) -> None:
     runs = [simulate(paper_motor(), law, duration=DURATION, record_interval=1e-6) for law in LAWS]
     (tmp_path / "script.py").write_text(SCRIPT)

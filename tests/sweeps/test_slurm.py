@@ -97,6 +97,7 @@ def test_a_command_runs_on_every_node(cluster: Cluster) -> None:
     assert sorted(answers.splitlines()) == [f"{task}: {node}" for task, node in enumerate(NODES)]
 
 
+@pytest.mark.long
 def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     cluster: Cluster, tmp_path: Path, command: Command
 ) -> None:
