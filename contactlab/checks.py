@@ -13,41 +13,35 @@ from contactlab.parameter import DeclaredField, declared_fields
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
 
-_NUMBERS = {float: "a number", int: "a whole number", bool: "True or False"}
+_NUMBERS = {float: "a number", int: "a whole number", bool: "True or False", NoneType: "None"}
 
 
 def check_fields(owner: Any, title: str = "") -> None:
-    """Refuse an object of a dataclass with a field that is of another kind or out of its range.
+    """Refuse an object of a dataclass by the fields of numbers and of classes that are not as declared.
 
-    Looks at fields of numbers and of classes; what else an annotation says is left to the owner.
-
-    Args:
-        owner: what is checked.
-        title: how sentences begin; the name of its class by default.
+    Sentences begin with the title, or the name of the class.
 
     Raises:
         TypeError: with a sentence for each field that is of another kind.
         ValueError: with a sentence for each number that is not finite or out of its range.
     """
-    kind: type = type(owner)
-    title = title or kind.__name__
-    suspects = [
-        (name, value, declared)
-        for name, declared in _checked(kind).items()
-        if not declared.is_sound_float(value := getattr(owner, name))
-    ]
-    wrong = [
-        f"{title}: {name} is {shown(value)}; it must be {_expected(declared.kinds)}.{_way_out(value)}"
-        for name, value, declared in suspects
-        if not any(is_kind(value, kind) for kind in declared.kinds)
-    ]
-    if wrong:
-        raise TypeError(" ".join(wrong))
-    outside = [
-        fault for each in suspects if isinstance(each[1], Real) and (fault := _outside(*each))
-    ]
-    if outside:
-        raise ValueError(" ".join(f"{title}: {fault}" for fault in outside))
+    owner_class: type = type(owner)
+    title = title or owner_class.__name__
+    kinds, ranges = [], []
+    for name, field in _checked(owner_class).items():
+        value = getattr(owner, name)
+        said, is_number = field.parameter, isinstance(value, Real)
+        if not any(is_kind(value, kind) for kind in field.kinds):
+            kinds.append(_other_kind(f"{title}: {name}", value, field.kinds))
+        elif is_number and not isfinite(value):
+            ranges.append(f"{title}: {name} is {value}; it must be finite.")
+        elif is_number and said and not said.admits(value):
+            words = f"{title}: {name} is {value}{said.label}; it must be {said.range}. {field.hint}"
+            ranges.append(words.rstrip())
+    if kinds:
+        raise TypeError(" ".join(kinds))
+    if ranges:
+        raise ValueError(" ".join(ranges))
 
 
 class Checked:
@@ -58,46 +52,28 @@ class Checked:
 
 
 def check_kind(words: str, value: object, kind: type) -> None:
-    """Refuse what is of another kind.
+    """Refuse what is of another kind by a TypeError: `check_kind("The duration", duration, float)`.
 
-    Args:
-        words: what it is: "The duration".
-        value: as given.
-        kind: a class; float and int stand for every number and whole number.
-
-    Raises:
-        TypeError: it is of another kind.
+    float and int stand for every number and whole number.
     """
     if not is_kind(value, kind):
-        expected = _expected((kind,))
-        raise TypeError(f"{words} is {shown(value)}; it must be {expected}.{_way_out(value)}")
+        raise TypeError(_other_kind(words, value, (kind,)))
 
 
 check_number = partial(check_kind, kind=float)
 
 
-def check_shape(
-    words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf"
-) -> None:
-    """Refuse what is no array of finite numbers, or one of another shape.
+def check_shape(words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf") -> None:
+    """Refuse what is no array of numbers (TypeError), or not finite or of another shape (ValueError).
 
-    Args:
-        words, values: what it is, and as given.
-        shape, meaning: -1 stands for any number.
-        kinds: of numbers, as NumPy's `dtype.kind` has them.
-
-    Raises:
-        TypeError: it is no array of numbers.
-        ValueError: it has another shape, or a number that is not finite.
+    In the shape, -1 stands for any number; the kinds are those of NumPy's `dtype.kind`.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         raise TypeError(f"{words} is {shown(values)}; it must be a NumPy array of numbers.")
     sizes = zip(values.shape, shape, strict=False)
     if len(values.shape) != len(shape) or any(n != m for n, m in sizes if m >= 0):
         expected = str(shape).replace("-1", "any")
-        raise ValueError(
-            f"{words} has shape {values.shape}; it must have shape {expected}, {meaning}."
-        )
+        raise ValueError(f"{words} has shape {values.shape}; it must have shape {expected}, {meaning}.")
     if not np.isfinite(values).all():
         odd = values[~np.isfinite(values)][0]
         raise ValueError(f"{words} has {odd} among its numbers; all must be finite.")
@@ -111,26 +87,6 @@ def shown(value: object) -> str:
         return f"an array of shape {value.shape}"
     text = repr(value)
     return text if len(text) <= 60 else f"of the type {type(value).__name__}"
-
-
-@cache
-def _checked(owner: type) -> dict[str, DeclaredField]:
-    """The fields of numbers and of classes."""
-    return {
-        name: declared
-        for name, declared in declared_fields(owner).items()
-        if all(isinstance(kind, type) and not get_args(kind) for kind in declared.kinds)
-    }
-
-
-def _outside(name: str, value: float, declared: DeclaredField) -> str:
-    """Say what is wrong with a number; empty where nothing is."""
-    if not isfinite(value):
-        return f"{name} is {value}; it must be finite."
-    said = declared.parameter
-    if said is None or said.admits(value):
-        return ""
-    return f"{name} is {value}{said.label}; it must be {said.range}. {declared.hint}".rstrip()
 
 
 def is_kind(value: object, kind: Any) -> bool:
@@ -147,14 +103,20 @@ def is_kind(value: object, kind: Any) -> bool:
     return isinstance(value, kind)
 
 
-def _expected(kinds: tuple[type, ...]) -> str:
-    words = [
+@cache
+def _checked(owner: type) -> dict[str, DeclaredField]:
+    """The fields of numbers and of classes."""
+    return {
+        name: field
+        for name, field in declared_fields(owner).items()
+        if all(isinstance(kind, type) and not get_args(kind) for kind in field.kinds)
+    }
+
+
+def _other_kind(words: str, value: object, kinds: tuple[type, ...]) -> str:
+    expected = " or ".join(
         _NUMBERS.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
         for kind in kinds
-        if kind is not NoneType
-    ]
-    return " or ".join([*words, *(["None"] if NoneType in kinds else [])])
-
-
-def _way_out(value: object) -> str:
-    return f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
+    )
+    way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
+    return f"{words} is {shown(value)}; it must be {expected}.{way_out}"

@@ -2,17 +2,16 @@
 
 Numba decides by a kernel's own file whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
-sources of kernels: a change anywhere compiles anew, and nothing stale is ever run. The folder lies
-in the package, or in the user's cache where the package cannot be written. The code of others' kernels
-is kept below it, by a fingerprint of all that it was made from.
+sources of kernels, in the package or else in the user's cache; that of others' kernels below it, by a
+fingerprint of all that it was made from. Nothing stale is ever run.
 """
 
 import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -38,7 +37,7 @@ OLD = 30 * 86400.0
 
 @cache
 def code_folder() -> Path:
-    """Folder of the compiled code of exactly these sources."""
+    """Give the folder of the compiled code of exactly these sources."""
     digest = sha256()
     for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
         digest.update(source.relative_to(PACKAGE).as_posix().encode())
@@ -48,8 +47,7 @@ def code_folder() -> Path:
     name = f"{PREFIX}{digest.hexdigest()[:16]}"
     users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     chosen = os.environ.get("NUMBA_CACHE_DIR")
-    parents = [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]
-    for parent in parents:
+    for parent in [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]:
         try:
             (parent / name).mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=parent / name):
@@ -62,21 +60,15 @@ def code_folder() -> Path:
 
 
 def keep_code(kernel: Any, digest: str) -> None:
-    """Let a kernel of another package, not compiled yet, keep its code, and find what was kept.
-
-    The digest is the fingerprint of all that it is made from.
-    """
+    """Let a new kernel of another package keep its code, by a digest of all that it is made from."""
     function = kernel.py_func
+    folder = code_folder() / f"{OTHERS}{digest[:16]}"
     # Of a closure the compiler would write down what it captures, which may be anything.
     if function.__closure__ is None and Path(function.__code__.co_filename).is_file():
-        folder = code_folder() / f"{OTHERS}{digest[:16]}"
-        try:
+        with suppress(OSError):
             folder.mkdir(exist_ok=True)
-        except OSError:
-            return
-        with _caching(folder):
-            kernel.enable_caching()
-        _remove_old(code_folder(), OTHERS, folder.name)
+            _keep_in(folder, kernel)
+            _remove_old(code_folder(), OTHERS, folder.name)
 
 
 def _remove_old(parent: Path, prefix: str, name: str) -> None:
@@ -87,66 +79,59 @@ def _remove_old(parent: Path, prefix: str, name: str) -> None:
 
 
 def is_compiled(name: str) -> bool:
-    """Whether the code of the kernel with this name is kept."""
+    """Tell whether the code of the kernel with this name is kept."""
     return any(code_folder().glob(f"*/*.{name}-*.nbi"))
 
 
-def kernel(function: Function) -> Function:
-    """Compile a scalar or array function on first use and keep the code.
-
-    That of another package's kernel is kept when it is a law's: see `keep_code`.
+def kernel(function: Function, **options: Any) -> Function:
+    """Compile a scalar or array function on first use and keep the code; another package's by `keep_code`.
 
     Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    return _compile(function, {})
+    made: Any = fleeting_kernel(function, **options)
+    # What others' kernels refer to is not whole yet.
+    if not INTERPRETED and is_own(function):
+        _keep_in(code_folder(), made)
+    return cast(Function, made)
 
 
-def inner_kernel(function: Function) -> Function:
-    """A kernel that only kernels call, never Python.
+def inner_kernel(function: Function, **options: Any) -> Function:
+    """Make a kernel that only kernels call, never Python.
 
     No way in from Python is built, which is most of its compilation: a call from there would crash.
     """
-    return _compile(function, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
+    return kernel(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
 
 
 def part_kernel(function: Function) -> Function:
-    """An inner kernel that is part of its callers: a call would cost as much as its work."""
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
-    return _compile(function, options)
+    """Make an inner kernel that is part of its callers: a call would cost as much as its work."""
+    return inner_kernel(function, forceinline=True)
 
 
-def fleeting_kernel(function: Function) -> Function:
-    """A kernel that is made while the program runs, around another."""
+def merged_kernel(function: Function) -> Function:
+    """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
+    return inner_kernel(function, inline="always")
+
+
+def fleeting_kernel(function: Function, **options: Any) -> Function:
+    """Make a kernel while the program runs, around another."""
     njit: Any = numba.njit
-    return cast(Function, njit(error_model="numpy", _nrt=False)(function))
+    return cast(Function, njit(error_model="numpy", _nrt=False, **options)(function))
 
 
 def remade(kernel: Any) -> Any:
-    """A kernel with another's function and options, but none of its code."""
+    """Make a kernel with another's function and options, but none of its code."""
     jit: Any = numba.jit
     return jit(**kernel.targetoptions)(kernel.py_func)
 
 
-def _compile(function: Function, options: dict[str, bool]) -> Function:
-    njit: Any = numba.njit
-    decorate = njit(error_model="numpy", _nrt=False, **options)
-    made: Any = decorate(function)
-    # What others' kernels refer to is not whole yet: their code is kept by `keep_code`.
-    if not INTERPRETED and is_own(function):
-        with _caching(code_folder()):
-            made.enable_caching()
-    return cast(Function, made)
-
-
-@contextmanager
-def _caching(folder: Path) -> Iterator[None]:
-    """Within, a kernel that is to keep its code keeps it here: numba reads this once, for each."""
+def _keep_in(folder: Path, kernel: Any) -> None:
+    """Let a kernel keep its code in a folder: the compiler reads the setting once, for each."""
     settings: Any = numba.config
-    before = settings.CACHE_DIR
-    settings.CACHE_DIR = str(folder)
+    before, settings.CACHE_DIR = settings.CACHE_DIR, str(folder)
     try:
-        yield
+        kernel.enable_caching()
     finally:
         settings.CACHE_DIR = before

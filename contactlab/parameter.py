@@ -16,16 +16,15 @@ from typing import Annotated, Any, Union, final, get_args, get_origin, get_type_
 class Parameter:
     """Annotates a field of a dataclass: `mass: Annotated[float, Parameter("m", "kg", "mass", above=0.0)]`.
 
-    The default stands at the field itself; a field that is annotated `float | None` may be None, and its
-    hint says what that stands for; one that is annotated `int` must be whole.
+    The default stands at the field; one that is annotated `float | None` may be None, and its hint says
+    what that stands for; one that is annotated `int` must be whole.
 
     Args:
         symbol: as in the equations; empty where none has it.
         units: SI, in the words of the CF conventions: "N m-1.5"; "1" for a pure number, or no number.
         meaning: a few words.
         above, at_least, at_most, below: the range; above and below are not admitted themselves.
-        hint: a sentence that helps somebody who has run into the range where the default does not:
-            "0 is a beam without tip."
+        hint: a sentence that helps who has run into the range more than the default: "0 is no tip."
     """
 
     symbol: str
@@ -54,15 +53,9 @@ class Parameter:
     @property
     def range(self) -> str:
         """The range in words, each bound with its unit; empty where every finite number will do."""
-        bounds = {
-            "greater than": self.above,
-            "at least": self.at_least,
-            "less than": self.below,
-            "at most": self.at_most,
-        }
-        return " and ".join(
-            f"{word} {bound:g}{self.label}" for word, bound in bounds.items() if isfinite(bound)
-        )
+        words = ("greater than", "at least", "less than", "at most")
+        bounds = zip(words, (self.above, self.at_least, self.below, self.at_most), strict=True)
+        return " and ".join(f"{word} {b:g}{self.label}" for word, b in bounds if isfinite(b))
 
 
 positive = partial(Parameter, above=0.0)
@@ -72,12 +65,9 @@ not_negative = partial(Parameter, at_least=0.0)
 @final
 @dataclass(frozen=True)
 class DeclaredField:
-    """A field of a dataclass with what is declared of it.
+    """A field of a dataclass with what is declared of it: nothing where it holds an object of a class.
 
-    Args:
-        kind: its annotation without the declaration: `float`, `int | None`, a class.
-        default: `dataclasses.MISSING` where it must be given.
-        parameter: None for a field that holds an object of another class.
+    Its default is `dataclasses.MISSING` where it must be given.
     """
 
     kind: Any
@@ -93,13 +83,6 @@ class DeclaredField:
     def is_number(self) -> bool:
         """Whether it holds a declared number."""
         return self.parameter is not None and not {int, float}.isdisjoint(self.kinds)
-
-    def is_sound_float(self, value: object) -> bool:
-        """Tell whether a value is a float that needs no closer look, as nearly every one is."""
-        said = self.parameter
-        return (
-            type(value) is float and said is not None and float in self.kinds and said.admits(value)
-        )
 
     @property
     def hint(self) -> str:
@@ -129,12 +112,9 @@ def parameters_of(owner: type) -> dict[str, Parameter]:
 
 def from_cf(units: str) -> str:
     """Write units of the CF conventions, 'N m-1.5', as configurations do: 'N/m^1.5'."""
-    above: list[str] = []
-    below: list[str] = []
+    sides: dict[bool, list[str]] = {False: [], True: []}
     for factor in units.split():
         word = factor.rstrip("-.0123456789") or factor
-        power = factor[len(word) :]
-        size = power.removeprefix("-")
-        side = below if power.startswith("-") else above
-        side.append(word if size in ("", "1") else f"{word}^{size}")
-    return "/".join([" ".join(above) or "1", *below])
+        below, power = factor[len(word) :].startswith("-"), factor[len(word) :].lstrip("-")
+        sides[below].append(word if power in ("", "1") else f"{word}^{power}")
+    return "/".join([" ".join(sides[False]) or "1", *sides[True]])

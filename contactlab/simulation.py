@@ -10,18 +10,11 @@ import xarray
 
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.engine import simulate as trajectory_of
 from contactlab.engine.arguments import check_kinds, default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
-from contactlab.results.netcdf import (
-    configuration_of,
-    settings_of,
-    state_of,
-    to_datatree,
-    write_tree,
-)
+from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
@@ -192,16 +185,7 @@ def simulate(
         setup = _changed(motor, given)
     else:
         setup = setup_of(motor, law, given)
-    trajectory = trajectory_of(
-        setup.motor,
-        setup.law,
-        duration=setup.duration,
-        record_interval=setup.record_interval,
-        contact_step=setup.contact_step,
-        tolerance=setup.tolerance,
-        progress=progress,
-        start=None if start is None else start.state,
-    )
+    trajectory = setup.run(progress=progress, start=None if start is None else start.state)
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 
 
@@ -232,9 +216,7 @@ def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
     """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
     check_kinds(motor, law)
     if "duration" not in given:
-        raise ValueError(
-            "The duration is missing; a motor and a law need one in seconds: duration=5e-3."
-        )
+        raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
     usual = Setup(
         motor=motor,
         law=law,

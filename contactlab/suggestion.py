@@ -5,13 +5,7 @@ from difflib import get_close_matches
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Ask for the names that are near a word, or that begin with it.
-
-    Args:
-        word: what there is not.
-        known: what there is.
-        otherwise: a sentence for a word that nothing is near to.
-    """
+    """Ask for the known names that are near a word or begin with it, or say the sentence `otherwise`."""
     names = list(known)
     typed = word.lower()
     begun = [name for name in names if typed and name.lower().startswith(typed)]

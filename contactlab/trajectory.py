@@ -1,8 +1,8 @@
-"""What a simulation gives back: recorded series, the contacts and how the run ended."""
+"""What a simulation gives back: series, contacts, how the run ended, and when its ledger is closed."""
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,28 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import ModalState, Motor
+
+LEDGER_LIMIT: Final = 1e-2
+"""Residual of a ledger over the energy turned over, beyond which its run is not balanced [1]."""
+
+SCALE: Final = "max(|W_d|, |W_L|, E_0)"
+"""The energy turned over, in symbols: see `openness`."""
+
+
+def openness(residual: float, drive_work: float, load_work: float, start: float) -> float:
+    """Give the share of the energy turned over that a ledger cannot account for [1].
+
+        max|r| / max(max|W_d|, max|W_L|, E_0)
+
+    What a run turns over has come in by the drive, by the load where it drives, or was there at the start
+    as kinetic, strain and contact energy; losses and stored energy are where it went, so that a law that
+    makes energy is not excused by its size. Arguments in joules, largest magnitudes. Zero where nothing is
+    turned over and nothing is left, infinite where something is.
+    """
+    turned_over = max(abs(drive_work), abs(load_work), abs(start))
+    if turned_over > 0.0:
+        return residual / turned_over
+    return 0.0 if residual == 0.0 else float("inf")
 
 
 class Ending(IntEnum):
@@ -20,7 +42,7 @@ class Ending(IntEnum):
     CHATTERED = 2
     INTERRUPTED = 3
     UNBALANCED = 4
-    """It reached its end, but its energy ledger is open by more than `contactlab.energy.LEDGER_LIMIT`."""
+    """It reached its end, but its energy ledger is open by more than LEDGER_LIMIT."""
     STALLED = 5
     """Its steps in contact became too many, or too short."""
     INCONSISTENT = 6
@@ -37,21 +59,15 @@ class Ending(IntEnum):
 class Trajectory:
     """A run in memory.
 
+    Times are in seconds; the records lie at `time`, the last one at the end of the run.
+
     Args:
-        motor, law: what ran.
-        duration: asked-for duration [s].
-        contact_step: largest step in contact that was used [s].
-        record_interval: time between records [s]; the last record lies at the end of the run.
-        time: of the records [s], shape (time,).
-        series: every name of `variables.SERIES`, shape (time,).
-        contact_mode: 0 free, 1 slip, 2 stick, shape (time,).
-        contacts: every name of `variables.CONTACTS`, shape (contact,).
-        statistics: counts of the solver's work.
-        ending: how the run ended; a run that is not complete holds what it had until then.
-        message: the ending in a sentence, empty for a complete run.
+        duration, contact_step: as asked for, and the largest step in contact that was used.
+        series, contact_mode: every name of `variables.SERIES`, and 0 free, 1 slip, 2 stick, at every record.
+        contacts: every name of `variables.CONTACTS`, a row each.
+        ending, message: how the run ended; a run that is not complete holds what it had until then.
         final: normal coordinates of the resonator at the end.
-        state: everything from which another run goes on, arrays and numbers by name; see
-            `contactlab.engine.simulate`.
+        state: everything from which another run goes on; see `contactlab.engine.simulate`.
     """
 
     motor: Motor

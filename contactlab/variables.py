@@ -1,10 +1,6 @@
-"""Every recorded quantity once: its name, dimensions, unit and meaning.
+"""Every recorded quantity once: name, dimensions, unit and meaning, for dataset and recorder alike."""
 
-The dataset takes its attributes from this table and the recorder its column order, so a
-quantity that is added here and filled by the engine is complete.
-"""
-
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, final
 
 
@@ -13,8 +9,8 @@ from typing import Final, final
 class Variable:
     """One recorded quantity.
 
-    `flags` names the values of an enumerated quantity, in the order 0, 1, 2, ...; `cell_methods`
-    says in the words of the CF conventions what a value stands for where it is not a point.
+    `cell_methods` says in the words of the CF conventions what a value stands for where it is not a point;
+    `flags` names the values of an enumerated quantity, in the order 0, 1, 2, ...
     """
 
     name: str
@@ -22,56 +18,43 @@ class Variable:
     units: str
     symbol: str
     long_name: str
-    flags: tuple[str, ...] = ()
     cell_methods: str = ""
+    flags: tuple[str, ...] = field(default=(), kw_only=True)
 
 
-def _series(name: str, units: str, symbol: str, long_name: str, cell_methods: str = "") -> Variable:
-    return Variable(name, ("time",), units, symbol, long_name, cell_methods=cell_methods)
-
-
-def _per_contact(name: str, units: str, symbol: str, long_name: str) -> Variable:
-    return Variable(name, ("contact",), units, symbol, long_name)
+def _along(dimension: str, *rows: tuple[str, ...]) -> tuple[Variable, ...]:
+    return tuple(Variable(name, (dimension,), *rest) for name, *rest in rows)
 
 
 _MEAN: Final = "time: mean (over the record interval that ends at the time)"
 
 TIME: Final = Variable("time", ("time",), "s", "t", "time since the drive was switched on")
 
-SERIES: Final = (
-    _series("tip_normal_displacement", "m", "u", "displacement of the beam's centre"),
-    _series(
-        "tip_tangential_displacement", "m", "L_x", "displacement of the tip end along the rotor"
-    ),
-    _series("tip_slope", "rad", "theta", "slope of the beam at its centre"),
-    _series("gap", "m", "g", "normal gap between tip and rotor, positive when open"),
-    _series("slip_velocity", "m s-1", "v", "tip minus rotor surface velocity, tangential"),
-    _series("rotor_velocity", "rad s-1", "Omega", "angular velocity of the rotor"),
-    _series("rotor_angle", "rad", "alpha", "angle of the rotor since the start"),
-    _series(
-        "normal_force", "N", "N", "normal force on the tip, mean over the record interval", _MEAN
-    ),
-    _series(
-        "friction_force",
-        "N",
-        "F",
-        "friction force on the tip, mean over the record interval",
-        _MEAN,
-    ),
-    _series("kinetic_energy", "J", "T", "kinetic energy of resonator and rotor"),
-    _series("strain_energy", "J", "V", "strain energy of the resonator"),
-    _series("contact_energy", "J", "V_c", "energy stored in the contact"),
-    _series("drive_work", "J", "W_d", "work of the drive on the resonator since the start"),
-    _series("damping_loss", "J", "W_c", "loss in the resonator's and the rotor's viscous damping"),
-    _series("friction_loss", "J", "W_f", "loss in friction"),
-    _series("contact_loss", "J", "W_n", "loss in normal damping and impacts"),
-    _series("load_work", "J", "W_l", "work of the rotor on the load torque"),
-    _series("energy_residual", "J", "r", "energy that the ledger cannot account for"),
+SERIES: Final = _along(
+    "time",
+    ("tip_normal_displacement", "m", "u", "displacement of the beam's centre"),
+    ("tip_tangential_displacement", "m", "L_x", "displacement of the tip end along the rotor"),
+    ("tip_slope", "rad", "theta", "slope of the beam at its centre"),
+    ("gap", "m", "g", "normal gap between tip and rotor, positive when open"),
+    ("slip_velocity", "m s-1", "v", "tip minus rotor surface velocity, tangential"),
+    ("rotor_velocity", "rad s-1", "Omega", "angular velocity of the rotor"),
+    ("rotor_angle", "rad", "alpha", "angle of the rotor since the start"),
+    ("normal_force", "N", "N", "normal force on the tip, mean over the record interval", _MEAN),
+    ("friction_force", "N", "F", "friction force on the tip, mean over the record interval", _MEAN),
+    ("kinetic_energy", "J", "T", "kinetic energy of resonator and rotor"),
+    ("strain_energy", "J", "V", "strain energy of the resonator"),
+    ("contact_energy", "J", "V_c", "energy stored in the contact"),
+    ("drive_work", "J", "W_d", "work of the drive on the resonator since the start"),
+    ("damping_loss", "J", "W_c", "loss in the resonator's and the rotor's viscous damping"),
+    ("friction_loss", "J", "W_f", "loss in friction"),
+    ("contact_loss", "J", "W_n", "loss in normal damping and impacts"),
+    ("load_work", "J", "W_l", "work of the rotor on the load torque"),
+    ("energy_residual", "J", "r", "energy that the ledger cannot account for"),
 )
 """Real-valued root variables over time."""
 
 CONTACT_MODE: Final = Variable(
-    "contact_mode", ("time",), "1", "m", "state of the contact", ("free", "slip", "stick")
+    "contact_mode", ("time",), "1", "m", "state of the contact", flags=("free", "slip", "stick")
 )
 
 RESONATOR: Final = (
@@ -93,22 +76,21 @@ RESONATOR: Final = (
     ),
 )
 
-CONTACTS: Final = (
-    _per_contact("start_time", "s", "t_s", "time of the touch-down"),
-    _per_contact("duration", "s", "t_c", "time from touch-down to release"),
-    _per_contact("stick_duration", "s", "t_st", "part of the duration that sticks"),
-    _per_contact("normal_impulse", "N s", "p_n", "time integral of the normal force"),
-    _per_contact("friction_impulse", "N s", "p_t", "time integral of the friction force"),
-    _per_contact("peak_normal_force", "N", "N_max", "largest normal force"),
-    _per_contact("max_penetration", "m", "d_max", "largest penetration"),
-    _per_contact("approach_velocity", "m s-1", "g_dot_0", "gap rate at touch-down, negative"),
-    _per_contact(
+CONTACTS: Final = _along(
+    "contact",
+    ("start_time", "s", "t_s", "time of the touch-down"),
+    ("duration", "s", "t_c", "time from touch-down to release"),
+    ("stick_duration", "s", "t_st", "part of the duration that sticks"),
+    ("normal_impulse", "N s", "p_n", "time integral of the normal force"),
+    ("friction_impulse", "N s", "p_t", "time integral of the friction force"),
+    ("peak_normal_force", "N", "N_max", "largest normal force"),
+    ("max_penetration", "m", "d_max", "largest penetration"),
+    ("approach_velocity", "m s-1", "g_dot_0", "gap rate at touch-down, negative"),
+    (
         "separation_velocity",
         "m s-1",
         "g_dot_1",
         "gap rate at release; missing for a contact that the end of the run cut",
     ),
-    _per_contact("energy_loss", "J", "W", "friction and contact loss during the contact"),
+    ("energy_loss", "J", "W", "friction and contact loss during the contact"),
 )
-
-ELECTRODES: Final = 2

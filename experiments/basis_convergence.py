@@ -37,9 +37,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Every basis at the converged first natural frequency and its double, and at the configured drive."""
     shapes = SHAPES[1:4] if short else SHAPES
     kept = 6 if short else CONVERGED
-    given = {
-        k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")
-    }
+    given = {k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")}
     elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
     bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
     bases[f"finite_element {kept}"] = elements

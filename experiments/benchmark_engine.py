@@ -13,19 +13,17 @@ the quickest SciPy run that is at least as accurate.
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import perf_counter
+from timeit import repeat
 
 import numba
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from contactlab.arrays import Array
-from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
-from contactlab.motor import RitzResonator
-from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
+from contactlab.testing.plants import last, paper_motor, run
 
 RightHandSide = Callable[[float, Array], Array]
 
@@ -43,12 +41,6 @@ class Timing:
     name: str
     seconds: float
     error: float
-
-
-def case_a() -> Motor:
-    """The motor of case A."""
-    drive = Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -np.pi / 5.0)
-    return Motor(RitzResonator().modes, drive)
 
 
 def numpy_side(motor: Motor) -> RightHandSide:
@@ -108,23 +100,8 @@ def compiled_side(motor: Motor) -> RightHandSide:
     return side
 
 
-def shortest(work: Callable[[], tuple[float, float]], repeats: int) -> tuple[float, Array]:
-    """Shortest time of some runs [s] and the end state (u, th) that they give."""
-    seconds, end = np.inf, (0.0, 0.0)
-    for _ in range(repeats):
-        start = perf_counter()
-        end = work()
-        seconds = min(seconds, perf_counter() - start)
-    return seconds, np.array(end)
-
-
 def integrate(
-    motor: Motor,
-    side: RightHandSide,
-    duration: float,
-    method: str,
-    rtol: float,
-    step: float = np.inf,
+    motor: Motor, side: RightHandSide, duration: float, method: str, rtol: float, step: float = np.inf
 ) -> tuple[float, float]:
     """End state (u, th) by one of SciPy's solvers; tolerances scaled to displacements and rates."""
     count = motor.modes.stiffness.size
@@ -139,13 +116,13 @@ def integrate(
 
 def measure(duration: float = DURATION, repeats: int = 5) -> tuple[list[Timing], list[Timing]]:
     """Time SciPy and the engine; returns both lists."""
-    motor, law = case_a(), HertzPenalty(STIFFNESS, 0.0)
+    motor, law = paper_motor(), HertzPenalty(STIFFNESS, 0.0)
     sides = {"NumPy": numpy_side(motor), "compiled": compiled_side(motor)}
     reference = np.array(integrate(motor, sides["compiled"], duration, "DOP853", 1e-13, step=1e-6))
 
     def timing(name: str, work: Callable[[], tuple[float, float]], runs: int) -> Timing:
-        seconds, end = shortest(work, runs)
-        return Timing(name, seconds, float(np.abs(end / reference - 1.0).max()))
+        error = np.abs(np.array(work()) / reference - 1.0).max()
+        return Timing(name, min(repeat(work, number=1, repeat=runs)), float(error))
 
     scipy_timings = [
         timing(
@@ -159,17 +136,9 @@ def measure(duration: float = DURATION, repeats: int = 5) -> tuple[list[Timing],
     ]
 
     def engine(contact_step: float, tolerance: float) -> tuple[float, float]:
-        series = simulate(
-            motor,
-            law,
-            duration=duration,
-            record_interval=duration,
-            contact_step=contact_step,
-            tolerance=tolerance,
-        ).series
-        return float(series["tip_normal_displacement"][-1]), float(series["tip_slope"][-1])
+        made = run(motor, law, duration, contact_step, tolerance=tolerance)
+        return last(made, "tip_normal_displacement"), last(made, "tip_slope")
 
-    engine(*ENGINE_SETTINGS[0])
     engine_timings = [
         timing(
             f"engine, step {step:g} s, tolerance {tolerance:g}",

@@ -23,10 +23,8 @@ from time import perf_counter
 import numpy as np
 
 from contactlab.config import Setup
-from contactlab.engine import simulate
-from contactlab.sweeps.batch import Batch
-from contactlab.sweeps.plan import Outputs, Plan
-from contactlab.sweeps.planning import planned
+from contactlab.sweeps.batch import Batch, Outputs
+from contactlab.sweeps.plan import Plan, planned
 from contactlab.sweeps.sweep import ScriptComposer
 
 SETUPS: list[Setup] = []
@@ -58,14 +56,7 @@ def plan_with(runs: int) -> Plan:
 def bare(cells: range) -> None:
     """Run cells by the engine alone."""
     for setup in (SETUPS[cell] for cell in cells):
-        simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=setup.duration,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-        )
+        setup.run(record_interval=setup.duration)
 
 
 def in_batches(plan: Plan, repeats: int) -> list[Row]:
@@ -93,10 +84,7 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
         for work in ways.values():
             work(blocks[0])
         times = np.array(
-            [
-                [[timed(work, cells) for work in ways.values()] for cells in blocks]
-                for _ in range(repeats)
-            ]
+            [[[timed(work, cells) for work in ways.values()] for cells in blocks] for _ in range(repeats)]
         )
     shortest = times.min(axis=0).sum(axis=0) / plan.cells
     return [Row(way, float(took)) for way, took in zip(ways, shortest, strict=True)]
@@ -113,19 +101,10 @@ def in_sweeps(jobs: int, repeats: int) -> list[Row]:
     """A job of a sweep by Hydra's launchers, as whole commands."""
     launchers = {"job of -m, basic launcher": []}
     if "hydra-joblib-launcher" in {found.name for found in distributions()}:
-        launchers["job of -m, joblib with two workers"] = [
-            "hydra/launcher=joblib",
-            "hydra.launcher.n_jobs=2",
-        ]
+        launchers["job of -m, joblib with two workers"] = ["hydra/launcher=joblib", "hydra.launcher.n_jobs=2"]
     few = max(jobs // 4, 1)
     return [
-        Row(
-            way,
-            min(
-                (sweep(arguments, jobs + few) - sweep(arguments, few)) / jobs
-                for _ in range(repeats)
-            ),
-        )
+        Row(way, min((sweep(arguments, jobs + few) - sweep(arguments, few)) / jobs for _ in range(repeats)))
         for way, arguments in launchers.items()
     ]
 

@@ -56,9 +56,7 @@ def draw(data: xarray.Dataset) -> Figure:
     most = float(np.abs(data.curvature).max())
     styles = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
     for style, shape in zip(styles, data.shape.values, strict=True):
-        axes.plot(
-            1e3 * data.place, data.curvature.sel(shape=shape) / most, ls=style, label=f"{shape}"
-        )
+        axes.plot(1e3 * data.place, data.curvature.sel(shape=shape) / most, ls=style, label=f"{shape}")
     length = float(data.place[-1])
     for i, placement in enumerate(data.placement.values):
         start, end = (float(x) for x in data.patch[i])

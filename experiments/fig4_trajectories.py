@@ -77,9 +77,7 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Four eights on one scale."""
-    figure, axes = plt.subplots(
-        2, 2, figsize=(4.6, 4.4), sharex=True, sharey=True, layout="constrained"
-    )
+    figure, axes = plt.subplots(2, 2, figsize=(4.6, 4.4), sharex=True, sharey=True, layout="constrained")
     letters = iter("cdab")
     for i, placement in enumerate(data.placement.values):
         for j, drive in enumerate(data.drive.values):

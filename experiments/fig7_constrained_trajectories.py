@@ -61,13 +61,8 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Free and constrained trajectories, a panel a clearance, with the rotor above."""
-    figure, axes = plt.subplots(
-        1, 4, figsize=(7.2, 2.5), sharex=True, sharey=True, layout="constrained"
-    )
-    titles = [
-        "(a) free",
-        *(f"({x}) {1e6 * c:.0f} µm" for x, c in zip("bcd", CLEARANCES, strict=True)),
-    ]
+    figure, axes = plt.subplots(1, 4, figsize=(7.2, 2.5), sharex=True, sharey=True, layout="constrained")
+    titles = ["(a) free", *(f"({x}) {1e6 * c:.0f} µm" for x, c in zip("bcd", CLEARANCES, strict=True))]
     for j, (ax, title) in enumerate(zip(axes, titles, strict=True)):
         for i, law in enumerate(data.law.values):
             path = data.isel(law=i, clearance=j)

@@ -82,10 +82,7 @@ def table(data: xarray.Dataset) -> list[dict[str, object]]:
     """One row a law."""
     return [
         {"law": str(law)}
-        | {
-            f"{1e6 * c:.0f} um, 5 ms": float(data.transient[i, j, -1])
-            for j, c in enumerate(CLEARANCES)
-        }
+        | {f"{1e6 * c:.0f} um, 5 ms": float(data.transient[i, j, -1]) for j, c in enumerate(CLEARANCES)}
         | {"steady": float(data.from_start[i, -20:].mean())}
         | {f"{1e3 * load:.0f} mN m": float(data.under_load[i, j]) for j, load in enumerate(LOADS)}
         for i, law in enumerate(data.law.values)
@@ -97,10 +94,7 @@ def draw(data: xarray.Dataset) -> Figure:
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.2, 2.5), layout="constrained")
     for j, clearance in enumerate(CLEARANCES):
         a.plot(
-            1e3 * data.instant,
-            data.transient[0, j],
-            ["-", "--", "-."][j],
-            label=f"{1e6 * clearance:.0f} µm",
+            1e3 * data.instant, data.transient[0, j], ["-", "--", "-."][j], label=f"{1e6 * clearance:.0f} µm"
         )
     a.set_title("(a) lagrange_slip, from rest")
     a.legend(title="clearance")
@@ -131,11 +125,7 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
         f"{1e6 * CLEARANCES[int(np.argmax(row))]:.0f} um under {n}"
         for n, row in zip(names, speeds, strict=True)
     ]
-    words = (
-        "as the paper has it, under " + ", ".join(ordered)
-        if ordered
-        else "under no law as in the paper"
-    )
+    words = "as the paper has it, under " + ", ".join(ordered) if ordered else "under no law as in the paper"
     return (
         f"After 5 ms the clearances are ordered {words}; the fastest is {', '.join(best)}. From "
         f"-0.9 rad/s the velocity settles within {100 * drift:.1f} % over the last fifth of the "

@@ -36,16 +36,8 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     return xarray.Dataset(
         {
             "normal_force": force,
-            "peak": (
-                "case",
-                [run.contacts.peak_normal_force.max() for run in runs],
-                {"units": "N"},
-            ),
-            "impulse": (
-                "case",
-                [run.contacts.normal_impulse.sum() for run in runs],
-                {"units": "N s"},
-            ),
+            "peak": ("case", [run.contacts.peak_normal_force.max() for run in runs], {"units": "N"}),
+            "impulse": ("case", [run.contacts.normal_impulse.sum() for run in runs], {"units": "N s"}),
         },
         coords={"case": [*cases]},
     )
@@ -54,11 +46,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
     """One row a case."""
     return [
-        {
-            "case": str(case),
-            "peak [N]": float(data.peak[i]),
-            "impulse [N s]": float(data.impulse[i]),
-        }
+        {"case": str(case), "peak [N]": float(data.peak[i]), "impulse [N s]": float(data.impulse[i])}
         for i, case in enumerate(data.case.values)
     ]
 

@@ -24,11 +24,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Velocity at the end of a run from rest, and the share of the contact that sticks."""
     found = swept(
         setup,
-        {
-            "friction_coefficient": quantity(
-                [0.1, 0.3] if short else np.linspace(0.02, 0.8, 27), "1"
-            )
-        },
+        {"friction_coefficient": quantity([0.1, 0.3] if short else np.linspace(0.02, 0.8, 27), "1")},
         laws={name: partial(replace, law) for name, law in laws_of(setup).items()},
         rigid_step=RIGID_STEP,
         metrics=("final_rotor_velocity", "stick_share", "friction_share", "normal_loss_share"),
@@ -57,9 +53,7 @@ def draw(data: xarray.Dataset) -> Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
     for i, law in enumerate(data.law.values):
         left.plot(data.friction_coefficient, data.rotor_velocity[i], "os^"[i] + "-", label=law)
-        right.plot(
-            data.friction_coefficient, 100.0 * data.stick_share[i], "os^"[i] + "-", label=law
-        )
+        right.plot(data.friction_coefficient, 100.0 * data.stick_share[i], "os^"[i] + "-", label=law)
     left.set_ylabel("rotor velocity (rad/s)")
     right.set_ylabel("part of the contact that sticks (%)")
     for axes in (left, right):

@@ -169,9 +169,7 @@ def in_chunks(
         return pandas.concat(parts, ignore_index=True)
 
 
-def perform(
-    module: ModuleType, folder: Path, overrides: Sequence[str] = (), short: bool = False
-) -> Result:
+def perform(module: ModuleType, folder: Path, overrides: Sequence[str] = (), short: bool = False) -> Result:
     """Run an experiment and write its figure, dataset and table."""
     name = module.__name__.rpartition(".")[2]
     setup = setup_of(name, overrides)

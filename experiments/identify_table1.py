@@ -117,9 +117,7 @@ def draw(data: xarray.Dataset) -> Figure:
     for i, placement in enumerate(data.placement.values):
         right.plot(places, data.miss[i], "os"[i], label=str(placement))
     right.axhspan(-1.0, 1.0, alpha=0.15, color="0.5", label="rounding")
-    right.set_xticks(
-        places, [r"$\Gamma_{11}$", r"$\Gamma_{21}$", r"$\Gamma_{31}$", "$f_1$", "$f_2$"]
-    )
+    right.set_xticks(places, [r"$\Gamma_{11}$", r"$\Gamma_{21}$", r"$\Gamma_{31}$", "$f_1$", "$f_2$"])
     right.set_ylabel("miss (half units)")
     right.legend()
     return figure

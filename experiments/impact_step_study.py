@@ -96,9 +96,7 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
         f"{stick:.3f} (stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses "
         f"converge; the last refinement changes them by {100.0 * drift:.2g} % at most."
     )
-    return sentence, abs(slip + 1.0) < 0.02 and abs(stick + 1.0) < 0.02 and abs(
-        hertz
-    ) < 1e-3 and drift < 1e-3
+    return sentence, abs(slip + 1.0) < 0.02 and abs(stick + 1.0) < 0.02 and abs(hertz) < 1e-3 and drift < 1e-3
 
 
 if __name__ == "__main__":

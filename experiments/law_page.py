@@ -17,9 +17,9 @@ from standard_cycle import curves_of, draw
 
 from contactlab.cli.laws import declared_rows, described_parameter
 from contactlab.laws import LAWS, PARTS, ContactLaw, law_class
+from contactlab.laws.base import Part
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import members_of
-from contactlab.laws.part import Part
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = "laws.md"
@@ -110,9 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     (folder / PAGE).write_text(page(), encoding="utf-8")
     with plt.style.context(STYLE):
         for _, name, _, law in entries():
-            draw(curves_of(law)).savefig(
-                folder / picture(name), dpi=110, metadata={"Software": None}
-            )
+            draw(curves_of(law)).savefig(folder / picture(name), dpi=110, metadata={"Software": None})
     return 0
 
 

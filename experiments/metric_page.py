@@ -44,12 +44,7 @@ def page() -> str:
 def entry(metric: Metric) -> str:
     """What the page says of one metric."""
     unit = "" if metric.units == "1" else f" [{metric.units}]"
-    lines = [
-        f"### `{metric.key}`",
-        "",
-        f"{metric.meaning[0].upper()}{metric.meaning[1:]}{unit}.",
-        "",
-    ]
+    lines = [f"### `{metric.key}`", "", f"{metric.meaning[0].upper()}{metric.meaning[1:]}{unit}.", ""]
     lines += [f"    {metric.symbol}", ""]
     if metric.threshold:
         lines += [f"* must be {metric.threshold}: {metric.reason}."]

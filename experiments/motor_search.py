@@ -100,17 +100,13 @@ def search_of(words: Sequence[str]) -> tuple[Search, list[str]]:
         raise cl.ConfigurationError(faults)
     groups = {key.split(".")[0] if key.startswith("placement.") else key for key in given}
     # Without a number, a frequency is that of the resonance, about which is searched anyhow.
-    held = frozenset(
-        key for key in groups & set(KEYS) if key != "drive.frequency" or given[key] != "null"
-    )
+    held = frozenset(key for key in groups & set(KEYS) if key != "drive.frequency" or given[key] != "null")
     file = Path(given.get("study", folder / "study.db"))
     rest = [word for word in words if word.partition("=")[0] not in OWN]
     return Search(**numbers, objective=objective, held=held, file=file), rest
 
 
-def ranges_of(
-    setup: cl.Setup, held: frozenset[str] = frozenset()
-) -> dict[str, tuple[float, float]]:
+def ranges_of(setup: cl.Setup, held: frozenset[str] = frozenset()) -> dict[str, tuple[float, float]]:
     """Least and largest value of every variable that is not held.
 
     phase               of the first tone [rad]. Half a period of the second tone later, pi/ratio in the

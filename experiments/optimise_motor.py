@@ -231,16 +231,9 @@ def _trade(found: xarray.Dataset) -> str:
         return ""
     ranks = {
         pair: float(spearmanr(found[pair[0]], found[pair[1]]).statistic)
-        for pair in (
-            ("velocity", "stall_torque"),
-            ("velocity", "peak_force"),
-            ("stall_torque", "peak_force"),
-        )
+        for pair in (("velocity", "stall_torque"), ("velocity", "peak_force"), ("stall_torque", "peak_force"))
     }
-    told = [
-        f"{a.replace('_', ' ')} and {b.replace('_', ' ')} {rho:.2f}"
-        for (a, b), rho in ranks.items()
-    ]
+    told = [f"{a.replace('_', ' ')} and {b.replace('_', ' ')} {rho:.2f}" for (a, b), rho in ranks.items()]
     return f"Rank correlations along the front: {', '.join(told)}."
 
 

@@ -40,11 +40,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         {
             "frequency_ratio": (("start", "end"), ratio, {"units": "1"}),
             "coupling": (("start", "end", "shape"), coupling, {"units": "N V-1"}),
-            "curve": (
-                ("point", "edge"),
-                curve,
-                {"units": "m", "long_name": "placements of ratio 2"},
-            ),
+            "curve": (("point", "edge"), curve, {"units": "m", "long_name": "placements of ratio 2"}),
             "curve_ratio": ("point", [r for r, _ in numbers], {"units": "1"}),
             "curve_coupling": (("point", "shape"), [g for _, g in numbers], {"units": "N V-1"}),
         },

@@ -64,9 +64,7 @@ def _cycle(law: PenaltyLaw) -> Curves:
         velocity=WAY * sliding,
         stiffness=MASS * sliding**2,
     )
-    run = simulate(
-        motor, law, duration=DURATION, record_interval=DURATION / 1000.0, tolerance=TOLERANCE
-    )
+    run = simulate(motor, law, duration=DURATION, record_interval=DURATION / 1000.0, tolerance=TOLERANCE)
     series = run.series
     # Forces are means over the intervals before the records.
     depth, way = (0.5 * (x[1:] + x[:-1]) for x in (-series["gap"], way_of(series["tip_slope"])))

@@ -56,11 +56,7 @@ def study_in(
             engine_kwargs={"creator": lambda: connection, "poolclass": StaticPool},
         )
         study = optuna.create_study(
-            study_name=NAME,
-            storage=storage,
-            directions=directions,
-            pruner=pruner,
-            load_if_exists=True,
+            study_name=NAME, storage=storage, directions=directions, pruner=pruner, load_if_exists=True
         )
         # Without trials nothing depends on settings: the process was killed before they were written.
         if not study.get_trials(deepcopy=False):

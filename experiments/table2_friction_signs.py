@@ -115,9 +115,7 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
         row["sign"] == row["printed sign"] and row["friction"] == row["printed friction"]
         for row in table(data)
     )
-    return f"Sign and direction are as printed in {right} of {len(CASES)} cases.", right == len(
-        CASES
-    )
+    return f"Sign and direction are as printed in {right} of {len(CASES)} cases.", right == len(CASES)
 
 
 if __name__ == "__main__":

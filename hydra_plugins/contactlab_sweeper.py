@@ -24,18 +24,15 @@ class ContactlabSweeper(Sweeper):
     def __init__(self, **options: Any) -> None:
         self.options = options
 
-    def setup(
-        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
-    ) -> None:
+    def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """See `Sweeper.setup`."""
-        from contactlab.cli.sweeper import ContactlabSweeper as Sweeping
-
-        self.sweeping = Sweeping(**self.options)
-        self.sweeping.setup(hydra_context=hydra_context, task_function=task_function, config=config)
+        self.given = (hydra_context, task_function, config)
 
     def sweep(self, arguments: list[str]) -> Any:
         """See `Sweeper.sweep`."""
-        return self.sweeping.sweep(arguments)
+        from contactlab.cli.sweeper import Sweeping
+
+        return Sweeping(*self.given, **self.options).sweep(arguments)
 
 
 ConfigStore.instance().store(

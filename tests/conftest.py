@@ -14,7 +14,6 @@ from support.command_line import Command
 from support.sweeps import Simulations
 from threadpoolctl import threadpool_limits
 
-from contactlab import engine
 from contactlab.cli import main as cli
 
 # Somebody else's project; it runs in its own environment, by tests/test_outside.py.
@@ -85,5 +84,5 @@ def command(
 def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
     """Counts the runs that the command makes."""
     made = Simulations()
-    monkeypatch.setattr(engine, "simulate", made)
+    monkeypatch.setattr("contactlab.config.setup.simulate", made)
     return made

@@ -237,11 +237,7 @@ WRONG: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
         TypeError,
         "The start is {'time': 0.0}; it must be a Solution",
     ),
-    "two laws": (
-        lambda: cl.simulate(cl.build([]), law()),
-        ValueError,
-        "A setup has a law of its own",
-    ),
+    "two laws": (lambda: cl.simulate(cl.build([]), law()), ValueError, "A setup has a law of its own"),
     "a state of nothing": (
         lambda: cl.simulate(start=cl.Solution(to_datatree(synthetic_trajectory(), CONFIGURATION))),
         ValueError,
@@ -274,7 +270,5 @@ def test_a_dataset_that_is_no_run_of_ours_is_told(solution: cl.Solution, tmp_pat
     tree = solution.to_xarray().copy()
     del tree.attrs["ending"]
     tree.to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(
-        ValueError, match=r"lacks ending; it must be a run\.nc that contactlab wrote"
-    ):
+    with pytest.raises(ValueError, match=r"lacks ending; it must be a run\.nc that contactlab wrote"):
         cl.load(tmp_path / "other.nc")

@@ -3,9 +3,11 @@
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from tqdm import tqdm
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
@@ -28,33 +30,9 @@ SLOWEST, FASTEST = 1.0, 50.0
 FEWEST = 10
 """Frames of a drive period below which the picture no longer shows the motion."""
 
-SUFFIXES = (".gif", ".mp4")
-
 
 def main(arguments: list[str]) -> int:
     """Write the animation and give the exit status; nothing is left behind where it cannot be made."""
-    wanted = _parser().read(_joined(arguments))
-    try:
-        _animate(wanted)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("Interrupted before the animation was written.") from None
-    except OSError as error:
-        raise RefusalError(f"The animation could not be written: {error}") from error
-    return COMPLETE
-
-
-def _joined(arguments: list[str]) -> list[str]:
-    """Join negative values to their options: argparse takes -1e-3 for an option."""
-    joined: list[str] = []
-    for argument in arguments:
-        if joined and re.match(r"-[\d.]", argument) and re.fullmatch("--[^=]+", joined[-1]):
-            joined[-1] += f"={argument}"
-        else:
-            joined.append(argument)
-    return joined
-
-
-def _parser() -> Parser:
     parser = Parser(
         "animate",
         ". Tip and rotor have their true shape, "
@@ -62,24 +40,23 @@ def _parser() -> Parser:
         f"It lasts {FILM_TIME:g} s, whatever it shows.",
     )
     parser.add_argument("run", metavar="RUN.nc", help="a dataset, or a folder with run.nc")
-    parser.add_argument(
-        "--output",
-        metavar="FILE",
-        help="ends in .gif or .mp4; the default is RUN.gif beside RUN.nc",
-    )
-    parser.add_argument(
-        "--start", metavar="T", help="time in the run, '4 ms'; the default ends with the run"
-    )
-    parser.add_argument(
-        "--duration", metavar="T", help=f"of the run; the default is {PERIODS} drive periods"
-    )
-    parser.add_argument(
-        "--fps",
-        metavar="N",
-        default="25",
-        help="frames a second, 1 to 50; the default is %(default)s",
-    )
-    return parser
+    for option, metavar, default, text in (
+        ("output", "FILE", None, "ends in .gif or .mp4; the default is RUN.gif beside RUN.nc"),
+        ("start", "T", None, "time in the run, '4 ms'; the default ends with the run"),
+        ("duration", "T", None, f"of the run; the default is {PERIODS} drive periods"),
+        ("fps", "N", "25", "frames a second, 1 to 50; the default is %(default)s"),
+    ):
+        parser.add_argument(f"--{option}", metavar=metavar, default=default, help=text)
+    # Argparse takes -1e-3 for an option.
+    joined = re.sub(r"(?<![^\0])(--[a-z]+)\0(?=-[\d.])", r"\1=", "\0".join(arguments))
+    wanted = parser.read(joined.split("\0") if arguments else [])
+    try:
+        _animate(wanted)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("Interrupted before the animation was written.") from None
+    except OSError as error:
+        raise RefusalError(f"The animation could not be written: {error}") from error
+    return COMPLETE
 
 
 def _animate(wanted: Namespace) -> None:
@@ -91,7 +68,9 @@ def _animate(wanted: Namespace) -> None:
             f"There is no file '{source}'; it must be a run.nc that contactlab wrote, or a folder with one. "
             "`contactlab` without a verb makes a run."
         )
-    output = _output(wanted.output, source)
+    output = source.with_suffix(".gif") if wanted.output is None else Path(wanted.output)
+    if fault := _fault_of(output, source):
+        raise RefusalError(f"--output is '{output}', {fault}.")
     fps = _number("--fps", wanted.fps, "1")
     if not SLOWEST <= fps <= FASTEST:
         raise RefusalError(
@@ -99,53 +78,47 @@ def _animate(wanted: Namespace) -> None:
             "25 is usual."
         )
     # Imported here: they bring the plotting, which --help does not need.
+    from contactlab.plot.animation import Animation
     from contactlab.plot.animation_files import NoEncoderError, encoder, write_gif, write_mp4
     from contactlab.plot.film import film_of
     from contactlab.plot.recording import UnfitRunError, recording_of
 
     frames = round(FILM_TIME * fps)
+    is_film = output.suffix.lower() == ".mp4"
     try:
-        if output.suffix.lower() == ".mp4":
+        if is_film:
             encoder()
         run = recording_of(read_run(source))
         start, end = _window(run, wanted.start, wanted.duration)
         film = film_of(run, start, end, frames)
-    except UnfitRunError as fault:
+    except UnfitRunError as error:
         raise RefusalError(
-            f"'{source}' {fault}; it must be a run.nc that contactlab wrote. Choose another one, or another "
+            f"'{source}' {error}; it must be a run.nc that contactlab wrote. Choose another one, or another "
             "part of it with --start and --duration."
-        ) from fault
-    except (NoEncoderError, ValueError) as fault:
-        raise RefusalError(str(fault)) from fault
+        ) from error
+    except (NoEncoderError, ValueError) as error:
+        raise RefusalError(str(error)) from error
     _advise(run, end - start, frames)
-    from contactlab.plot.animation import Animation
-
-    write = write_mp4 if output.suffix.lower() == ".mp4" else write_gif
-    animation = Animation(film, FILM_TIME)
     with terminal.raising():
-        write(animation, fps, output, _progress_bar)
+        bar = partial(tqdm, unit="frame", leave=False, disable=None)
+        (write_mp4 if is_film else write_gif)(Animation(film, FILM_TIME), fps, output, bar)
     print(
         f"Written to {output}: {frames} frames, {(end - start) * 1e6:.5g} us of the run in {FILM_TIME:g} s, "
         f"motion magnified by {film.magnification:g}."
     )
 
 
-def _output(text: str | None, source: Path) -> Path:
-    """Where the animation goes."""
-    output = source.with_suffix(".gif") if text is None else Path(text)
-    if output.suffix.lower() not in SUFFIXES:
-        raise RefusalError(
-            f"--output is '{output}', it must end in {' or '.join(SUFFIXES)}; choose such a name."
-        )
+def _fault_of(output: Path, source: Path) -> str:
+    """Say why the animation cannot go there, if so."""
+    if output.suffix.lower() not in (".gif", ".mp4"):
+        return "it must end in .gif or .mp4; choose such a name"
     if output.is_dir():
-        raise RefusalError(f"--output is '{output}', which is a folder; choose the name of a file.")
+        return "which is a folder; choose the name of a file"
     if output.absolute() == source.absolute():
-        raise RefusalError(f"--output is '{output}', the run itself; choose another name.")
+        return "the run itself; choose another name"
     if not output.parent.is_dir():
-        raise RefusalError(
-            f"--output is '{output}', but there is no folder '{output.parent}'; create it first."
-        )
-    return output
+        return f"but there is no folder '{output.parent}'; create it first"
+    return ""
 
 
 def _number(option: str, text: str, unit: str) -> float:
@@ -156,9 +129,7 @@ def _number(option: str, text: str, unit: str) -> float:
         raise RefusalError(f"{option} is '{text}', {fault}; write it like {example}.") from fault
 
 
-def _window(
-    run: "Recording", start_text: str | None, duration_text: str | None
-) -> tuple[float, float]:
+def _window(run: "Recording", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
     """Start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
@@ -170,9 +141,8 @@ def _window(
             "or leave --start out."
         )
     longest = last - (first if start is None else start)
-    if duration_text is None:
-        duration = min(PERIODS * run.period, longest)
-    else:
+    duration = min(PERIODS * run.period, longest)
+    if duration_text is not None:
         duration = _number("--duration", duration_text, "s")
         if not shortest * (1.0 - 1e-9) <= duration <= longest * (1.0 + 1e-9):
             raise RefusalError(
@@ -199,10 +169,3 @@ def _advise(run: "Recording", duration: float, frames: int) -> None:
             f"choose a --duration below {frames * run.period / FEWEST:.2g} s, or more --fps.",
             file=sys.stderr,
         )
-
-
-def _progress_bar(numbers: Iterable[int]) -> Iterable[int]:
-    """Show a bar over the frames on a terminal, nothing elsewhere."""
-    from tqdm import tqdm
-
-    return tqdm(numbers, unit="frame", leave=False, disable=None)

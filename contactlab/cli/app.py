@@ -19,12 +19,12 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
-from contactlab.cli.checking import sentences, setup_of, typed
+from contactlab.cli.checking import typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
-from contactlab.config import Setup
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory
-from contactlab.config.faults import ConfigurationError
+from contactlab.config import ConfigurationError, build
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory, resolved, sentences
+from contactlab.results.provenance import versions
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 
 MOST_CHARACTERS = 120
@@ -37,8 +37,6 @@ _DIGITS = 8
 def main() -> int:
     """Run or sweep what the command line says, and give the exit status."""
     if "--version" in sys.argv[1:]:
-        from contactlab.results.provenance import versions
-
         print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
         return COMPLETE
     # So Hydra raises what it would print and end on.
@@ -61,27 +59,25 @@ def main() -> int:
 
 
 def run(settings: DictConfig) -> int:
-    """Perform one job; launchers import it from here.
+    """Perform one job and give its exit status; launchers import it from here.
 
     A job of a sweep that is complete already is left as it is: whoever starts it may not know.
 
-    Returns:
-        The job's exit status.
-
     Raises:
-        SystemExit: with it, where the job is a run of its own, since Hydra gives back none.
+        SystemExit: with the status, where the job is a run of its own, since Hydra gives back none.
     """
     hydra_config = HydraConfig.get()
     directory = Path(hydra_config.runtime.output_dir)
     swept = hydra_config.mode == RunMode.MULTIRUN
+    job = Job(overrides=tuple(typed(hydra_config.overrides.task)), choices=choices_of(hydra_config))
     try:
-        setup = setup_of(settings)
+        setup = build(resolved(settings))
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
-        write_state(directory, State(REFUSED, job_of(hydra_config), " ".join(error.faults)))
+        write_state(directory, State(REFUSED, job, " ".join(error.faults)))
         status = refuse(error.faults)
     else:
-        job = job_of(hydra_config, setup)
+        job = Job(key_of(setup), job.overrides, job.choices, setup.configuration)
         if swept and is_done(directory, job.key):
             return COMPLETE
         with terminal.ending_at_once():
@@ -89,15 +85,6 @@ def run(settings: DictConfig) -> int:
     if status and not swept:
         sys.exit(status)
     return status
-
-
-def job_of(hydra_config: HydraConf | DictConfig, setup: Setup | None = None) -> Job:
-    """Say what a job is asked for: its overrides, and the options chosen from groups that are not Hydra's."""
-    overrides = tuple(typed(hydra_config.overrides.task))  # type: ignore[arg-type]
-    choices = choices_of(hydra_config)
-    if setup is None:
-        return Job(overrides=overrides, choices=choices)
-    return Job(key_of(setup), overrides, choices, setup.configuration)
 
 
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
@@ -110,13 +97,10 @@ def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
 
 
 def folder_name(overrides: str) -> str:
-    """Name the folder of a job, or of a sweep, by its overrides.
+    """Name the folder of a job, or of a sweep, by its overrides, separated by commas; empty for none.
 
     Kept to characters that every file system and the netCDF library take, and to a length. A digest at
     the end keeps apart what differs elsewhere only.
-
-    Args:
-        overrides: separated by commas; empty for the default run.
     """
     spelled = re.sub(r"\s+", "_", re.sub(r"[\\'\"]", "", overrides).strip())
     # A micro sign or a mu, and the slashes of a group.

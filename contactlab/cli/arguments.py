@@ -1,9 +1,9 @@
 """What stands behind the name of the command: the arguments of a verb, and those that Hydra reads."""
 
-import argparse
 import re
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from contactlab.cli.terminal import REFUSED
 from contactlab.suggestion import suggestion
@@ -18,40 +18,50 @@ VERBS = {
 """What each verb does. Its work is `main(arguments)` in the module of its name beside this one."""
 
 _VALUED = {
-    *("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn"),
-    *("--config-dir", "-cd", "--experimental-rerun", "--info", "-i"),
+    "--cfg",
+    "-c",
+    "--package",
+    "-p",
+    "--config-path",
+    "-cp",
+    "--config-name",
+    "-cn",
+    "--config-dir",
+    "-cd",
+    "--experimental-rerun",
+    "--info",
+    "-i",
 }
 """Hydra's flags that take a value; that of `--info` may be left out."""
 
-_FLAGS = (
-    *("--help", "-h", "--hydra-help", "--version", "--resolve", "--run", "-r", "--multirun", "-m"),
-    *("--shell-completion", "-sc"),
-)
-"""Hydra's other flags."""
+_LONG_FLAGS = {
+    *(flag for flag in _VALUED if flag.startswith("--")),
+    "--help",
+    "--hydra-help",
+    "--version",
+    "--resolve",
+    "--run",
+    "--multirun",
+    "--shell-completion",
+}
 
-_SPACED = re.compile(r"(?P<key>[^=]+)=\s*(?P<value>(?P<name>linspace|geomspace|range)\(.*\))\s*")
+_LISTED = re.compile(r"(?P<key>[^=]+)=\s*'?(?P<value>(?P<name>linspace|geomspace|range)\(.*\))'?\s*")
 _NUMBER_WITH_UNIT = re.compile(r"[\d.]\s*(?![eE][-+\d])[^\W\d_]")
 
 
-class Parser(argparse.ArgumentParser):
-    """A parser of one verb's arguments, which it refuses in sentences.
+class Parser(ArgumentParser):
+    """Reads the arguments of one verb, a key of `VERBS`, and refuses them in sentences.
 
     Args:
-        verb: a key of `VERBS`.
+        verb: whose arguments.
         about: what follows on the sentence that says what the verb does.
     """
 
     def __init__(self, verb: str, about: str) -> None:
-        self._options: list[str] = []
         described = f"{VERBS[verb].capitalize()}{about}"
         super().__init__(prog=f"contactlab {verb}", description=described, allow_abbrev=False)
 
-    def add_argument(self, *names: str, **options: Any) -> argparse.Action:
-        """See `argparse.ArgumentParser.add_argument`; remembers the names of options."""
-        self._options += [name for name in names if name.startswith("--")]
-        return super().add_argument(*names, **options)
-
-    def read(self, arguments: Sequence[str]) -> argparse.Namespace:
+    def read(self, arguments: Sequence[str]) -> Namespace:
         """Give the arguments, options among them wherever they stand.
 
         Raises:
@@ -62,7 +72,8 @@ class Parser(argparse.ArgumentParser):
         found, unknown = self.parse_known_intermixed_args(arguments)
         if unknown:
             options = [one.partition("=")[0] for one in unknown if one.startswith("-")]
-            hint = suggestion(options[0], self._options) if options else ""
+            known = re.findall(r"--[\w-]+", self.format_usage())
+            hint = suggestion(options[0], known) if options else ""
             self.error(f"{' '.join(unknown)} is not understood", hint)
         return found
 
@@ -84,13 +95,9 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
     flags: list[str] = []
     for argument in arguments:
         if re.search("[\0\ud800-\udfff]", argument):
-            raise ValueError(
-                f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out."
-            )
-        if argument.startswith("--") and argument.partition("=")[0] not in {*_VALUED, *_FLAGS}:
-            hint = suggestion(
-                argument, [*_VALUED, *_FLAGS], "contactlab --help lists what there is."
-            )
+            raise ValueError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
+        if argument.startswith("--") and argument.partition("=")[0] not in _LONG_FLAGS:
+            hint = suggestion(argument, sorted(_LONG_FLAGS), "contactlab --help lists what there is.")
             raise ValueError(f"unrecognized arguments: {argument}. {hint}")
         if argument.startswith("="):
             raise ValueError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
@@ -99,15 +106,14 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
     return [*map(_quoted, overrides), *flags]
 
 
-def gives_several(line: str) -> bool:
-    """Tell whether an argument lists values by a function that is not of Hydra's grammar."""
-    key, _, value = line.partition("=")
-    return _SPACED.fullmatch(f"{key}={value.strip(chr(39))}") is not None
+def gives_several(override: str) -> bool:
+    """Tell whether an override lists values by a function that is not of Hydra's grammar."""
+    return _LISTED.fullmatch(override) is not None
 
 
 def _quoted(override: str) -> str:
     """Quote values that only our sweeper understands, as Hydra has no such function or no units."""
-    found = _SPACED.fullmatch(override)
+    found = _LISTED.fullmatch(override)
     if not found or (found["name"] == "range" and not _NUMBER_WITH_UNIT.search(found["value"])):
         return override
     return f"{found['key']}={quoted(found['value'])}"

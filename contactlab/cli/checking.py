@@ -1,6 +1,5 @@
 """What a command line gets wrong, told before anything is written: in its composition and in its values."""
 
-import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
@@ -12,28 +11,22 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
-from hydra.errors import (
-    HydraException,
-    MissingConfigException,
-    OverrideParseException,
-    SearchPathException,
-)
 from hydra.experimental.callback import Callback
-from omegaconf import DictConfig, ListConfig, OmegaConf
+from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.cli.arguments import VERBS, gives_several
+from contactlab.cli.arguments import gives_several
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
-from contactlab.config import Setup, build
-from contactlab.config.faults import ConfigurationError, one_line, unknown_key
-from contactlab.config.groups import group_told_by, known_keys
+from contactlab.config import ConfigurationError, build
+from contactlab.config.composition import SEVERAL, resolved, unknown_override
+from contactlab.config.faults import one_line
+from contactlab.config.groups import group_told_by
 from contactlab.config.nesting import flat
-from contactlab.config.rules import BYTES_A_RECORD, FRICTION, idle_friction
+from contactlab.config.schema import BYTES_A_RECORD, FRICTION, idle_friction
 from contactlab.results.files import STATE
-from contactlab.suggestion import suggestion
-from contactlab.sweeps.state import COMPLETE as COMPLETE_STATE, REFUSED as REFUSED_STATE, read_state
+from contactlab.sweeps import state
 
 IN_FILE = 60
 """Bytes of a record in run.nc, compressed; runs of all laws and intervals took 52 to 80."""
@@ -43,8 +36,6 @@ WORTH_SAYING = 100e6
 
 _OF_HYDRA = {field.name for field in fields(HydraConf)}
 """Keys of Hydra's own part of the configuration."""
-
-_SEVERAL = "{} gives several values; a single run takes one. Add -m to run every combination."
 
 
 @final
@@ -58,15 +49,18 @@ class Check(Callback):
             SystemExit: a fault of the user's. Hydra makes warnings of other exceptions here.
         """
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
+        faults = misplaced(lines)
         try:
-            setup = setup_of(config, misplaced(lines))
-            if faults := list(_folder_faults(config)):
-                raise ConfigurationError(faults)
-            if sets_friction(lines) and (words := idle_friction([setup.configuration["law"]])):
+            configuration = build(resolved(config)).configuration
+            faults = faults or list(_folder_faults(config))
+            is_set = not faults and sets_friction(lines)
+            if is_set and (words := idle_friction([configuration["law"]])):
                 tell(f"contactlab: {words}", sys.stderr)
         except ConfigurationError as error:
-            sys.exit(refuse(dict.fromkeys(error.faults)))
-        announce([setup.configuration])
+            faults += error.faults
+        if faults:
+            sys.exit(refuse(faults))
+        announce([configuration])
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         """Collect what a sweep left, and give its exit status by that, where the sweeper is another.
@@ -78,86 +72,76 @@ class Check(Callback):
             return
         folder = Path(str(config.hydra.sweep.dir))
         collect_swept(folder)
-        found = folder.rglob(STATE)
-        states = {state.state for path in found if (state := read_state(path.parent))}
-        if states - {COMPLETE_STATE}:
-            sys.exit(REFUSED if REFUSED_STATE in states else INCOMPLETE)
+        found = [state.read_state(path.parent) for path in folder.rglob(STATE)]
+        states = {each.state for each in found if each}
+        if states - {state.COMPLETE}:
+            sys.exit(REFUSED if state.REFUSED in states else INCOMPLETE)
 
 
-def setup_of(config: DictConfig, faults: Sequence[str] = ()) -> Setup:
-    """Build what a composed configuration says; Hydra's own part may be in it.
-
-    Args:
-        config: as Hydra composes it.
-        faults: what is wrong with it already.
-
-    Raises:
-        ConfigurationError: with all of these faults and every one of its values.
-    """
-    told = list(faults)
-    try:
-        mine = [str(key) for key in config if key != "hydra"]
-        setup = build(OmegaConf.to_container(OmegaConf.masked_copy(config, mine), resolve=True))  # type: ignore[arg-type]
-    except ConfigurationError as error:
-        told += error.faults
-    except OmegaConfBaseException as error:
-        told.append(f"{one_line(error)} Correct the reference in ${{...}}.")
-    if told:
-        raise ConfigurationError(told)
-    return setup
-
-
-def typed(overrides: ListConfig) -> list[str]:
+def typed(overrides: Any) -> list[str]:
     """Give arguments as they were typed: what they refer to is none of their own."""
     return [str(line) for line in OmegaConf.to_container(overrides, resolve=False) or ()]
 
 
 def misplaced(lines: Sequence[str], *, swept: bool = False) -> list[str]:
-    """Say which arguments can be none of a run's, though Hydra composes them.
-
-    Args:
-        lines: the arguments as typed, which Hydra can read.
-        swept: whether they are those of a sweep.
-    """
+    """Say which arguments, as typed, can be none of a run's or of a sweep's, though Hydra composes them."""
     overrides = OverridesParser.create().parse_overrides(list(lines))
     faults = [fault for override in overrides for fault in _faults_of(override)]
-    if not swept:
-        faults += [_SEVERAL.format(line) for line in lines if gives_several(line)]
-        faults += [
-            f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
-            "it out."
-            for line in lines
-            if line.lstrip("+").startswith("sweep.")
-        ]
-    return faults
+    if swept:
+        return faults
+    faults += [SEVERAL.format(line) for line in lines if gives_several(line)]
+    return faults + [
+        f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
+        "it out."
+        for line in lines
+        if line.lstrip("+").startswith("sweep.")
+    ]
 
 
 def _faults_of(override: Override) -> Iterator[str]:
+    if override.is_delete():
+        return
     line, key = override.input_line, override.key_or_group
     group = key.replace(".", "/")
-    value = None if override.is_delete() or override.is_sweep_override() else override.value()
+    value = None if override.is_sweep_override() else override.value()
     if override.is_hydra_override() and value == "":
         yield (
             f"{line} is empty, as of a shell variable that is not set; it must have a value. "
             "Leave it out for the default."
         )
     elif override.is_hydra_override() and "." in key and key.split(".")[1] not in _OF_HYDRA:
-        yield _unknown(key)
-    is_set = "." in key and not isinstance(value, dict) and not override.is_delete()
-    if is_set and (options := GlobalHydra.instance().config_loader().get_group_options(group)):
+        yield unknown_override(key)
+    below = flat({key: value}) if isinstance(value, dict) else [key]
+    # Asked of what may name an option alone: Hydra looks through all files for its answer.
+    is_choice = key.count(".") == 1 and isinstance(value, str | None)
+    loader = GlobalHydra.instance().config_loader()
+    if is_choice and (options := loader.get_group_options(group)):
         yield (
             f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
             f"Choose one of {', '.join(options)}."
         )
     # A law, a part, a basis comes with its parameters, and is not renamed by a key.
-    for below in (
-        [] if override.is_delete() else flat({key: value if isinstance(value, dict) else None})
-    ):
-        if told := group_told_by(below):
-            yield (
-                f"{line} would hand the parameters of one {told} to another; they must be chosen together. "
-                f"Choose one by {told}=NAME."
-            )
+    for told in filter(None, map(group_told_by, below)):
+        yield (
+            f"{line} would hand the parameters of one {told} to another; they must be chosen together. "
+            f"Choose one by {told}=NAME."
+        )
+
+
+def _folder_faults(config: DictConfig) -> Iterator[str]:
+    """Say why the run cannot be written where it is to go."""
+    below = Path(config.hydra.output_subdir or "")
+    if below.is_absolute() or ".." in below.parts:
+        yield f"hydra.output_subdir is '{below}'; it must be a folder below that of the run. Leave it out."
+        return
+    try:
+        # For ${hydra:...} in its name.
+        HydraConfig.instance().set_config(config)
+        folder = Path(str(OmegaConf.select(config, "hydra.run.dir")))
+    except OmegaConfBaseException as error:
+        yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
+        return
+    yield from refusals(folder)
 
 
 def sets_friction(lines: Iterable[str]) -> bool:
@@ -166,14 +150,9 @@ def sets_friction(lines: Iterable[str]) -> bool:
 
 
 def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
-    """Say how much runs will leave, if it is much.
-
-    Args:
-        configurations: what runs, resolved.
-    """
-    records = [c["solver"]["duration"] / c["record"]["interval"] for c in configurations]
-    size = IN_FILE * sum(records)
-    if size < WORTH_SAYING:
+    """Say how much the runs of resolved configurations will leave, if it is much."""
+    records = [*map(_records, configurations)]
+    if (size := IN_FILE * sum(records)) < WORTH_SAYING:
         return
     runs = "The run leaves" if len(records) == 1 else f"The {len(records)} runs leave"
     tell(
@@ -185,14 +164,8 @@ def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
 
 
 def announce_series(runs: int, names: int, configuration: Mapping[str, Any]) -> None:
-    """Say how much the series of a sweep that keeps metrics will take, if it is much.
-
-    Args:
-        runs: of the sweep.
-        names: how many series are kept.
-        configuration: of one run, resolved.
-    """
-    records = configuration["solver"]["duration"] / configuration["record"]["interval"]
+    """Say how much the series of so many names will take in a sweep that keeps metrics, if it is much."""
+    records = _records(configuration)
     if (size := 8.0 * runs * names * records) >= WORTH_SAYING:
         tell(
             f"The series take up to {_spelled(size)}: {runs} runs of {records:.3g} records. A larger "
@@ -201,73 +174,9 @@ def announce_series(runs: int, names: int, configuration: Mapping[str, Any]) -> 
         )
 
 
-def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
-    """Say in our words what ended a command, before or around its work.
-
-    Args:
-        error: of Hydra's, or of what it calls.
-        lines: the arguments as typed.
-    """
-    match error:
-        case ConfigurationError():
-            return error.faults
-        case OverrideParseException():
-            return [
-                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or "
-                "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
-                "too if it has special characters, \"KEY='1 µm'\". A verb stands first: "
-                f"{', '.join(VERBS)}."
-            ]
-        case MissingConfigException() if error.options and error.missing_cfg_file:
-            group, _, option = error.missing_cfg_file.rpartition("/")
-            hint = suggestion(option, error.options, "Choose one of them.")
-            return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
-        case SearchPathException():
-            return [f"{one_line(error)} It must be a folder; create it."]
-        case RecursionError():
-            return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
-    said = str(error)
-    # What Hydra says of a key that is not there; the schema does not get to see it.
-    if unknown := re.search(r"Could not override '([^']+)'", said):
-        return [_unknown(unknown[1], lines)]
-    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
-        return [_SEVERAL.format(several[1])]
-    if said.startswith("Config group override must be"):
-        choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
-        return [
-            f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
-            "contactlab --help lists the options of every group."
-        ]
-    if isinstance(error, HydraException | OmegaConfBaseException | UserWarning):
-        return [one_line(error)]
-    return [f"The run could not be started: {one_line(error)}"]
-
-
-def _unknown(key: str, lines: Iterable[str] = ()) -> str:
-    """Say that there is no such key, or none with what the arguments choose."""
-    path = key.replace("/", ".")
-    group = path.rpartition(".")[0].replace(".", "/")
-    chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
-    hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
-    return unknown_key(path, next(chosen, "the default"), [*known_keys(), *hydras])
-
-
-def _folder_faults(config: DictConfig) -> Iterable[str]:
-    """Say why the run cannot be written where it is to go."""
-    below = Path(config.hydra.output_subdir or "")
-    if below.is_absolute() or ".." in below.parts:
-        yield (
-            f"hydra.output_subdir is '{below}'; it must be a folder below that of the run. Leave it out."
-        )
-        return
-    try:
-        # For ${hydra:...} in its name.
-        HydraConfig.instance().set_config(config)
-        folder = Path(str(OmegaConf.select(config, "hydra.run.dir")))
-    except OmegaConfBaseException as error:
-        yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
-        return
-    yield from refusals(folder)
+def _records(configuration: Mapping[str, Any]) -> float:
+    number: float = configuration["solver"]["duration"] / configuration["record"]["interval"]
+    return number
 
 
 def _spelled(size: float) -> str:

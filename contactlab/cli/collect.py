@@ -17,9 +17,7 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser("collect", ", with a status and a reason where one is missing.")
     parser.add_argument("directory", metavar="DIR", help="a folder of runs, as -m leaves it")
-    parser.add_argument(
-        "--output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc"
-    )
+    parser.add_argument("--output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc")
     parser.add_argument(
         "--series",
         default="",
@@ -28,11 +26,9 @@ def main(arguments: list[str]) -> int:
     )
     given = parser.read(arguments)
     try:
-        _collect(given.directory, given.output, given.series.split(",") if given.series else ())
+        _collect(Path(given.directory), given.output, given.series)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            "Interrupted before the runs were collected; nothing was written."
-        ) from None
+        raise KeyboardInterrupt("Interrupted before the runs were collected; nothing was written.") from None
     return COMPLETE
 
 
@@ -44,18 +40,17 @@ def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[st
         tell(f"The runs could not be collected: {error}", sys.stderr)
 
 
-def _collect(
-    folder: Path, output: Path | None, series: Sequence[str], metrics: Sequence[str] = ()
-) -> None:
+def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.config import ConfigurationError
     from contactlab.results.files import told
     from contactlab.sweeps import SweepError, collect
     from contactlab.sweeps.dataset import summary
 
     try:
         with terminal.raising():
-            dataset = collect(folder, output, series, metrics)
-    except SweepError as error:
+            dataset = collect(folder, output, *kept)
+    except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
         raise RefusalError(f"The runs could not be collected: {told(error)}") from error

@@ -5,8 +5,7 @@ from pathlib import Path
 from contactlab.cli.arguments import Parser
 from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import COMPLETE, RefusalError
-
-OUTPUT = "comparison"
+from contactlab.results.files import told
 
 
 def main(arguments: list[str]) -> int:
@@ -24,15 +23,12 @@ def main(arguments: list[str]) -> int:
         "that the difference between laws is seen against the numerical error of each.",
     )
     parser.add_argument(
-        "runs",
-        nargs="+",
-        metavar="DIR",
-        help="a run's folder, its run.nc, or a folder of such folders",
+        "runs", nargs="+", metavar="DIR", help="a run's folder, its run.nc, or a folder of such folders"
     )
     parser.add_argument(
         "--output",
         type=Path,
-        default=Path(OUTPUT),
+        default=Path("comparison"),
         metavar="DIR",
         help="where tables, figures and report.html go; default: %(default)s",
     )
@@ -46,23 +42,18 @@ def main(arguments: list[str]) -> int:
     from contactlab.comparison import ComparisonError, compare
     from contactlab.comparison.findings import conclusion, differences
     from contactlab.comparison.scorecard import as_text
-    from contactlab.results.files import told
 
     output: Path = given.output
-    if faults := list(refusals(output, "Choose another one by --output DIR.")):
-        raise RefusalError(faults[0])
+    for fault in refusals(output, "Choose another one by --output DIR."):
+        raise RefusalError(fault)
     try:
         data = compare(given.runs, output, refine=not given.no_refine)
     except ComparisonError as error:
         raise RefusalError("\n".join(error.faults)) from error
     except OSError as error:
         raise RefusalError(f"Nothing more can be written to '{output}': {told(error)}") from error
-    print(as_text(data))
-    print()
-    print(*differences(data), conclusion(data), sep="\n")
+    print(as_text(data), "", *differences(data), conclusion(data), sep="\n")
     if notes := data.attrs["notes"]:
         print(f"\nNotes:\n{notes}")
-    print(
-        f"\nWritten to {output}: report.html, scorecard.csv, scorecard.tex, metrics.nc and figures."
-    )
+    print(f"\nWritten to {output}: report.html, scorecard.csv, scorecard.tex, metrics.nc and figures.")
     return COMPLETE

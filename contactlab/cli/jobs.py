@@ -9,7 +9,6 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 
-from contactlab import engine
 from contactlab.cli import terminal
 from contactlab.cli.terminal import tell
 from contactlab.config import Setup
@@ -23,8 +22,7 @@ from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job,
 PICTURE = "run.png"
 
 SET_ANOTHER = (
-    "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and "
-    "hydra.sweep.subdir=NAME for -m."
+    "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and hydra.sweep.subdir=NAME for -m."
 )
 
 _MOST_CHARACTERS = 500
@@ -32,16 +30,10 @@ _MOST_CHARACTERS = 500
 
 
 def perform(setup: Setup, directory: Path, job: Job) -> bool:
-    """Run a job and leave its dataset and its state.
+    """Run a job, leave its dataset and its state in a directory, and tell whether it is complete.
 
-    Args:
-        setup: what runs.
-        directory: where all of it goes; what an earlier run left there is removed first.
-        job: what is asked for.
-
-    Returns:
-        Whether the run is complete. Where it is not, a sentence has said why; where it raised an
-        exception of whatever kind, the traceback is in `run.log`.
+    What an earlier run left there is removed first. Where it is not complete, a sentence has said why; where
+    it raised an exception of whatever kind, the traceback is in `run.log`.
 
     Raises:
         KeyboardInterrupt: with a sentence, after what there was has been written.
@@ -64,8 +56,7 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
         tell(reason, sys.stderr)
         with suppress(OSError):
             write_state(directory, State(FAILED, job, reason))
-        with suppress(OSError):
-            write_log(directory / LOG, error)
+        write_log(directory / LOG, error)
         return False
     # Only now: what cannot be printed is no fault of the run.
     tell(summary, sys.stdout)
@@ -77,11 +68,7 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
 
 
 def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
-    """Simulate and write the files; give the state of the run and its summary for the terminal.
-
-    Raises:
-        OSError: the directory is missing, not writable or full.
-    """
+    """Simulate and write the files; give the state of the run and its summary for the terminal."""
     started = perf_counter()
     with terminal.progress(setup.duration, "s", "The run") as show, terminal.waiting() as look:
 
@@ -92,15 +79,7 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
             show(time)
             look()
 
-        trajectory = engine.simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=setup.record_interval,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-            progress=report,
-        )
+        trajectory = setup.run(progress=report)
     wall_time = perf_counter() - started
     with terminal.raising():
         tree = netcdf.to_datatree(trajectory, setup.configuration)
@@ -117,22 +96,20 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
 
 
 def write_log(path: Path, error: BaseException) -> None:
-    """Write a traceback to a file and say where it is.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
-    path.write_text("".join(traceback.format_exception(error)), encoding="utf-8")
-    tell(f"The traceback is in {path}.", sys.stderr)
+    """Write a traceback to a file and say where it is; a folder that takes none goes without."""
+    with suppress(OSError):
+        path.write_text("".join(traceback.format_exception(error)), encoding="utf-8")
+        tell(f"The traceback is in {path}.", sys.stderr)
 
 
 def _reason(error: BaseException) -> str:
-    if isinstance(error, LawError):
-        said = one_line(LawError(*error.args))
-    elif isinstance(error, OSError):
-        said = f"The run could not be written: {told(error)}"
-    else:
-        said = f"The run raised {type(error).__name__}: {one_line(error)}"
+    match error:
+        case LawError():
+            said = one_line(LawError(*error.args))
+        case OSError():
+            said = f"The run could not be written: {told(error)}"
+        case _:
+            said = f"The run raised {type(error).__name__}: {one_line(error)}"
     return said if len(said) <= _MOST_CHARACTERS else f"{said[:_MOST_CHARACTERS]} ..."
 
 

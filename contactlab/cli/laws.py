@@ -2,25 +2,31 @@
 
 from collections.abc import Iterator
 from dataclasses import MISSING
+from functools import partial
 from textwrap import fill
 from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.laws.base import EVEN, ODD, ContactLaw, PenaltyLaw
+from contactlab.laws.base import EVEN, ODD, ContactLaw, Friction, Part, PenaltyLaw
 from contactlab.laws.declaration import SHARED, family_of, members_of
-from contactlab.laws.part import Friction, Part
 from contactlab.laws.registry import PARTS, Origin, law_class, origins
 from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion
 
-WIDTH = 100
-INDENT = "  "
-FAMILIES = {
-    "normal": "Normal forces",
-    "damping": "Dampings",
-    "friction": "Frictions",
-}
+FAMILIES = {"normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"}
+
+Sections = dict[str, list[tuple[str, partial[str]]]]
+"""Names and what prints their paragraphs, by heading."""
+
+_wrapped = partial(
+    fill,
+    width=100,
+    initial_indent="  ",
+    subsequent_indent="    ",
+    break_on_hyphens=False,
+    break_long_words=False,
+)
 
 
 def main(arguments: list[str]) -> int:
@@ -36,61 +42,48 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
-    known = _names()
-    if wanted is not None and wanted not in known:
-        hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
-        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
-    print("\n\n".join(_listing(wanted)))
+    # Two packages may bring a law of one name.
+    sections: Sections = {"Laws: choose one by law=NAME": [(o.name, partial(_law, o)) for o in origins()]}
+    for family, table in PARTS.items():
+        heading = f"{FAMILIES[family]} of a composed law: law=composed law/{family}=NAME"
+        parts = [(f"{family}/{name}", part) for name, part in table.items()]
+        sections[heading] = [(name, partial(_described, part, name)) for name, part in parts]
+    print("\n\n".join(_chosen(sections, wanted)))
     return COMPLETE
 
 
-def _names() -> list[str]:
-    """List what can be asked for; a part goes by its own name and by that with its family."""
-    parts = [
-        each
-        for family, table in PARTS.items()
-        for name in table
-        for each in (name, f"{family}/{name}")
-    ]
-    return [*(origin.name for origin in origins()), *parts]
-
-
-def _listing(wanted: str | None) -> Iterator[str]:
-    """The paragraphs."""
-    if wanted is None:
-        yield "Laws: choose one by law=NAME"
-    for origin in origins():
-        if wanted in (None, origin.name):
-            yield _law(origin)
-    for family, table in PARTS.items():
+def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
+    """Give the paragraphs; a part goes by its own name and by that with its family."""
+    names = [name for entries in sections.values() for name, _ in entries]
+    known = dict.fromkeys(each for name in names for each in (name.rpartition("/")[2], name))
+    if wanted is not None and wanted not in known:
+        hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
+        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
+    for heading, entries in sections.items():
         if wanted is None:
-            yield f"{FAMILIES[family]} of a composed law: law=composed law/{family}=NAME"
-        for name in table:
-            if wanted in (None, name, f"{family}/{name}"):
-                yield _described(table[name], f"{family}/{name}", "")
+            yield heading
+        for name, paragraph in entries:
+            if wanted in (None, name, name.rpartition("/")[2]):
+                yield paragraph()
 
 
 def _law(origin: Origin) -> str:
-    if origin.fault:
-        return _broken(origin, origin.fault)
+    fault = origin.fault
     try:
-        return _described(law_class(origin.name), origin.name, f"{origin} ({origin.entry})")
+        if not fault:
+            return _described(law_class(origin.name), origin.name, f"{origin} ({origin.entry})")
     except ValueError as error:
-        return _broken(origin, str(error))
+        fault = str(error)
     # What a law of another package declares may be anything.
     except Exception as error:
-        return _broken(
-            origin,
+        fault = (
             f"What {origin.entry} of {origin} declares cannot be read ({type(error).__name__}: {error}). "
-            "Mend that package.",
+            "Mend that package."
         )
+    return f"{origin.name}: not usable\n{_wrapped(fault)}"
 
 
-def _broken(origin: Origin, fault: str) -> str:
-    return "\n".join([f"{origin.name}: not usable", _wrapped(fault)])
-
-
-def _described(owner: type[ContactLaw | Part], title: str, origin: str) -> str:
+def _described(owner: type[ContactLaw | Part], title: str, origin: str = "") -> str:
     """All that a law or a part says of itself."""
     rows = {
         "equation": owner.equation,
@@ -99,9 +92,14 @@ def _described(owner: type[ContactLaw | Part], title: str, origin: str) -> str:
         "source": owner.source,
         "package": origin,
     }
-    lines = [_wrapped(f"{word}: {text}", 2 * INDENT) for word, text in rows.items() if text]
     first = (owner.__doc__ or "").strip().partition("\n")[0]
-    return "\n".join([title, *([_wrapped(first)] if first else []), *lines])
+    lines = [_wrapped(first)] if first else []
+    lines += [
+        _wrapped(f"{word}: {text}", initial_indent="    ", subsequent_indent="      ")
+        for word, text in rows.items()
+        if text
+    ]
+    return "\n".join([title, *lines])
 
 
 def described_parameter(name: str, member: DeclaredField) -> str:
@@ -130,14 +128,13 @@ def declared_rows(owner: Any) -> dict[str, str]:
         at_most = "at most " if getattr(owner, "projects", False) else ""
         rows["default contact step"] = f"{at_most}{owner.default_contact_step:g} s"
     if issubclass(owner, ContactLaw | Friction):
-        rows["stick"] = _of_parts(
-            owner.exact_stick, {True: "exact", False: "not exact: it gives, creeps or chatters"}
-        )
-        word = "internal variable"
-        rows[word] = _of_parts(getattr(owner, "internal_variables", ()))
-        if rows[word] and not isinstance(owner.internal_variables, property):
+        stick = {True: "exact", False: "not exact: it gives, creeps or chatters"}
+        rows["stick"] = stick.get(owner.exact_stick) or _of_parts(owner.exact_stick)
+        internal = getattr(owner, "internal_variables", ())
+        rows["internal variable"] = _of_parts(internal)
+        if internal and not isinstance(internal, property):
             even = getattr(owner, "internal_parity", ODD) == EVEN
-            rows[word] += f", {'even' if even else 'odd'} in a mirror"
+            rows["internal variable"] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):
             rows["breaks"] = _of_parts(violations)
@@ -146,21 +143,8 @@ def declared_rows(owner: Any) -> dict[str, str]:
     return rows
 
 
-def _of_parts(value: Any, words: dict[Any, str] | None = None) -> str:
+def _of_parts(value: Any) -> str:
     """A declaration in words; one that follows from the parts says so."""
     if isinstance(value, property):
         return "that of its parts"
-    if words is not None:
-        return words[value]
     return f"{value:g}" if isinstance(value, float) else ", ".join(value)
-
-
-def _wrapped(text: str, indent: str = INDENT) -> str:
-    return fill(
-        text,
-        WIDTH,
-        initial_indent=indent,
-        subsequent_indent=indent + INDENT,
-        break_on_hyphens=False,
-        break_long_words=False,
-    )

@@ -2,7 +2,6 @@
 
 import os
 import sys
-from collections.abc import Callable
 from importlib import import_module
 from io import TextIOWrapper
 
@@ -10,11 +9,6 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.suggestion import suggestion
-
-GONE = {
-    "map": "sweeps run without it: contactlab -m KEY=VALUES ... sweep.keep=metrics keeps numbers alone",
-}
-"""Verbs of earlier versions, and what took their place."""
 
 
 def main() -> int:
@@ -26,7 +20,7 @@ def main() -> int:
         if isinstance(stream, TextIOWrapper):
             # A terminal that cannot show a character shows its code.
             stream.reconfigure(errors="backslashreplace")
-    status = _status(_dispatch)
+    status = _status(*sys.argv[1:])
     try:
         sys.stdout.flush()
     except OSError:
@@ -35,13 +29,21 @@ def main() -> int:
     return status
 
 
-def _status(work: Callable[[], int]) -> int:
-    """Give the exit status of some work, however it ends."""
+def _status(verb: str = "", *arguments: str) -> int:
+    """Do what is asked for, and give its exit status however it ends."""
     try:
         with terminal.ending_at_once():
-            return work()
+            if verb in VERBS:
+                return int(import_module(f"contactlab.cli.{verb}").main(list(arguments)))
+            _refuse_what_is_no_verb(verb)
+            # Imported here: it brings Hydra, which no verb needs.
+            from contactlab.cli import app
+
+            return app.main()
     except SystemExit as stop:
         return int(stop.code or 0)
+    except RefusalError as refusal:
+        return refuse([str(refusal)])
     except KeyboardInterrupt as interrupt:
         print(str(interrupt) or MESSAGE, file=sys.stderr)
         return INTERRUPTED
@@ -58,18 +60,11 @@ def _status(work: Callable[[], int]) -> int:
         )
 
 
-def _dispatch() -> int:
-    verb, *arguments = sys.argv[1:] or [""]
-    if verb in VERBS:
-        try:
-            return int(import_module(f"contactlab.cli.{verb}").main(arguments))
-        except RefusalError as refusal:
-            return refuse([str(refusal)])
-    if verb in GONE:
-        return refuse([f"There is no verb '{verb}' any more; {GONE[verb]}."])
-    if verb.isalpha() and (hint := suggestion(verb, VERBS)):
-        return refuse([f"There is no verb '{verb}'; it must be one of {', '.join(VERBS)}. {hint}"])
-    # Imported here: it brings Hydra, which no verb needs.
-    from contactlab.cli import app
-
-    return app.main()
+def _refuse_what_is_no_verb(word: str) -> None:
+    if word == "map":
+        raise RefusalError(
+            "There is no verb 'map' any more; sweeps run without it: contactlab -m KEY=VALUES ... "
+            "sweep.keep=metrics keeps numbers alone."
+        )
+    if word.isalpha() and (hint := suggestion(word, VERBS)):
+        raise RefusalError(f"There is no verb '{word}'; it must be one of {', '.join(VERBS)}. {hint}")

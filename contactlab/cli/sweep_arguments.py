@@ -2,7 +2,7 @@
 
 import random
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, final
 
 import pandas
@@ -14,24 +14,20 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.app import choices_of
 from contactlab.cli.arguments import quoted
-from contactlab.cli.checking import sentences
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
-from contactlab.sweeps.plan import Configuration, Plan
-from contactlab.sweeps.planning import raise_faults
+from contactlab.sweeps.plan import Configuration, Plan, raise_faults
 from contactlab.sweeps.state import Job, key_of
 from contactlab.sweeps.values import FORMS, call_in, spread
 
 
 @final
 class Arguments:
-    """Reads the arguments of a sweep, and composes configurations by Hydra; see `planning.Composer`.
+    """Reads the arguments of a sweep, and composes configurations by Hydra; see `plan.Composer`.
 
-    Args:
-        context, config: what Hydra gives a sweeper.
-        overrides: as Hydra parses them.
-        section: the section `sweep` as Hydra composes it.
+    It takes what Hydra gives a sweeper, the overrides as parsed, and the section `sweep` as composed.
     """
 
     def __init__(
@@ -39,13 +35,13 @@ class Arguments:
         context: HydraContext,
         config: DictConfig,
         overrides: Iterable[Override],
-        section: Mapping[str, Any],
+        settings: Mapping[str, Any],
     ) -> None:
+        self.options = context.config_loader.get_group_options
         self.columns: dict[str, list[Value]] = {}
         self.faults: list[str] = []
-        self.settings = dict(section)
+        self.settings = dict(settings)
         self._loader, self._config = context.config_loader, config
-        self._typed: dict[str, list[str]] = {}
         self._lines: dict[str, str] = {}
         self._composed: dict[tuple[Value, ...], DictConfig] = {}
         for override in overrides:
@@ -75,10 +71,6 @@ class Arguments:
         """The overrides that all runs have."""
         return [line for key, line in self._lines.items() if key not in self.columns]
 
-    def options(self, key: str) -> list[str]:
-        """Give the options of a group; none for what is no group."""
-        return self._loader.get_group_options(key)
-
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Give the configuration with these options, all else as it is set."""
         lines = [*self.fixed, *(f"{group}={option}" for group, option in chosen.items())]
@@ -106,69 +98,52 @@ class Arguments:
             raise ConfigurationError([words]) from error
         return build(resolved)  # type: ignore[arg-type]
 
-    def jobs(self, plan: Plan, setups: Iterable[tuple[int, Setup]]) -> Iterator[tuple[str, Job]]:
-        """Give what each run is asked for, values as typed where they were one by one, and its folder's name.
+    def job(self, plan: Plan, cell: int, setup: Setup) -> tuple[str, Job]:
+        """Give the name of a run's folder and what it is asked for, values as typed where they are listed.
 
         Raises:
             ConfigurationError: the name, made as Hydra makes it, refers to what there is not.
         """
-        texts = {}
-        for axis in plan.axes:
-            typed = self._typed.get(axis.key, ())
-            as_typed = len(typed) == len(axis.values)
-            texts[axis.key] = typed if as_typed else [_text(value) for value in axis.values]
-        for cell, setup in setups:
-            places = zip(texts.items(), plan.places(cell), strict=True)
-            chosen = {key: column[place] for (key, column), place in places}
-            lines = {
-                key: f"{line.partition('=')[0]}={chosen[key]}" if key in chosen else line
-                for key, line in self._lines.items()
-            }
-            more = [f"{key}={text}" for key, text in chosen.items() if key not in lines]
-            told = [*lines.values(), *more]
-            point = plan.point(cell)
-            place = self._composed[tuple(point.pop(group) for group in plan.groups)]
-            name = _folder(place, told, point, cell)
-            yield (
-                name,
-                Job(key_of(setup), tuple(told), choices_of(place.hydra), setup.configuration),
-            )
+        point, lines = plan.point(cell), dict(self._lines)
+        for axis, place in zip(plan.axes, plan.places(cell), strict=True):
+            column = self.columns.get(axis.key, axis.values)
+            typed = axis.values if any(map(call_in, column)) else column
+            before = lines.get(axis.key, axis.key).partition("=")[0]
+            lines[axis.key] = f"{before}={_text(typed[place])}"
+        composed = self._composed[tuple(point.pop(group) for group in plan.groups)]
+        hydra = composed.hydra
+        said = hydra.job.config.override_dirname
+        told = sorted(x for x in lines.values() if x.partition("=")[0] not in said.exclude_keys)
+        hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
+        hydra.job.num, hydra.job.id = cell, str(cell)
+        try:
+            for key, value in point.items():
+                OmegaConf.update(composed, key, value, force_add=True)
+            name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
+        except OmegaConfBaseException as error:
+            raise ConfigurationError(
+                [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
+            ) from error
+        job = Job(key_of(setup), tuple(lines.values()), choices_of(hydra), setup.configuration)
+        return name, job
 
     def _values(self, override: Override) -> list[Any]:
-        """Give the values of an override; how they are typed is noted."""
-        key, line = override.key_or_group, str(override.input_line)
+        """Give the values of an override."""
         if override.is_delete():
             return []
+        said = override.value()
         if not override.is_sweep_override():
-            self._typed[key] = [line.partition("=")[2]]
-            return [_plain(override.value())]
-        if isinstance(said := override.value(), RangeSweep):
+            return [_plain(said)]
+        if isinstance(said, RangeSweep):
             values: list[Any] = [f"range({said.start},{said.stop},{said.step})"]
             if said.shuffle:
-                values = spread(key, values[0])
+                values = spread(override.key_or_group, values[0])
                 random.shuffle(values)
             return values
         if not override.is_discrete_sweep():
-            self.faults.append(f"{line} cannot be swept; a swept parameter must have {FORMS}.")
+            self.faults.append(f"{override.input_line} cannot be swept; a swept parameter must have {FORMS}.")
             return []
-        self._typed[key] = [str(text) for text in override.sweep_string_iterator()]
         return [_plain(value) for value in override.sweep_iterator(Transformer.identity)]
-
-
-def _folder(place: DictConfig, lines: list[str], values: Mapping[str, Value], cell: int) -> str:
-    """Name the folder of a run in a composed configuration."""
-    said = place.hydra.job.config.override_dirname
-    told = sorted(line for line in lines if line.partition("=")[0] not in said.exclude_keys)
-    place.hydra.job.override_dirname = said.item_sep.join(told).replace("=", said.kv_sep)
-    place.hydra.job.num, place.hydra.job.id = cell, str(cell)
-    try:
-        for key, value in values.items():
-            OmegaConf.update(place, key, value, force_add=True)
-        return str(OmegaConf.select(place, "hydra.sweep.subdir"))
-    except OmegaConfBaseException as error:
-        raise ConfigurationError(
-            [f"hydra.sweep.subdir cannot be resolved: {one_line(error)} Name a directory."]
-        ) from error
 
 
 def table(path: str) -> dict[str, list[Value]]:
@@ -189,12 +164,9 @@ def table(path: str) -> dict[str, list[Value]]:
                 rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
     # A file can be anything.
     except Exception as error:
-        raise ConfigurationError(
-            [
-                f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, CSV "
-                "or netCDF, whose columns are keys and whose rows are runs."
-            ]
-        ) from error
+        words = f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, "
+        words += "CSV or netCDF, whose columns are keys and whose rows are runs."
+        raise ConfigurationError([words]) from error
     raise_faults(
         f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "
         "leave the row out."

@@ -8,63 +8,49 @@ runs leave their folders, a job a chunk where they leave their metrics alone.
 import os
 import platform
 import sys
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.plugins import Plugins
-from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import quoted
-from contactlab.cli.checking import (
-    announce,
-    announce_series,
-    misplaced,
-    sentences,
-    sets_friction,
-)
+from contactlab.cli.checking import announce, announce_series, misplaced, sets_friction
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, validate
+from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
-from contactlab.config.rules import idle_friction
-from contactlab.results.files import LOG, told
-from contactlab.settings import Sweep
-from contactlab.sweeps.batch import Batch, WorkerError, processors
+from contactlab.config.groups import Sweep
+from contactlab.config.schema import idle_friction
+from contactlab.results.files import LOG, STATE, told
+from contactlab.sweeps.batch import Batch, Outputs, WorkerError, processors
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.plan import Outputs, Plan, code_digest_of
-from contactlab.sweeps.planning import NOTHING, full_keys, planned, raise_faults, setups_of
-from contactlab.sweeps.state import extend_manifest, resume, sentence
+from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
+from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state
 from contactlab.sweeps.store import CHUNKS, Store
 from contactlab.sweeps.values import SweepError
 
-MOST_JOBS = 100_000
-"""Runs that leave a folder each, which takes a fifth of a second beside the run."""
-
 
 @final
-class ContactlabSweeper(Sweeper):
-    """Plans, checks, resumes and collects a sweep; its options are those of `ContactlabSweeperConf`."""
+@dataclass(frozen=True)
+class Sweeping:
+    """Plans, checks, resumes and collects a sweep, by what Hydra gives a sweeper and its options."""
 
-    def __init__(
-        self, max_batch_size: int | None = None, params: Mapping[str, str] | None = None
-    ) -> None:
-        self._size = max_batch_size
-        self._params = dict(params or {})
-
-    def setup(
-        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
-    ) -> None:
-        """See `Sweeper.setup`."""
-        self._context, self._task, self._config = hydra_context, task_function, config
+    context: HydraContext
+    task: TaskFunction
+    config: DictConfig
+    max_batch_size: int | None = None
+    params: Mapping[str, str] | None = None
 
     def sweep(self, arguments: list[str]) -> None:
         """Run a sweep, or go on with it.
@@ -73,7 +59,8 @@ class ContactlabSweeper(Sweeper):
             SystemExit: with the status of the worst run, or that of what was refused.
         """
         try:
-            status = self._swept([*(f"{k}={v}" for k, v in self._params.items()), *arguments])
+            given = (f"{key}={value}" for key, value in (self.params or {}).items())
+            status = self._swept([*given, *arguments])
         except ConfigurationError as error:
             status = refuse(dict.fromkeys(error.faults))
         except SweepError as error:
@@ -83,14 +70,14 @@ class ContactlabSweeper(Sweeper):
 
     def _swept(self, lines: Sequence[str]) -> int:
         try:
-            parser = OverridesParser.create(config_loader=self._context.config_loader)
+            parser = OverridesParser.create(config_loader=self.context.config_loader)
             overrides = parser.parse_overrides(list(lines))
-            folder = Path(str(self._config.hydra.sweep.dir))
-            section: Any = OmegaConf.to_container(self._config.sweep, resolve=True)
+            folder = Path(str(self.config.hydra.sweep.dir))
+            section: Any = OmegaConf.to_container(self.config.sweep, resolve=True)
         # Hydra lets the errors of what it calls through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        arguments = Arguments(self._context, self._config, overrides, section)
+        arguments = Arguments(self.context, self.config, overrides, section)
         faults = [*misplaced(lines, swept=True), *arguments.faults]
         try:
             validate({**arguments.compose({}), "sweep": arguments.settings})
@@ -99,36 +86,33 @@ class ContactlabSweeper(Sweeper):
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
         raise_faults(faults)
         settings = Sweep(**arguments.settings)
-        outputs = Outputs.named(settings.metrics, settings.series or ())
         samples = settings.samples
         plan = planned(
             arguments,
             full_keys(table(samples), arguments) if samples else arguments.columns,
-            outputs,
+            Outputs.named(settings.metrics, settings.series or ()),
             samples=samples is not None,
             chunk=settings.chunk,
-            progress=terminal.progress,
+            keep=settings.keep,
         )
         set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
             tell(f"contactlab: {words}", sys.stderr)
-        if settings.keep == "metrics":
-            return self._metrics(plan, arguments, settings.workers, folder)
-        status = self._folders(plan, arguments, folder)
-        collect_swept(folder, outputs.series, outputs.metrics if settings.metrics else ())
+        store = Store(folder, plan)
+        if plan.keep == "metrics":
+            return self._metrics(store, settings.workers)
+        status = self._folders(store, arguments)
+        collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
         return status
 
-    def _folders(self, plan: Plan, arguments: Arguments, folder: Path) -> int:
+    def _folders(self, store: Store, arguments: Arguments) -> int:
         """Run what leaves a folder each, but for what is complete; give the worst status."""
-        if plan.cells > MOST_JOBS:
-            raise ConfigurationError(
-                [
-                    f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs are asked for; a sweep of "
-                    f"folders must have at most {MOST_JOBS}. Take fewer values, or sweep.keep=metrics, "
-                    "which keeps numbers alone."
-                ]
-            )
-        jobs = [*arguments.jobs(plan, setups_of(plan, arguments, terminal.progress))]
+        plan, folder = store.plan, store.path
+        jobs = []
+        with terminal.progress(plan.cells, "runs", "Checking the sweep") as show:
+            for cell, setup in enumerate(setups_of(plan, arguments)):
+                jobs.append(arguments.job(plan, cell, setup))
+                show(cell)
         names = Counter(name for name, _ in jobs)
         faults = [
             f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite each other; "
@@ -140,24 +124,26 @@ class ContactlabSweeper(Sweeper):
         tried = {*(folder / name for name in names if (folder / name).exists())}
         faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
         raise_faults(faults)
-        done, said = resume([(folder / name, job.key) for name, job in jobs])
+        store.begin()
+        runs, said = resume([(folder / name, job.key) for name, job in jobs])
         print(said, flush=True)
-        folder.mkdir(parents=True, exist_ok=True)
-        extend_manifest(folder, dict(jobs), plan.samples)
-        pending = [job for job, is_there in zip(jobs, done, strict=True) if not is_there]
-        if not pending:
-            return COMPLETE
+        pending = [job for job, is_to_run in zip(jobs, runs, strict=True) if is_to_run]
+        for place, job in ((folder / name, job) for name, job in pending):
+            # So that it is known what one was that never begins.
+            place.mkdir(parents=True, exist_ok=True)
+            if not (place / STATE).exists():
+                write_state(place, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
-        OmegaConf.save(self._config, folder / "multirun.yaml")
+        if pending:
+            OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
-        batch = [
-            [*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending
-        ]
-        return self._launched(self._task, batch, folder)
+        batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending]
+        return self._launched(self.task, batch, store)
 
-    def _metrics(self, plan: Plan, arguments: Arguments, workers: int | None, folder: Path) -> int:
+    def _metrics(self, store: Store, workers: int | None) -> int:
         """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
-        faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
+        plan = store.plan
+        faults = list(refusals(store.path, "Choose another one by hydra.sweep.dir=DIR."))
         if not plan.axes:
             faults.append(NOTHING)
         if "${" in str(plan.bases):
@@ -166,17 +152,13 @@ class ContactlabSweeper(Sweeper):
                 "which may depend on what is swept. Write the values."
             )
         raise_faults(faults)
-        if plan.samples:
-            deque(setups_of(plan, arguments, terminal.progress), maxlen=0)
-        store = Store(folder, plan)
         store.begin()
-        print(sentence(plan.cells, {"new": store.missing_runs()}), flush=True)
+        print(sentence(plan.cells, {ABSENT: store.missing_runs()}), flush=True)
         if plan.outputs.series:
             # A run that is refused is told of at its place.
             with suppress(ConfigurationError):
-                announce_series(
-                    plan.cells, len(plan.outputs.series), plan.setup_at(0).configuration
-                )
+                first = plan.setup_at(0).configuration
+                announce_series(plan.cells, len(plan.outputs.series), first)
         try:
             with terminal.raising():
                 status = self._chunks(store, workers)
@@ -194,36 +176,33 @@ class ContactlabSweeper(Sweeper):
 
     def _chunks(self, store: Store, workers: int | None) -> int:
         """Run the chunks that are missing, here or by a launcher."""
-        if not (missing := store.missing()):
-            return COMPLETE
-        if self._config.hydra.runtime.choices["hydra/launcher"] == "basic":
+        missing = store.missing()
+        if missing and self.config.hydra.runtime.choices["hydra/launcher"] == "basic":
             with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
                 store.run_missing(workers, show)
             return COMPLETE
-        where = quoted(str(store.path.absolute()))
-        below = str((store.path / CHUNKS).absolute())
+        below = self.config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
         own = [
+            f"+chunk.folder={quoted(str(store.path.absolute()))}",
+            f"+chunk.workers={workers or 0}",
             f"hydra.sweep.dir={quoted(below)}",
             "hydra.sweep.subdir=log/${hydra.job.num}",
             "hydra.output_subdir=null",
         ]
-        batch = [
-            [f"+chunk.folder={where}", f"+chunk.number={n}", f"+chunk.workers={workers or 0}", *own]
-            for n in missing
-        ]
-        self._config.hydra.sweep.dir = below
-        return self._launched(run_chunk, batch, store.path)
+        return self._launched(run_chunk, [[f"+chunk.number={n}", *own] for n in missing], store)
 
-    def _launched(self, task: TaskFunction, batch: list[list[str]], folder: Path) -> int:
+    def _launched(self, task: TaskFunction, batch: list[list[str]], store: Store) -> int:
         """Have a launcher run jobs; give the status of the worst, and tell why they cannot be run."""
+        if not batch:
+            return COMPLETE
         status = COMPLETE
         try:
             # Between the jobs an exception, at which a launcher ends the processes that it has begun.
             with terminal.raising():
                 launcher = Plugins.instance().instantiate_launcher(
-                    hydra_context=self._context, task_function=task, config=self._config
+                    hydra_context=self.context, task_function=task, config=self.config
                 )
-                size = self._size or len(batch)
+                size = self.max_batch_size or len(batch)
                 for at in range(0, len(batch), size):
                     for returned in launcher.launch(batch[at : at + size], initial_job_idx=at):
                         # The exception of a job that failed is raised by looking at it.
@@ -236,7 +215,7 @@ class ContactlabSweeper(Sweeper):
                 sys.stderr,
             )
             with suppress(OSError):
-                write_log(folder / LOG, error)
+                write_log(store.path / LOG, error)
             status = INCOMPLETE
         return status
 

@@ -12,9 +12,12 @@ import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from time import perf_counter
 from types import FrameType
 from typing import NoReturn, TextIO
+
+from tqdm import tqdm
 
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses of the command: done; not done, or not so as it should be; a fault of the user's; Ctrl-C."""
@@ -30,9 +33,6 @@ LOOK_AFTER = 5.0
 WORTH_SAYING = 60.0
 """Seconds that must be left for a sentence."""
 
-_STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
-"""Names and modes of what a process begins with, by the numbers of their descriptors."""
-
 
 class RefusalError(ValueError):
     """What was asked for cannot be done; the message is a sentence."""
@@ -43,7 +43,7 @@ def open_closed() -> None:
 
     Else the next file that is opened takes its number, and what any library prints goes into that file.
     """
-    for number, (name, mode) in enumerate(_STREAMS):
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
         if getattr(sys, name) is not None:
             continue
         nowhere = os.open(os.devnull, os.O_RDWR)
@@ -57,6 +57,12 @@ def open_closed() -> None:
         setattr(sys, name, os.fdopen(number, mode))
 
 
+def silence(stream: TextIO) -> None:
+    """Lead a stream nowhere, so that Python's own last flush does not complain either."""
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
 def tell(text: str, stream: TextIO) -> None:
     """Print a line at once; where that cannot be done, nothing is printed from then on."""
     try:
@@ -66,34 +72,44 @@ def tell(text: str, stream: TextIO) -> None:
 
 
 def refuse(faults: Iterable[str]) -> int:
-    """Print the faults, a line each, and give the exit status."""
-    for fault in faults:
-        print(fault, file=sys.stderr)
+    """Print the faults, a line each and each once, and give the exit status."""
+    print(*dict.fromkeys(faults), sep="\n", file=sys.stderr)
     return REFUSED
 
 
-def silence(stream: TextIO) -> None:
-    """Lead a stream nowhere, so that Python's own last flush does not complain either."""
-    with suppress(OSError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-
-
 @contextmanager
-def ending_at_once() -> Iterator[None]:
-    """Let Ctrl-C end the process with its status and a sentence."""
-    with _handled(_end):
+def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Handle Ctrl-C in this way, unless it is ignored, as in the background, or is not ours."""
+    before = signal.getsignal(signal.SIGINT)
+    main = threading.current_thread() is threading.main_thread()
+    if not main or before is None or before is signal.SIG_IGN:
         yield
+        return
+    signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _end(_number: int, _frame: FrameType | None) -> NoReturn:
+    print(MESSAGE, file=sys.stderr, flush=True)
+    sys.stdout.flush()
+    os._exit(INTERRUPTED)
+
+
+ending_at_once = partial(_handled, _end)
+"""Lets Ctrl-C end the process with its status and a sentence."""
+
+raising = partial(_handled, signal.default_int_handler)
+"""Lets Ctrl-C raise KeyboardInterrupt where it comes, as Python does by itself."""
 
 
 @contextmanager
 def waiting() -> Iterator[Callable[[], None]]:
     """Let Ctrl-C wait for the next look; before the first, and twice, it ends the process at once.
 
-    Yields:
-        The look, which raises KeyboardInterrupt if Ctrl-C has come.
-
-    Raises:
-        KeyboardInterrupt: at the end, if Ctrl-C has come after the last look.
+    Yields the look, which raises KeyboardInterrupt if Ctrl-C has come; the end of the context looks too.
     """
     looked = pending = False
 
@@ -112,36 +128,7 @@ def waiting() -> Iterator[Callable[[], None]]:
 
     with _handled(handle):
         yield look
-    if pending:
-        raise KeyboardInterrupt(MESSAGE)
-
-
-@contextmanager
-def raising() -> Iterator[None]:
-    """Let Ctrl-C raise KeyboardInterrupt where it comes, as Python does by itself."""
-    with _handled(signal.default_int_handler):
-        yield
-
-
-def _end(_number: int, _frame: FrameType | None) -> NoReturn:
-    print(MESSAGE, file=sys.stderr, flush=True)
-    sys.stdout.flush()
-    os._exit(INTERRUPTED)
-
-
-@contextmanager
-def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Handle Ctrl-C in this way, unless it is ignored, as in the background, or is not ours."""
-    before = signal.getsignal(signal.SIGINT)
-    main = threading.current_thread() is threading.main_thread()
-    if not main or before is None or before is signal.SIG_IGN:
-        yield
-        return
-    signal.signal(signal.SIGINT, handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    look()
 
 
 @contextmanager
@@ -156,14 +143,9 @@ def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], N
     Yields:
         The function to tell what is done of the total so far.
     """
-    # Imported here: a command that only has a fault to report needs none.
-    from tqdm import tqdm
-
     if sys.stderr.isatty():
-        remaining = (
-            "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
-        )
-        with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=remaining) as bar:
+        left = "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
+        with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=left) as bar:
 
             def advance(done: float) -> None:
                 bar.update(done - bar.n)
@@ -180,9 +162,8 @@ def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], N
         if said or spent < LOOK_AFTER or not 0.0 < done < total:
             return
         said = True
-        left = spent * (total - done) / done
-        if left > WORTH_SAYING:
+        if (seconds := spent * (total - done) / done) > WORTH_SAYING:
             share = f"{what}: {done / total:.2%} is done in {spent:.0f} s"
-            tell(f"{share}, {tqdm.format_interval(left)} is left.", sys.stderr)
+            tell(f"{share}, {tqdm.format_interval(seconds)} is left.", sys.stderr)
 
     yield estimate

@@ -1,7 +1,6 @@
 """`contactlab verify [RUN ...]`: every claim with what is expected, what is found, tolerance and verdict."""
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from textwrap import shorten
@@ -34,16 +33,17 @@ def main(arguments: list[str]) -> int:
         nargs="*",
         help="a folder with run.nc, or a dataset in its layout: checked alone, by its numbers",
     )
-    wanted = parser.read(arguments)
+    runs = [Path(source) for source in parser.read(arguments).runs]
     try:
-        groups = list(_of_runs(wanted.runs)) if wanted.runs else all_claims()
+        trees = [read_run(path / "run.nc" if path.is_dir() else path) for path in runs]
     except ValueError as fault:
         raise RefusalError(str(fault)) from fault
+    of_runs = [(str(p), partial(invariants_of, tree)) for p, tree in zip(runs, trees, strict=True)]
     started = perf_counter()
     width = min(max(shutil.get_terminal_size((140, 24)).columns - 58, 40), WIDEST_CLAIM)
     print(f"{'claim':<{width}}" + NUMBERS.format("expected", "found", "tolerance", "verdict"))
     checked: list[Claim] = []
-    for heading, group in groups:
+    for heading, group in of_runs or all_claims():
         print(f"\n{heading}", flush=True)
         for claim in group():
             checked.append(claim)
@@ -60,23 +60,9 @@ def main(arguments: list[str]) -> int:
     return INCOMPLETE if failed else COMPLETE
 
 
-def _of_runs(sources: Iterable[str]) -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
-    """Headings and claims of recorded runs.
-
-    Raises:
-        ValueError: a source is no run.
-    """
-    for source in sources:
-        path = Path(source)
-        tree = read_run(path / "run.nc" if path.is_dir() else path)
-        yield source, partial(invariants_of, tree)
-
-
 def _row(claim: Claim, width: int) -> str:
     unit = "" if claim.units == "1" else f" [{claim.units}]"
     words = shorten(claim.statement + unit, width, placeholder="...")
     tolerance = f"{claim.tolerance:.1e}" if claim.relation == "=" else ""
     expected = f"{'' if claim.relation == '=' else claim.relation + ' '}{claim.expected:.9g}"
-    return f"{words:<{width}}" + NUMBERS.format(
-        expected, f"{claim.found:.9g}", tolerance, claim.verdict
-    )
+    return f"{words:<{width}}" + NUMBERS.format(expected, f"{claim.found:.9g}", tolerance, claim.verdict)

@@ -1,40 +1,22 @@
 """Recorded data of a law made ready to be drawn beside that of others; nothing here knows matplotlib."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.ndimage import median_filter
 
 from contactlab.arrays import Array
 from contactlab.comparison.reruns import Refined
-from contactlab.metrics import Run
 
-PERIODS: Final = 2.0
-"""Drive periods at the end of a run that are drawn as path and phase portrait."""
-
-MARGIN: Final = 0.1
-"""Time before touch-down and after release that is drawn with a contact, in its duration."""
-
-SCARCE: Final = 5
-"""Records in a contact below which a line through them would invent the force."""
-
-APART: Final = 0.1
-"""Flight between two contacts that makes them two, in drive periods."""
+PERIODS: Final = 2.0  # drive periods at the end of a run that are drawn as path and phase portrait
+MARGIN: Final = 0.1  # time before touch-down and after release that is drawn, in durations
+SCARCE: Final = 5  # records in a contact below which a line through them would invent the force
+APART: Final = 0.1  # flight between two contacts that makes them two, in drive periods
 
 
-@final
-@dataclass(frozen=True)
-class Contact:
-    """One contact of a law.
-
-    Args:
-        time: middles of the record intervals, from touch-down [s].
-        forces: mean normal and friction force of the intervals [N], shape (2, time).
-        start, duration: of the contact [s].
-        peak: largest normal force in it [N].
-    """
+class Contact(NamedTuple):
+    """One contact: middles of its records from touch-down [s], their mean normal and friction force [N]."""
 
     time: Array
     forces: Array
@@ -49,33 +31,30 @@ def one_contact_each(laws: Sequence[Refined]) -> dict[int, Contact]:
     A rigid law with restitution touches in a row of impacts, which are one contact here. A law with too
     few records of it has none.
     """
-    near = next((t for t in map(_last_whole_contact, laws) if t is not None), None)
-    rows = {
-        i: _row_of_impacts(law, near)
+    columns = ("start_time", "duration", "normal_impulse", "peak_normal_force")
+    touching = {
+        i: law
         for i, law in enumerate(laws)
-        if near is not None
-        and law.best.touches("start_time", "duration", "peak_normal_force")
-        and law.best.holds("normal_force", "friction_force")
+        if law.best.touches(*columns) and law.best.holds("normal_force", "friction_force")
     }
-    length = max((duration for _, duration, _ in rows.values()), default=0.0)
-    found = {i: _recorded(laws[i].best, length, *row) for i, row in rows.items()}
+    near = next((t for t in map(_last_whole_contact, touching.values()) if t is not None), None)
+    if near is None:
+        return {}
+    rows = {i: _row_of_impacts(law, near) for i, law in touching.items()}
+    length = max(duration for _, duration, _ in rows.values())
+    found = {i: _recorded(touching[i], length, *row) for i, row in rows.items()}
     return {i: contact for i, contact in found.items() if contact.time.size >= SCARCE}
 
 
 def _last_whole_contact(law: Refined) -> float | None:
     """Give the touch-down of the strongest of the last contacts that the end did not cut [s]."""
-    run = law.best
-    if not run.touches("start_time", "duration", "normal_impulse"):
-        return None
-    starts, end = run.rows["start_time"], float(run.time[-1])
-    ends = starts + run.rows["duration"]
+    rows, end = law.best.rows, float(law.best.time[-1])
+    starts, ends = rows["start_time"], rows["start_time"] + rows["duration"]
     # Other laws touch at other times: their contact shall be whole as well.
     settled = end - 0.5 * law.period
     whole = np.flatnonzero((ends < settled) & (starts > end - (PERIODS + 1.0) * law.period))
     whole = whole if whole.size else np.flatnonzero(ends < end)
-    if not whole.size:
-        return None
-    return float(starts[whole[np.argmax(run.rows["normal_impulse"][whole])]])
+    return float(starts[max(whole, key=rows["normal_impulse"].item)]) if whole.size else None
 
 
 def _row_of_impacts(law: Refined, near: float) -> tuple[float, float, float]:
@@ -88,8 +67,9 @@ def _row_of_impacts(law: Refined, near: float) -> tuple[float, float, float]:
     return start, end - start, float(rows["peak_normal_force"][mine].max())
 
 
-def _recorded(run: Run, length: float, start: float, duration: float, peak: float) -> Contact:
+def _recorded(law: Refined, length: float, start: float, duration: float, peak: float) -> Contact:
     """Give the records of a contact, over a length of time [s]."""
+    run = law.best
     earlier = np.append(run.time[:1], run.time[:-1])
     # In the interval of the touch-down the force acts after it only.
     middle = 0.5 * (np.where(run.time > start, np.maximum(earlier, start), earlier) + run.time)
@@ -97,9 +77,8 @@ def _recorded(run: Run, length: float, start: float, duration: float, peak: floa
     place = int(np.searchsorted(middle, start))
     since = np.insert(middle, place, start) - start
     shown = (since >= -MARGIN * length) & (since <= (1.0 + MARGIN) * length)
-    both = [run.columns[f"{way}_force"] for way in ("normal", "friction")]
-    forces = np.insert(both, place, 0.0, axis=1)[:, shown]
-    return Contact(since[shown], forces, start, duration, peak)
+    both = [run.columns["normal_force"], run.columns["friction_force"]]
+    return Contact(since[shown], np.insert(both, place, 0.0, axis=1)[:, shown], start, duration, peak)
 
 
 def last_periods(law: Refined) -> slice:

@@ -1,6 +1,6 @@
 """The pictures of a comparison: one contact, paths, rotor velocities, energy flow, phase portraits."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from textwrap import fill
@@ -16,56 +16,45 @@ from matplotlib.style import context
 from contactlab.comparison import curves
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.scorecard import ENERGY_TERMS
-from contactlab.metrics import NotApplicableError
-from contactlab.plot.overview_data import drawable, envelope
+from contactlab.metrics import NotApplicableError, needed
+from contactlab.plot.recording import drawable, envelope
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.summary import prefixed_unit
 
-WIDTH: Final = 5.2
-"""Inches; the words are still read where a phone makes it its own width."""
+WIDTH: Final = 5.2  # inches; the words are still read where a phone makes it its own width
+LINE: Final = 0.13  # height of a line of a legend [in]
+LONGEST_LABEL: Final = 30  # letters in a line of a label
+IMPACT: Final = 0.1  # share of a contact in which a rigid law's impact is over
 
 DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Lines of the laws in turn, so that a print without colours tells them apart."""
 
-MOST_SPIKES: Final = 3
-"""Peaks off the scale that are named one by one."""
-
-LONGEST_LABEL: Final = 30
-"""Letters in a line of a label."""
-
-LINE: Final = 0.13
-"""Height of a line of a legend [in]."""
-
-IMPACT: Final = 0.1
-"""Share of a contact in which a rigid law's impact is over."""
-
-THIN: Final = {"linewidth": 0.6, "zorder": 0}
-"""Of a line to go by."""
+THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}  # of a line to go by
+NOTE: Final = {"ha": "right", "fontsize": 7}  # of a few words at the right end of such a line
 
 # Without dates and versions the same runs give the same bytes.
-METADATA: Final[dict[str, dict[str, Any]]] = {
-    "png": {"Software": None},
-    "pdf": {"CreationDate": None},
-}
+METADATA: Final[Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
 
 
 def draw_all(laws: Sequence[Refined], data: xarray.Dataset, folder: Path) -> list[Path]:
     """Write every figure that the runs have the numbers for, as PNG and PDF; gives the PNGs."""
-    with context(STYLE):
-        figures = {
-            "contact_force": draw_contact(laws),
-            "tip_trajectory": draw_paths(laws),
-            "rotor_velocity": draw_velocities(laws),
-            "energy_flow": draw_energy(data),
-            "phase_portrait": draw_phases(laws),
-        }
-        drawn = {name: figure for name, figure in figures.items() if figure is not None}
-        for name, figure in drawn.items():
+    figures: dict[str, tuple[Callable[[Any], Figure], Any]] = {
+        "contact_force": (draw_contact, laws),
+        "tip_trajectory": (draw_paths, laws),
+        "rotor_velocity": (draw_velocities, laws),
+        "energy_flow": (draw_energy, data),
+        "phase_portrait": (draw_phases, laws),
+    }
+    written = []
+    for name, (draw, subject) in figures.items():
+        with context(STYLE), suppress(NotApplicableError):
+            figure = draw(subject)
             for kind, metadata in METADATA.items():
                 with whole_file(folder / f"{name}.{kind}") as partial:
                     figure.savefig(partial, format=kind, metadata=metadata)
-    return [folder / f"{name}.png" for name in drawn]
+            written.append(folder / f"{name}.png")
+    return written
 
 
 def _figure(rows: int, columns: int, height: float, **arguments: Any) -> tuple[Figure, Any]:
@@ -73,110 +62,80 @@ def _figure(rows: int, columns: int, height: float, **arguments: Any) -> tuple[F
     return figure, figure.subplots(rows, columns, squeeze=False, **arguments).ravel()
 
 
-def _colour(number: int) -> Any:
-    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
-    return colours[number % len(colours)]
-
-
 def _style(number: int) -> dict[str, Any]:
     """Give colour and line of a law."""
-    return {"color": _colour(number), "linestyle": DASHES[number % len(DASHES)]}
+    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    return {"color": colours[number % len(colours)], "linestyle": DASHES[number % len(DASHES)]}
 
 
 def _holding(laws: Sequence[Refined], *names: str) -> list[tuple[int, Refined]]:
-    """Give the laws that recorded some series, with their places."""
-    return [(i, law) for i, law in enumerate(laws) if law.best.holds(*names)]
+    """Give the laws that recorded some series, with their places; there is one at least."""
+    holding = [(i, law) for i, law in enumerate(laws) if law.best.holds(*names)]
+    needed(holding)
+    return holding
 
 
 def _legend(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
     """Put the legend above the panels, where it covers nothing."""
     handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        columns = 3 if max(map(len, labels)) < LONGEST_LABEL else 2
-        labels = [fill(label, LONGEST_LABEL) for label in labels]
-        # The panels keep their size, however many laws there are.
-        lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)
-        figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
-        columns = min(len(labels), columns)
-        figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
+    columns = min(len(labels), 3 if max(map(len, labels)) < LONGEST_LABEL else 2)
+    labels = [fill(label, LONGEST_LABEL) for label in labels]
+    # The panels keep their size, however many laws there are.
+    lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)
+    figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
     figure.align_ylabels()
     return figure
 
 
-def _remark(axes: Axes, words: str, height: float, lift: float, colour: str = "black") -> None:
-    """Write a few words at the right end of a line across the axes."""
-    axes.annotate(
-        words, (1.0, height), (-2.0, lift), ("axes fraction", "data"), "offset points",
-        ha="right", fontsize=7, color=colour,
-    )  # fmt: skip
-
-
-def draw_contact(laws: Sequence[Refined]) -> Figure | None:
+def draw_contact(laws: Sequence[Refined]) -> Figure:
     """Draw the normal force over one contact, friction below."""
     found = curves.one_contact_each(laws)
-    if not found:
-        return None
-    contacts = list(found.values())
+    needed(found)
     # An impact of a rigid law is a spike as high as the record interval is short, beside which all other
     # forces would be a line at zero: the axes hold what each law exerts after it.
-    after = [contact.forces[:, contact.time > IMPACT * contact.duration] for contact in contacts]
+    after = [c.forces[:, c.time > IMPACT * c.duration] for c in found.values()]
     normal, friction = np.concatenate([np.zeros((2, 1)), *after], axis=1)
-    top = 1.5 * float(normal.max())
+    top, room = 1.5 * float(normal.max()), 0.2 * float(np.ptp(friction))
     figure, (above, below) = _figure(2, 1, 4.0, sharex=True)
-    unit, scale = prefixed_unit(max(contact.duration for contact in contacts), "s")
-    spikes = []
+    unit, scale = prefixed_unit(max(contact.duration for contact in found.values()), "s")
     for i, contact in found.items():
-        time, label = contact.time / scale, laws[i].run.label
-        above.plot(time, contact.forces[0], label=label, **_style(i))
-        below.plot(time, contact.forces[1], **_style(i))
-        if contact.peak > top > 0.0:
-            spikes.append((f"{label}: peak {contact.peak:.4g} N, off scale", _colour(i)))
-    if len(spikes) > MOST_SPIKES:
-        peaks = [contact.peak for contact in contacts if contact.peak > top]
-        span = f"{min(peaks):.4g} to {max(peaks):.4g} N"
-        spikes = [(f"peaks of {len(peaks)} laws, {span}, off scale", "black")]
-    for line, (words, colour) in enumerate(spikes):
-        above.annotate(
-            words, (0.99, 0.97 - 0.085 * line), xycoords="axes fraction", ha="right", va="top",
-            fontsize=7, color=colour,
-        )  # fmt: skip
+        spike = f", peak {contact.peak:.4g} N off scale" if contact.peak > top > 0.0 else ""
+        label = laws[i].run.label + spike
+        above.plot(contact.time / scale, contact.forces[0], label=label, **_style(i))
+        below.plot(contact.time / scale, contact.forces[1], **_style(i))
     if top > 0.0:
-        above.set_ylim(-0.04 * top, top * (1.0 + 0.1 * len(spikes)))
-    room = 0.2 * float(np.ptp(friction))
+        above.set_ylim(-0.04 * top, top)
     if room > 0.0:
         below.set_ylim(friction.min() - room, friction.max() + room)
     above.set_ylabel("normal force (N)")
     below.set(xlabel=f"time from touch-down ({unit})", ylabel="friction force (N)")
-    below.axhline(0.0, color="0.7", **THIN)
+    below.axhline(0.0, **THIN)
     return _legend(figure, above)
 
 
-def draw_paths(laws: Sequence[Refined]) -> Figure | None:
+def draw_paths(laws: Sequence[Refined]) -> Figure:
     """Draw the path of the tip in the last drive periods."""
     names = ("tip_tangential_displacement", "tip_normal_displacement")
     drawn = _holding(laws, *names)
-    if not drawn:
-        return None
     figure, (axes,) = _figure(1, 1, 3.1)
     for i, law in drawn:
         span = curves.last_periods(law)
         x, y = (drawable(law.best.columns[name][span]) * 1e6 for name in names)
         axes.plot(x, y, label=law.run.label, **_style(i))
     with suppress(NotApplicableError):
-        clearance = 1e6 * drawn[0][1].run.setting("contact", "clearance")
-        axes.axhline(clearance, color="0.5", **THIN)
-        _remark(axes, "rotor", clearance, 2.0, "0.35")
+        clearance = 1e6 * drawn[0][1].run.setting("contact.clearance")
+        axes.axhline(clearance, **THIN)
+        axes.text(1.0, clearance, "rotor", transform=axes.get_yaxis_transform(), va="bottom", **NOTE)
     axes.set_xlabel("tangential displacement of the tip (\u00b5m)")
     axes.set_ylabel("normal displacement (\u00b5m)")
     return _legend(figure, axes)
 
 
-def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
+def draw_velocities(laws: Sequence[Refined]) -> Figure:
     """Draw the rotor velocity over the run; below it how far laws differ, against the error of each."""
     name = "rotor_velocity"
     drawn = _holding(laws, name)
-    if not drawn:
-        return None
     series = {i: [run.columns[name] for _, run in law.steps] for i, law in drawn if law.steps}
     errors = {i: laws[i].error(values) for i, values in series.items()}
     smooth = {i: curves.smoothed(laws[i], e) for i, e in errors.items() if np.isfinite(e).all()}
@@ -189,8 +148,8 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
         time, values = law.best.time / scale, drawable(law.best.columns[name])
         axes.plot(*envelope(time, values), label=law.run.label, **_style(i))
         if judged and i in smooth:
-            band = (values - errors[i], values + errors[i])
-            axes.fill_between(time, *band, color=_colour(i), alpha=0.3, linewidth=0.0)
+            band = {"color": _style(i)["color"], "alpha": 0.3, "linewidth": 0.0}
+            axes.fill_between(time, values - errors[i], values + errors[i], **band)
             last.plot(*envelope(time, smooth[i]), **_style(i))
     if judged:
         first = drawn[0][1]
@@ -199,18 +158,18 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure | None:
         apart = curves.smoothed(first, np.ptp(each, axis=0))
         if np.isfinite(apart).any():
             last.plot(*envelope(time / scale, apart), color="black", linewidth=1.4)
-            _remark(last, "range of the laws", apart[-1], -9.0)
+            place, words = last.get_yaxis_transform(), "range of the laws"
+            last.text(1.0, apart[-1], words, transform=place, va="top", **NOTE)
         last.set(yscale="log", ylabel="numerical error (rad/s)")
     last.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")
     return _legend(figure, axes)
 
 
-def draw_energy(data: xarray.Dataset) -> Figure | None:
+def draw_energy(data: xarray.Dataset) -> Figure:
     """Draw where the work of the drive has gone, a bar a law; what is given back stands below zero."""
     data = data.dropna("law", subset=["energy"])
-    if not data.sizes["law"]:
-        return None
+    needed(data.sizes["law"])
     work = data["drive_work"].values
     unit, scale = prefixed_unit(float(np.max(np.abs(work))), "J")
     labels = [fill(str(label), LONGEST_LABEL) for label in data["law"].values]
@@ -218,30 +177,23 @@ def draw_energy(data: xarray.Dataset) -> Figure | None:
     place = np.arange(len(labels))
     energy = data["energy"].transpose("term", "law").values / scale
     gained, given_back = (part.cumsum(axis=0) for part in (energy.clip(min=0), energy.clip(max=0)))
-    ends = np.where(energy >= 0.0, gained, given_back)
-    for number, ((term, words), part, end) in enumerate(
-        zip(ENERGY_TERMS.items(), energy, ends, strict=True)
-    ):
+    starts = np.where(energy >= 0.0, gained, given_back) - energy
+    bar = {"height": 0.62, "edgecolor": "white", "linewidth": 0.5}
+    for number, words in enumerate(ENERGY_TERMS.values()):
+        part, colour = energy[number], _style(number)["color"]
         if np.any(np.abs(part) > 1e-3 * np.abs(work) / scale):
-            axes.barh(
-                place, part, left=end - part, height=0.62, label=words, color=_colour(number),
-                edgecolor="white", linewidth=0.5, gid=term,
-            )  # fmt: skip
-    axes.plot(
-        work / scale, place, linestyle="", marker="|", markersize=16.0, markeredgewidth=1.4,
-        color="black", label="work of the drive",
-    )  # fmt: skip
+            axes.barh(place, part, left=starts[number], label=words, color=colour, **bar)
+    mark = {"marker": "|", "markersize": 16.0, "markeredgewidth": 1.4, "color": "black"}
+    axes.plot(work / scale, place, linestyle="", label="work of the drive", **mark)
     axes.set_yticks(place, labels)
     axes.invert_yaxis()
     axes.set_xlabel(f"energy from the start to the end ({unit})")
     return _legend(figure, axes, markerscale=0.45)
 
 
-def draw_phases(laws: Sequence[Refined]) -> Figure | None:
+def draw_phases(laws: Sequence[Refined]) -> Figure:
     """Draw gap rate and slip over the gap in the last drive periods."""
     drawn = _holding(laws, "gap", "slip_velocity")
-    if not drawn:
-        return None
     figure, (normal, tangential) = _figure(1, 2, 2.7)
     for i, law in drawn:
         run, span = law.best, curves.last_periods(law)
@@ -251,7 +203,7 @@ def draw_phases(laws: Sequence[Refined]) -> Figure | None:
         normal.plot(1e6 * middle, drawable(rate), label=law.run.label, **_style(i))
         tangential.plot(1e6 * gap, slip, **_style(i))
     for axes, words in ((normal, "gap rate (m/s)"), (tangential, "slip velocity (m/s)")):
-        axes.axvline(0.0, color="0.5", **THIN)
+        axes.axvline(0.0, **THIN)
         axes.set(xlabel="gap (\u00b5m)", ylabel=words)
-    tangential.axhline(0.0, color="0.5", **THIN)
+    tangential.axhline(0.0, **THIN)
     return _legend(figure, normal)

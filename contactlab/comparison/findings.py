@@ -9,17 +9,15 @@ import xarray
 from contactlab.comparison.scorecard import Cell, rows
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 
+# Metrics whose differences between the laws are told.
 HEADLINES: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")
-"""Metrics whose differences between the laws are told."""
-
-CLEAR: Final = 3.0
-"""A difference of this many numerical errors is one between the laws."""
+CLEAR: Final = 3.0  # numerical errors beyond which a difference is one between the laws
 
 
 def differences(data: xarray.Dataset) -> list[str]:
     """Say how far the laws lie apart, against what is known of their numerical errors."""
-    known = {metric.key: (metric, cells) for metric, cells in rows(data)}
-    return [said for key in HEADLINES if key in known and (said := _difference(*known[key]))]
+    known = {metric.key: _difference(metric, cells) for metric, cells in rows(data)}
+    return [known[key] for key in HEADLINES if known[key]]
 
 
 def _difference(metric: Metric, cells: dict[str, Cell]) -> str:
@@ -93,6 +91,5 @@ def _capital(words: str) -> str:
 
 
 def _listed(words: Sequence[str]) -> str:
-    """Set words into a sentence."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last

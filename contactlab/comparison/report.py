@@ -1,6 +1,5 @@
 """Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
 
-import json
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -12,32 +11,22 @@ import xarray
 from tqdm import tqdm
 
 from contactlab.comparison.findings import conclusion, differences, verdicts
-from contactlab.comparison.reruns import RERUNS, Refined, refined
+from contactlab.comparison.reruns import Refined, refined
 from contactlab.comparison.runs import Source, collect
-from contactlab.comparison.scorecard import (
-    PLUS_MINUS,
-    Cell,
-    as_csv,
-    as_latex,
-    rows,
-    scorecard,
-)
+from contactlab.comparison.scorecard import PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
-PAGE: Final = Path(__file__).with_name("report.html")
-"""The page without its words."""
+PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
 
 CAPTIONS: Final = {
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
     "rigid impacts grow without bound as the step falls; they are named, not drawn.",
     "tip_trajectory": "Path of the tip in the last two drive periods.",
-    "rotor_velocity": "Rotor velocity; bands are the numerical error, where none is seen it is thinner than "
-    "the line. Below: how far the laws are apart, in black, against the numerical error of each, both as "
-    "the median over a drive period.",
+    "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
+    "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
     "energy_flow": "Where the work of the drive has gone by the end of the run.",
-    "phase_portrait": "Gap rate (mean over the record intervals) and slip over the gap in the last two drive "
-    "periods.",
+    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods.",
 }
 
 
@@ -62,9 +51,8 @@ def compare(
         OSError: the folder cannot be written to.
     """
     runs, notes = collect(sources)
-    total = RERUNS * len(runs)
-    with tqdm(total=total, unit=" runs", disable=None, delay=1.0, leave=False) as bar:
-        laws = [refined(run, bar.update) if refine else Refined(run) for run in runs]
+    bar = tqdm(runs, unit=" laws", disable=None, delay=1.0, leave=False)
+    laws = [refined(run) if refine else Refined(run) for run in bar]
     data = scorecard(laws, notes)
     if output is None:
         return data
@@ -73,10 +61,10 @@ def compare(
 
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
-    texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data)}
     with whole_netcdf(folder / "metrics.nc") as partial:
         data.to_netcdf(partial, engine="netcdf4")
-    texts["report.html"] = page(data, draw_all(laws, data, folder))
+    report = page(data, draw_all(laws, data, folder))
+    texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data), "report.html": report}
     for name, text in texts.items():
         with whole_file(folder / name) as partial:
             partial.write_text(text, encoding="utf-8")
@@ -86,19 +74,23 @@ def compare(
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
+    table = rows(data)
+    code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
+    versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
         "conclusion": escape(conclusion(data)),
         "differences": _list(differences(data)),
-        "scorecard": _table(data, labels),
+        "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
+        "scorecard": "\n".join(_row(*row) for row in table),
         "pictures": "\n".join(map(_picture, pictures)),
         "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
         "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
-        "definitions": f"<ul>{''.join(_definition(metric) for metric, _ in rows(data))}</ul>",
+        "definitions": "\n".join(_definition(metric) for metric, _ in table),
         "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
-        "versions": escape(_versions(data)),
+        "versions": escape("; ".join(versions)),
     }
-    return Template(PAGE.read_text(encoding="utf-8")).substitute(said)
+    return Template(PAGE.read_text(encoding="utf-8")).substitute(said).replace("&lt;=", "\u2264")
 
 
 def _list(sentences: Iterable[str]) -> str:
@@ -106,58 +98,35 @@ def _list(sentences: Iterable[str]) -> str:
     return items and f"<ul>{items}</ul>"
 
 
-def _table(data: xarray.Dataset, labels: Sequence[str]) -> str:
-    head = "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels))
-    body = "".join(
-        f"<tr><td title='{escape(m.meaning)}'>{escape(m.brief + m.bracketed)}</td>"
-        f"<td>{_sign(m.threshold)}</td>{''.join(map(_cell, cells.values()))}</tr>"
-        for m, cells in rows(data)
-    )
-    return f"<tr>{head}</tr>{body}"
-
-
-def _sign(threshold: str) -> str:
-    return threshold.replace("<=", "\u2264")
-
-
-def _cell(cell: Cell) -> str:
-    kind = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none"}.get(cell.verdict, "")
-    number, sign, error = cell.number.partition(f" {PLUS_MINUS}")
-    small = f" <small>{PLUS_MINUS}{error}</small>" if sign else ""
-    return f"<td class='{kind}'>{number}{small} {cell.word}</td>"
+def _row(metric: Metric, cells: dict[str, Cell]) -> str:
+    line = f"<tr><td title='{escape(metric.meaning)}'>{escape(metric.brief + metric.bracketed)}</td>"
+    line += f"<td>{escape(metric.threshold)}</td>"
+    for cell in cells.values():
+        kind = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none"}.get(cell.verdict, "")
+        number, sign, error = cell.number.partition(f" {PLUS_MINUS}")
+        small = f" <small>{PLUS_MINUS}{error}</small>" if sign else ""
+        line += f"<td class='{kind}'>{number}{small} {cell.word}</td>"
+    return f"{line}</tr>"
 
 
 def _picture(path: Path) -> str:
     said, data = escape(CAPTIONS[path.stem]), b64encode(path.read_bytes()).decode()
-    return (
-        f"<figure><img alt='{said}' src='data:image/png;base64,{data}'>"
-        f"<figcaption>{said}</figcaption></figure>"
-    )
+    image = f"<img alt='{said}' src='data:image/png;base64,{data}'>"
+    return f"<figure>{image}<figcaption>{said}</figcaption></figure>"
 
 
 def _definition(metric: Metric) -> str:
     """Give key, symbol, meaning and the threshold's reason of a metric."""
-    limit = f" Must be {_sign(metric.threshold)}: {metric.reason}." if metric.threshold else ""
+    limit = f" Must be {metric.threshold}: {metric.reason}." if metric.threshold else ""
     source = f" Source: {metric.source}." if metric.source else ""
     text = escape(f"{metric.symbol}{metric.bracketed}: {metric.meaning}.{limit}{source}")
     return f"<li><code>{escape(metric.key)}</code> = {text}</li>"
 
 
 def _configuration(law: xarray.Dataset) -> str:
-    said = {
-        str(name): escape(str(value.item())) for name, value in law.coords.items() if not value.dims
-    }
+    said = {str(key): escape(str(law[key].item())) for key in law.coords if not law[key].dims}
     return (
-        f"<h3>{said['law']}</h3><p>{said['run']}; values at {said['refined']}.</p>"
-        f"<details><summary>Configuration</summary><pre>{said['configuration']}</pre></details>"
+        f"<h3>{said['law']}</h3><p>{said['run']}, recorded by contactlab {said['contactlab_version']}; "
+        f"values at {said['refined']}.</p><details><summary>Configuration</summary>"
+        f"<pre>{said['configuration']}</pre></details>"
     )
-
-
-def _versions(data: xarray.Dataset) -> str:
-    end, recorded_by = "_version", json.loads(data.attrs["recorded_by"])
-    said = [
-        *(f"{k.removesuffix(end)} {v}" for k, v in data.attrs.items() if k.endswith(end)),
-        f"revision {data.attrs['git_revision']}",
-        *(f"{label} recorded by contactlab {version}" for label, version in recorded_by.items()),
-    ]
-    return f"{'; '.join(said)}."

@@ -4,7 +4,7 @@ The configuration that a run recorded builds the same motor and law again, so th
 brought to its own convergence before it is set beside the others.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, final
 
@@ -19,46 +19,26 @@ from contactlab.simulation import simulate
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
 """Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
 
-FRICTION_CHANGE: Final = 0.01
-"""Relative change of the friction coefficient that shows the sensitivity to it."""
+FRICTION_CHANGE: Final = 0.01  # of the friction coefficient, to show the sensitivity to it, relative
+MORE_SHAPES: Final = 4  # functions that are added to the resonator's basis, to show that to it
 
-MORE_SHAPES: Final = 4
-"""Functions that are added to the resonator's basis to show the sensitivity to it."""
+RECORDS_PER_PERIOD: Final = 300.0  # at least, so that a contact can be drawn
+MOST_RECORDS: Final = 1_000_000  # beyond which a rerun records as the run did
 
-RECORDS_PER_PERIOD: Final = 300.0
-"""Records in a drive period at least, so that a contact can be drawn."""
-
-MOST_RECORDS: Final = 1_000_000
-"""Beyond this a rerun records as the run did."""
-
-RERUNS: Final = 5
-"""Of one run."""
-
-SLOWEST: Final = 0.9
-"""Ratio of successive differences beyond which a sequence is not said to converge any faster."""
+SLOWEST: Final = 0.9  # ratio of successive differences of a sequence that does not converge
 
 
 @final
 @dataclass
 class Refined:
-    """A run with its reruns.
-
-    Args:
-        run: as recorded.
-        control, order: what is refined, `contact_step` or `tolerance`, and how the error falls with it.
-        steps: value of it and what ran, coarsest first; empty without reruns.
-        friction: relative change of the friction coefficient and what ran.
-        basis: what ran on a larger basis.
-        notes: what could not be done, a sentence each.
-    """
+    """A run as recorded and its reruns: at `steps`, coarsest first, and with one thing changed by a share."""
 
     run: Run
-    control: str = ""
-    order: float = 1.0
+    control: str = ""  # what is refined, `contact_step` or `tolerance`
+    order: float = 1.0  # of the error in it
     steps: list[tuple[float, Run]] = field(default_factory=list)
-    friction: tuple[float, Run] | None = None
-    basis: Run | None = None
-    notes: list[str] = field(default_factory=list)
+    variants: dict[str, tuple[float, Run]] = field(default_factory=dict)  # `friction` and `basis`
+    notes: list[str] = field(default_factory=list)  # what could not be done, a sentence each
 
     @property
     def best(self) -> Run:
@@ -96,89 +76,62 @@ def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
     return np.asarray(last * ratio / (1.0 - ratio))
 
 
-def refined(run: Run, advance: Callable[[], object] = lambda: None) -> Refined:
-    """Run a law again at finer steps, with more friction and on a larger basis; what cannot is noted.
-
-    `advance` is called after every rerun.
-    """
+def refined(run: Run) -> Refined:
+    """Run a law again at finer steps, with more friction and on a larger basis; what cannot is noted."""
     law = Refined(run)
     try:
         setup = build(run.configuration)
     except ConfigurationError as error:
-        fault = error.faults[0].rstrip(".")
-        law.notes.append(
-            f"{run.label} is taken as recorded, its configuration does not build: {fault}."
-        )
+        law.notes.append(f"{run.label} is taken as recorded; it does not build: {error.faults[0]}")
         return law
-    control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
-    law.control, law.order = control, setup.law.convergence_order
-    steps = []
-    for divisor in FINER[control]:
-        finer = getattr(setup, control) / divisor
-        steps.append((finer, _again(law, f"at {control} {finer:.3g}", solver={control: finer})))
-        advance()
-    law.steps = [(step, again) for step, again in steps if again is not None]
-    # Without all of them there is no convergence to speak of.
-    if len(law.steps) < len(steps):
-        law.steps = []
-        return law
-    _compare_ends(law)
-    coefficient = run.setting("contact", "friction_coefficient")
-    if coefficient == 0.0:
-        law.notes.append(
-            f"{run.label} is frictionless: no sensitivity to the friction coefficient."
-        )
-    else:
-        more = {"friction_coefficient": coefficient * (1.0 + FRICTION_CHANGE)}
-        again = _again(law, "with more friction", contact=more)
-        law.friction = None if again is None else (FRICTION_CHANGE, again)
-    advance()
-    law.basis = _on_larger_basis(law)
-    advance()
-    return law
-
-
-def _on_larger_basis(law: Refined) -> Run | None:
-    """Run with more functions; a drive at the first natural frequency stays there."""
-    resonator, drive = law.run.configuration["resonator"], law.run.configuration["drive"]
-    key = "shapes" if resonator["basis"] == "ritz" else "kept_modes"
-    larger = resonator[key] + MORE_SHAPES
-    known = law.run.columns.get("natural_frequency")
-    tuned = {"frequency": None} if known is not None and drive["frequency"] == known[0] else {}
-    return _again(law, f"with resonator.{key} {larger}", resonator={key: larger}, drive=tuned)
-
-
-def _again(law: Refined, words: str, **changes: dict[str, Any]) -> Run | None:
-    """Make one rerun in memory, with keys changed by section; None with a note where there is none."""
-    given, label = law.run.configuration, law.run.label
-    try:
-        setup = build(
-            {**given, **{section: given[section] | keys for section, keys in changes.items()}}
-        )
-        interval = min(setup.record_interval, law.period / RECORDS_PER_PERIOD)
-        if setup.duration / interval > MOST_RECORDS:
-            interval = setup.record_interval
-        solution = simulate(setup, record_interval=interval)
-    except ConfigurationError as error:
-        law.notes.append(f"{label} cannot be run {words}: {error.faults[0]}")
-    # A law of another package may fail in ways of its own.
-    except Exception as error:
-        law.notes.append(f"{label} fails {words}: {error}")
-    else:
-        if solution.ending.reached_end:
-            return Run.of(solution.tree)
-        law.notes.append(f"{label} does not reach its end {words}: {solution.message}")
-    return None
-
-
-def _compare_ends(law: Refined) -> None:
-    """Note it if the rerun is not the run that was recorded."""
-    name, run = "rotor_velocity", law.run
-    if not run.holds(name):
-        return
-    old, new = float(run.columns[name][-1]), float(law.base.columns[name][-1])
-    if abs(old - new) > 1e-9 * max(abs(old), abs(new)):
+    law.control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
+    law.order = setup.law.convergence_order
+    for divisor in FINER[law.control]:
+        finer = getattr(setup, law.control) / divisor
+        again = _again(law, f"at {law.control} {finer:.3g}", solver={law.control: finer})
+        # Without all of them there is no convergence to speak of.
+        if again is None:
+            law.steps.clear()
+            return law
+        law.steps.append((finer, again))
+    old, new = (float(r.columns.get("rotor_velocity", [0.0])[-1]) for r in (run, law.base))
+    if run.holds("rotor_velocity") and abs(old - new) > 1e-9 * max(abs(old), abs(new)):
         law.notes.append(
             f"{run.label} run again ends at {new:.9g} rad/s and not at the recorded {old:.9g} rad/s: "
             "other code has left it. The reruns are compared."
         )
+    coefficient = run.setting("contact.friction_coefficient") * (1.0 + FRICTION_CHANGE)
+    resonator, drive = run.configuration["resonator"], run.configuration["drive"]
+    key = "shapes" if resonator["basis"] == "ritz" else "kept_modes"
+    larger = resonator[key] + MORE_SHAPES
+    # A drive at the first natural frequency stays there.
+    known = run.columns.get("natural_frequency")
+    tuned = {"frequency": None} if known is not None and drive["frequency"] == known[0] else {}
+    if coefficient == 0.0:
+        law.notes.append(f"{run.label} is frictionless: no sensitivity to the coefficient.")
+    elif more := _again(law, "with more friction", contact={"friction_coefficient": coefficient}):
+        law.variants["friction"] = FRICTION_CHANGE, more
+    words = f"with resonator.{key} {larger}"
+    if more := _again(law, words, resonator={key: larger}, drive=tuned):
+        law.variants["basis"] = 1.0, more
+    return law
+
+
+def _again(law: Refined, words: str, **changes: dict[str, Any]) -> Run | None:
+    """Make one rerun in memory, with keys changed by section; None with a note where there is none."""
+    given = law.run.configuration
+    changed = {section: given[section] | keys for section, keys in changes.items()}
+    try:
+        setup = build({**given, **changed})
+        interval = min(setup.record_interval, law.period / RECORDS_PER_PERIOD)
+        if setup.duration / interval > MOST_RECORDS:
+            interval = setup.record_interval
+        solution = simulate(setup, record_interval=interval)
+    # A law of another package may fail in ways of its own.
+    except Exception as error:
+        law.notes.append(f"{law.run.label} fails {words}: {error}")
+        return None
+    if solution.ending.reached_end:
+        return Run.of(solution.tree)
+    law.notes.append(f"{law.run.label} does not reach its end {words}: {solution.message}")
+    return None

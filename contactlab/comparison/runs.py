@@ -1,14 +1,14 @@
 """The runs that are compared: found, read, held to be of one motor with one drive, and named."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, final
+from typing import Any, Final, final
 
 import xarray
 
-from contactlab.config.nesting import flat
 from contactlab.metrics import Run, read_run
 from contactlab.results.files import DATASET
 from contactlab.results.netcdf import reached_end
@@ -17,11 +17,8 @@ from contactlab.simulation import Solution
 Source = str | Path | Solution | xarray.DataTree
 """A run folder, a dataset, a folder of such folders, or a run in memory."""
 
-FREE = ("law", "solver", "record", "hydra")
-"""Sections of the configuration in which compared runs may differ."""
-
-MOST_NAMES = 2
-"""Runs that a sentence names for one value."""
+FREE: Final = ("law", "solver", "record", "hydra")  # sections in which compared runs may differ
+MOST_NAMES: Final = 2  # runs that a sentence names for one value
 
 
 @final
@@ -34,7 +31,7 @@ class ComparisonError(ValueError):
 
 
 def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
-    """Read the runs and check that they can be compared.
+    """Read the runs, each once, and check that they can be compared.
 
     Returns:
         The runs, in the order given, and notes on what could not be checked.
@@ -42,94 +39,73 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
     Raises:
         ComparisonError: with every fault that was found.
     """
-    faults: list[str] = []
-    if not sources:
-        faults.append("There is nothing to compare; give one run folder or more.")
-    read = [_read(name, source, faults) for name, source in _found(sources, faults).items()]
-    runs = [run for run in read if run is not None]
-    labelled = _labelled(runs)
-    if faults := faults or list(_differences(runs)) or list(_repeated(labelled)):
-        raise ComparisonError(faults)
-    return labelled, list(_untold(runs))
-
-
-def _found(sources: Sequence[Source], faults: list[str]) -> dict[str, Path | xarray.DataTree]:
-    """Find all runs, by name, each once."""
-    found: dict[Any, tuple[str, Path | xarray.DataTree]] = {}
+    faults = [] if sources else ["There is nothing to compare; give one run folder or more."]
+    places: dict[Path | str, Path | xarray.DataTree] = {}
     for number, source in enumerate(sources, 1):
         if isinstance(source, Solution | xarray.DataTree):
-            tree = source.tree if isinstance(source, Solution) else source
-            found[number] = f"run {number}", tree
-            continue
-        for path in _datasets(Path(source), faults):
-            name = str(path.parent if path.name == DATASET else path)
-            found.setdefault(path.resolve(), (name, path))
-    return dict(found.values())
+            places[f"run {number}"] = source.tree if isinstance(source, Solution) else source
+        elif paths := _datasets(Path(source)):
+            places |= {path.resolve(): path for path in paths}
+        else:
+            faults.append(
+                f"'{source}' {'holds no run' if Path(source).is_dir() else 'does not exist'}; it must be a "
+                f"run's folder, its {DATASET}, or a folder of such folders. "
+                "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
+            )
+    runs = []
+    for key, place in places.items():
+        try:
+            runs.append(_read(str(key), place))
+        except ValueError as error:
+            faults.append(str(error))
+    labels = [_label(run, runs) for run in runs]
+    labelled = [replace(run, label=label) for run, label in zip(runs, labels, strict=True)]
+    if faults := faults or [*_differences(runs)] or [*_repeated(labelled)]:
+        raise ComparisonError(faults)
+    return labelled, [*_untold(runs)]
 
 
-def _datasets(source: Path, faults: list[str]) -> list[Path]:
+def _datasets(source: Path) -> list[Path]:
     """Find the datasets at a place; a folder is one run or a folder of runs."""
     if source.is_file():
         return [source]
-    if not source.is_dir():
-        faults.append(
-            f"'{source}' does not exist; it must be a run's folder, its {DATASET}, or a folder of "
-            "such folders. `contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
-        )
-        return []
     if (source / DATASET).exists():
         return [source / DATASET]
-    below = sorted(source.rglob(DATASET), key=_in_order)
-    if not below:
-        faults.append(
-            f"'{source}' holds no {DATASET}, nor does a folder below it; it must hold one at least. "
-            f"A run leaves one: contactlab hydra.run.dir={source}"
-        )
-    return below
+    return sorted(source.rglob(DATASET), key=_in_order)
 
 
-def _in_order(path: Path) -> list[tuple[int, str]]:
+def _in_order(path: Path) -> str:
     """Sort 10_... after 9_..., as the jobs of a sweep are named."""
-    words = re.split(r"(\d+)", str(path))
-    return [(int(word), "") if word.isdigit() else (-1, word) for word in words]
+    return re.sub(r"\d+", lambda digits: digits[0].zfill(20), str(path))
 
 
-def _read(name: str, source: Path | xarray.DataTree, faults: list[str]) -> Run | None:
+def _read(name: str, source: Path | xarray.DataTree) -> Run:
+    """Read a run that has reached its end; a ValueError says what is wrong with another."""
+    if isinstance(source, Path):
+        name = str(source.parent if source.name == DATASET else source)
     try:
-        tree = read_run(source)
-    # A file may be anything.
-    except (OSError, ValueError, KeyError, RuntimeError, AttributeError) as error:
-        faults.append(
-            f"'{name}' cannot be read ({str(error).strip() or type(error).__name__}); it must be a "
-            f"{DATASET} that contactlab has left. Run it again."
+        run = Run.of(read_run(source))
+    except ValueError as error:
+        raise ValueError(f"'{name}' cannot be compared. {error}") from error
+    if not reached_end(run.attributes):
+        reason = run.attributes.get("message") or run.attributes.get("ending", "no reason")
+        raise ValueError(
+            f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at {run.time[-1]:.6g} s "
+            f"({reason}); a run that is compared must have reached its end. Run it again or leave it out."
         )
-        return None
-    run = Run.of(tree)
-    if reached_end(tree.attrs):
-        return replace(run, source=name, label=run.law or Path(name).stem)
-    faults.append(
-        f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at "
-        f"{run.time[-1]:.6g} s ({tree.attrs.get('message') or tree.attrs.get('ending', 'no reason')}); "
-        "a run that is compared must have reached its end. Run it again or leave it out."
-    )
-    return None
+    return replace(run, source=name, label=run.law or Path(name).stem)
 
 
-def _differences(runs: Sequence[Run]) -> Iterable[str]:
+def _differences(runs: Sequence[Run]) -> Iterator[str]:
     """Say what sets runs apart other than their laws."""
-    values = [(run, flat(run.configuration)) for run in runs]
-    sections = {key: key.partition(".")[0] for _, mine in values for key in mine}
-    motor = [
-        _unlike(key, [(run, v.get(key)) for run, v in values if section in run.configuration])
-        for key, section in sections.items()
-        if section not in FREE
-    ]
-    time = _unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs])
-    name = "natural_frequency"
-    modes = [(run, run.columns[name].tolist()) for run in runs if run.holds(name)]
-    # Where a key has told of it already, once is enough.
-    tones = "" if any(motor) else _unlike("The natural frequency [Hz]", modes)
-    return filter(None, (*motor, time, tones))
+    said = []
+    for key in dict.fromkeys(key for run in runs for key in run.settings):
+        section = key.partition(".")[0]
+        if section not in FREE:
+            told = [run for run in runs if section in run.configuration]
+            said.append(_unlike(key, [(run, run.settings.get(key)) for run in told]))
+    said.append(_unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs]))
+    return filter(None, said)
 
 
 def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> str:
@@ -152,14 +128,12 @@ def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> str:
 
 def shown(value: Any) -> str:
     """Write a value in a sentence or a label, to nine digits."""
-    if value is None:
-        return "not given"
     if isinstance(value, list):
-        return " ".join(shown(entry) for entry in value)
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+        return " ".join(map(shown, value))
+    return "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-def _untold(runs: Sequence[Run]) -> Iterable[str]:
+def _untold(runs: Sequence[Run]) -> Iterator[str]:
     """Say what could not be checked."""
     told = dict.fromkeys(key for run in runs for key in run.configuration if key not in FREE)
     for run in runs:
@@ -170,46 +144,30 @@ def _untold(runs: Sequence[Run]) -> Iterable[str]:
             )
 
 
-def _labelled(runs: Sequence[Run]) -> list[Run]:
-    """Add to labels what sets the runs of one law apart: its own keys, of its parts those that are needed."""
-    labelled = []
-    for run in runs:
-        same = [_law_keys(other) for other in runs if other.label == run.label]
-        chosen: list[str] = []
-        every = dict.fromkeys(key for keys in same for key in keys)
-        for key in sorted(every, key=lambda key: "." in key):
-            known = chosen if "." in key else []
-            if _kinds(same, [*known, key]) > _kinds(same, known):
-                chosen.append(key)
-        said = _said(_law_keys(run), chosen)
-        labelled.append(replace(run, label=f"{run.label} ({said})" if said else run.label))
-    return labelled
+def _label(run: Run, runs: Sequence[Run]) -> str:
+    """Name a run by its law and the keys that set it apart; keys of a part, from others with that part."""
+    laws = [_law_keys(other) for other in runs if other.label == run.label]
+    said = []
+    for key, value in _law_keys(run).items():
+        part = key.rpartition(".")[0]
+        kinds = {(law.get(part), law[key]) for law in laws if key in law}
+        if value is not None and len(kinds) > len({kind for kind, _ in kinds}):
+            said.append(f"{key} {value}")
+    return f"{run.label} ({', '.join(said)})" if said else run.label
 
 
-def _law_keys(run: Run) -> dict[str, str]:
+def _law_keys(run: Run) -> Mapping[str, str | None]:
     """Give the law's parameters by key; from its own record where the configuration has none."""
-    section = run.configuration.get("law")
-    values = flat(section if isinstance(section, Mapping) else run.law_parameters)
-    return {
-        key.removesuffix(".name"): shown(value)
-        for key, value in values.items()
-        if value is not None and key != "name"
-    }
+    law = {k.removeprefix("law."): x for k, x in run.settings.items() if k.startswith("law.")}
+    values = (law or run.law_parameters).items()
+    return {k.removesuffix(".name"): None if x is None else shown(x) for k, x in values}
 
 
-def _said(law: Mapping[str, str], chosen: Sequence[str]) -> str:
-    return ", ".join(f"{key} {law[key]}" for key in chosen if key in law)
-
-
-def _kinds(laws: Sequence[Mapping[str, str]], chosen: Sequence[str]) -> int:
-    return len({_said(law, chosen) for law in laws})
-
-
-def _repeated(runs: Sequence[Run]) -> Iterable[str]:
-    for label in dict.fromkeys(run.label for run in runs):
-        names = [f"'{run.source}'" for run in runs if run.label == label]
-        if len(names) > 1:
+def _repeated(runs: Sequence[Run]) -> Iterator[str]:
+    for label, count in Counter(run.label for run in runs).items():
+        if count > 1:
+            names = ", ".join(f"'{run.source}'" for run in runs if run.label == label)
             yield (
-                f"{label} stands in {len(names)} runs with the same parameters, {', '.join(names)}; a law "
-                "is compared once. Leave all but one out."
+                f"{label} stands in {count} runs with the same parameters, {names}; a law is compared once. "
+                "Leave all but one out."
             )

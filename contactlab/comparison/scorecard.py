@@ -1,8 +1,7 @@
 """The scorecard: every metric of every law with verdict and numerical error, a dataset and its tables."""
 
-import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, nan
 from typing import Final, final
@@ -10,29 +9,16 @@ from typing import Final, final
 import numpy as np
 import pandas
 import xarray
-import yaml
+from yaml import safe_dump
 
+from contactlab import metrics
 from contactlab.comparison.reruns import Refined
-from contactlab.metrics import (
-    METRICS,
-    NOT_APPLICABLE,
-    REPORTED,
-    SENSITIVITIES,
-    STEP_METRICS,
-    VERDICTS,
-    Metric,
-    Run,
-    assess,
-    assess_steps,
-    assess_variants,
-)
+from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS, Metric, NotApplicableError, Run
+from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.provenance import checkout_state, versions
 
-EVERY: Final = METRICS | STEP_METRICS | SENSITIVITIES
-"""All that a law is judged by."""
-
-FLAGS: Final = ("not_applicable", "pass", "fail", "reported")
-"""`VERDICTS` as words of the CF conventions."""
+EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
+FLAGS: Final = "not_applicable pass fail reported"  # `VERDICTS` as words of the CF conventions
 
 ENERGY_TERMS: Final = {
     "damping_loss": "viscous damping",
@@ -46,16 +32,12 @@ ENERGY_TERMS: Final = {
 
 MINUS, PLUS_MINUS = "\u2212", "\u00b1"
 
-_NAMES: Final = ("backslash", "asciitilde", "asciicircum", "less", "greater", "bar", "mu")
-
 LATEX: Final = str.maketrans(
-    {sign: rf"\text{name}{{}}" for sign, name in zip("\\~^<>|\u00b5", _NAMES, strict=True)}
-    | {sign: rf"\{sign}" for sign in "_%&#{}$"}
+    {sign: rf"\{sign}" for sign in "_%&#{}$"}
+    | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    | {"<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}", "\u00b5": r"\textmu{}"}
 )
 """Plain text for LaTeX, by `str.translate`."""
-
-_STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
-_UNITS: Final = {"comment": "units differ by metric and stand in the coordinate `units`"}
 
 
 def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Dataset:
@@ -65,57 +47,52 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         A dataset with the dimensions `law`, `metric`, those first that have a threshold, and `term` (of the
         energy flow).
     """
-    metrics = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
-    values, errors = (
-        [[numbers.get(metric.key, nan) for metric in metrics] for numbers in found]
-        for found in zip(*map(_judged, laws), strict=True)
-    )
+    every = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
+    runs, judged = [law.run for law in laws], [_judged(law) for law in laws]
+    values = [[found.get(metric.key, nan) for metric in every] for found, _ in judged]
+    errors = [[error.get(metric.key, nan) for metric in every] for _, error in judged]
     verdicts = [
-        [VERDICTS.index(m.verdict(value)) for m, value in zip(metrics, row, strict=True)]
-        for row in values
+        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)] for row in values
     ]
-    flags = {"flag_values": np.arange(len(FLAGS), dtype=np.int8), "flag_meanings": " ".join(FLAGS)}
-    gone = {"units": "J", "long_name": "where the work of the drive has gone"}
+    configurations = [dict(run.configuration) for run in runs]
+    flows = [energy_flow(law.best) for law in laws]
+    gone = [[flow[term] for term in ENERGY_TERMS] for flow in flows]
+    flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
+    both, units = ("law", "metric"), {"comment": "units differ by metric, see `units`"}
+    error = {"long_name": "error of the value by Richardson's estimate", **units}
+    energy = {"units": "J", "long_name": "where the work of the drive has gone"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
-    error = {"long_name": "error of the value by Richardson's estimate", **_UNITS}
-    energy = [list(energy_flow(law.best).values()) for law in laws]
-    both = ("law", "metric")
-    labels = [law.run.label for law in laws]
-    attributes = [law.run.attributes for law in laws]
-    recorded_by = [str(given.get("contactlab_version", "unknown")) for given in attributes]
-    code = versions()
-    revision, dirty = checkout_state()
+    code, (revision, dirty) = versions(), checkout_state()
     return xarray.Dataset(
         {
-            "value": (both, values, {"long_name": "value of the metric", **_UNITS}),
+            "value": (both, values, {"long_name": "value of the metric", **units}),
             "numerical_error": (both, errors, error),
             "verdict": (both, np.array(verdicts, dtype=np.int8), flags),
-            "energy": (("law", "term"), energy, gone),
-            "drive_work": ("law", [_gain(law.best, "drive_work") for law in laws], work),
+            "energy": (("law", "term"), gone, energy),
+            "drive_work": ("law", [flow["drive_work"] for flow in flows], work),
         },
         coords={
-            "law": labels,
-            "metric": [metric.key for metric in metrics],
+            "law": [run.label for run in runs],
+            "metric": [metric.key for metric in every],
             "term": list(ENERGY_TERMS),
             **{
-                name: ("metric", [getattr(metric, name) for metric in metrics])
+                name: ("metric", [getattr(metric, name) for metric in every])
                 for name in ("symbol", "units", "meaning", "threshold", "reason")
             },
-            "metric_source": ("metric", [metric.source for metric in metrics]),
-            "run": ("law", [law.run.source for law in laws]),
+            "metric_source": ("metric", [metric.source for metric in every]),
+            "run": ("law", [run.source for run in runs]),
             "refined": ("law", [_refinement(law) for law in laws]),
-            "configuration": (
-                "law",
-                [yaml.safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
-            ),
-            "law_parameters": ("law", [str(a.get("law_parameters", "")) for a in attributes]),
+            "configuration": ("law", [safe_dump(c, sort_keys=False) for c in configurations]),
+            **{
+                name: ("law", [str(run.attributes.get(name, "")) for run in runs])
+                for name in ("law_parameters", "contactlab_version")
+            },
         },
         attrs={
             "Conventions": "CF-1.11",
-            "title": f"Contact laws compared: {', '.join(labels)}",
+            "title": f"Contact laws compared: {', '.join(run.label for run in runs)}",
             "source": f"contactlab {code['contactlab_version']}, numerical simulation",
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
-            "recorded_by": json.dumps(dict(zip(labels, recorded_by, strict=True))),
             **code,
             "git_revision": revision,
             "git_dirty": dirty,
@@ -123,40 +100,37 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
     )
 
 
-def _judged(law: Refined) -> tuple[Mapping[str, float], Mapping[str, float]]:
+def _judged(law: Refined) -> tuple[dict[str, float], dict[str, float]]:
     """Give values and numerical errors by metric."""
-    steps = [assess(run) for _, run in law.steps]
-    found = steps[-1] if steps else assess(law.run)
-    errors = {key: float(law.error([each[key] for each in steps])) for key in found if steps}
-    found = found | (assess_steps(law.steps) if steps else {})
-    return found | assess_variants(law.base, law.basis, law.friction), errors
+    if not law.steps:
+        return metrics.assess(law.run), {}
+    steps = [metrics.assess(run) for _, run in law.steps]
+    errors = {key: float(law.error([each[key] for each in steps])) for key in steps[-1]}
+    found = steps[-1] | metrics.assess_steps(law.steps)
+    return found | metrics.assess_variants(law.base, **law.variants), errors
+
+
+def _refinement(law: Refined) -> str:
+    """Say what the law's values were found at."""
+    said = f"{law.control} {', '.join(f'{step:.3g}' for step, _ in law.steps)}"
+    return said if law.steps else "as recorded"
 
 
 def energy_flow(run: Run) -> dict[str, float]:
-    """Give where the work of the drive has gone by the end of a run [J]; the terms add up to it.
+    """Give the work of the drive and where it has gone by the end of a run [J]; the terms add up to it.
 
     The ledger is E(t) - E(0) = drive_work - losses - load_work + energy_residual, so that the residual
     counts as energy that has gone nowhere with its sign turned. A run that lacks a series of the ledger
     has no flow: NaN.
     """
-    terms = {name: _gain(run, name) for name in ENERGY_TERMS}
-    terms["stored_energy"] = sum(_gain(run, name) for name in _STORED)
-    terms["unaccounted"] = -_gain(run, "energy_residual")
-    whole = np.isfinite([*terms.values(), _gain(run, "drive_work")]).all()
-    return terms if whole else dict.fromkeys(terms, nan)
-
-
-def _gain(run: Run, name: str) -> float:
-    values = run.columns.get(name, np.array([nan]))
-    return float(values[-1]) - float(values[0])
-
-
-def _refinement(law: Refined) -> str:
-    """Say what the law's values were found at."""
-    if not law.steps:
-        return "as recorded"
-    units = " s" if law.control == "contact_step" else ""
-    return f"{law.control} {', '.join(f'{value:.3g}' for value, _ in law.steps)}{units}"
+    names = ("drive_work", "energy_residual", *STORED, *SPENT)
+    try:
+        gain = {name: run.gain(name) for name in names}
+    except NotApplicableError:
+        return dict.fromkeys(("drive_work", *ENERGY_TERMS), nan)
+    flow = {name: gain[name] for name in ("drive_work", *SPENT)}
+    stored = sum(gain[name] for name in STORED)
+    return flow | {"stored_energy": stored, "unaccounted": -gain["energy_residual"]}
 
 
 @final
@@ -184,32 +158,24 @@ class Cell:
 
 def rows(data: xarray.Dataset) -> list[tuple[Metric, dict[str, Cell]]]:
     """Take a scorecard apart: every metric with a cell for every law."""
-    names = ("value", "numerical_error", "verdict")
-    lines = zip(*(data[name].transpose("metric", "law").values for name in names), strict=True)
-    return [
-        (
-            EVERY[str(key)],
-            {
-                str(label): Cell(value, error, VERDICTS[flag])
-                for label, value, error, flag in zip(data["law"].values, *line, strict=True)
-            },
-        )
-        for key, line in zip(data["metric"].values, lines, strict=True)
-    ]
+    names, laws = ("value", "numerical_error", "verdict"), list(map(str, data["law"].values))
+    table = []
+    for key, *line in zip(data["metric"].values, *(data[n].values.T for n in names), strict=True):
+        cells = (Cell(x, error, VERDICTS[flag]) for x, error, flag in zip(*line, strict=True))
+        table.append((EVERY[str(key)], dict(zip(laws, cells, strict=True))))
+    return table
 
 
 def as_text(data: xarray.Dataset) -> str:
     """Write the table for a terminal, plain ASCII."""
-    table = rows(data)
-    width = max(len(metric.threshold) for metric, _ in table)
+    width = max(len(threshold) for threshold in data["threshold"].values)
     lines = {
         metric.key + metric.bracketed: {"must be": metric.threshold.ljust(width)}
         | {label: f"{cell.number} {cell.word}".rstrip() for label, cell in cells.items()}
-        for metric, cells in table
+        for metric, cells in rows(data)
     }
-    frame = pandas.DataFrame.from_dict(lines, orient="index")
-    frame = frame.replace({MINUS: "-", PLUS_MINUS: "+-"}, regex=True)
-    return str(frame.rename_axis(columns="metric").to_string())
+    frame = pandas.DataFrame.from_dict(lines, orient="index").rename_axis(columns="metric")
+    return str(frame.replace({MINUS: "-", PLUS_MINUS: "+-"}, regex=True).to_string())
 
 
 def as_csv(data: xarray.Dataset) -> str:
@@ -228,31 +194,20 @@ def as_csv(data: xarray.Dataset) -> str:
 def as_latex(data: xarray.Dataset) -> str:
     """Write a tabular that stands in any document that loads booktabs."""
     labels = [str(label).translate(LATEX) for label in data["law"].values]
-    lines = [["", "must be", *labels], *(_latex_row(*row) for row in rows(data))]
+    lines = [["", "must be", *labels]]
+    for metric, cells in rows(data):
+        # CF units such as N m-1.
+        units = re.sub(r"-?[\d.]+", r"$^{\g<0>}$", metric.units).replace(" ", r"\,")
+        name = metric.brief.translate(LATEX) + (f" [{units}]" if metric.unit else "")
+        limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
+        lines.append([name, limit])
+        for c in cells.values():
+            number = f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
+            lines[-1].append(NOT_APPLICABLE if isnan(c.value) else number)
     head, *body = (" & ".join(line) + r" \\" for line in lines)
-    return "\n".join(
-        [
-            r"% \usepackage{booktabs} in the preamble.",
-            rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}",
-            r"\toprule",
-            head,
-            r"\midrule",
-            *body,
-            r"\bottomrule",
-            "\\end{tabular}\n",
-        ]
-    )
-
-
-def _latex_row(metric: Metric, cells: dict[str, Cell]) -> list[str]:
-    # CF units such as N m-1.
-    units = re.sub(r"(-?\d+)(?= |$)", r"$^{\1}$", metric.units.translate(LATEX)).replace(" ", r"\,")
-    limit = rf"$\le {_power(f'{metric.bound:g}')}$" if metric.threshold else ""
-    numbers = (
-        NOT_APPLICABLE if isnan(c.value) else f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
-        for c in cells.values()
-    )
-    return [metric.brief.translate(LATEX) + (f" [{units}]" if metric.unit else ""), limit, *numbers]
+    start = rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}"
+    rules = (r"% \usepackage{booktabs} in the preamble.", start, r"\toprule", head, r"\midrule")
+    return "\n".join([*rules, *body, r"\bottomrule", "\\end{tabular}\n"])
 
 
 def _power(number: str) -> str:

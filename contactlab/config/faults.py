@@ -25,14 +25,14 @@ def one_line(error: BaseException) -> str:
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
     """Say that a key is none of those that there are, or none of the kind that is chosen of its group."""
+    parent, _, leaf = key.rpartition(".")
     if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
-        group = key.rpartition(".")[0].replace(".", "/")
+        group = parent.replace(".", "/")
         return (
             f"{key} does not belong to {kind}; it must be absent with this choice of {group}. "
             f"Leave it out or choose another {group}."
         )
     top = ("law", *GROUPS)
-    parent, _, leaf = key.rpartition(".")
     # Whoever names the last part alone, or under another group, means the key that ends so.
     endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
     near = (

@@ -1,70 +1,95 @@
 """The groups of the configuration, as the classes declare them: options, keys, units, ranges, defaults.
 
 To add a group is to add a line to `GROUPS`; what binds several keys together is in
-`contactlab.config.rules`. Options that differ from the declared defaults are files in `conf/`.
+`contactlab.config.schema`. Options that differ from the declared defaults are files in `conf/`.
 """
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
-from functools import cache, cached_property
+from functools import cache, partial
 from types import NoneType
-from typing import Any, Final, Literal, final
+from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
+from contactlab import motor
+from contactlab.checks import Checked
 from contactlab.config import quantity
+from contactlab.config.nesting import nested
 from contactlab.laws.declaration import SHARED, family_of, members_of
-from contactlab.laws.lagrange_slip import LagrangeSlip
+from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
-from contactlab.motor import (
-    ContactGeometry,
-    FiniteElementResonator,
-    PatchedBeam,
-    Piezoceramic,
-    PiezoceramicDatasheet,
-    RitzResonator,
-    Rotor,
-    TwoMode,
-)
-from contactlab.parameter import DeclaredField, declared_fields
-from contactlab.settings import Record, Solver, Sweep
+from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
 
-Keys = dict[str, Any]
-"""What is declared, by key: a field; a table of the keys of a section below; or a choice between such."""
+_Names = list[str] | str | None
+_said = partial(Parameter, "", "1")
+_STEP = positive("h", "s", "largest step in contact", hint="Leave it out for that of the law.")
+_TOLERANCE = Parameter(
+    "",
+    "1",
+    "relative tolerance in contact, compliant laws only",
+    at_least=1e-14,
+    at_most=1e-2,
+    hint="Leave it out for the solver's own default.",
+)
+_SAMPLES = _said("table whose columns are keys and whose rows are runs")
+_CHUNK = _said("runs kept together as they are finished", at_least=1)
 
 
 @final
 @dataclass(frozen=True)
-class Choice:
-    """A section that is one of several.
+class Solver(Checked):
+    """How long and how finely to integrate."""
 
-    Args:
-        options: the keys of each, by name.
-        told_by: the key that tells which it is; empty where there is one option only.
-        group, default: of a part of a law: its family, and the usual option if there is one.
-    """
+    duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
+    contact_step: Annotated[float | None, _STEP] = None
+    tolerance: Annotated[float | None, _TOLERANCE] = None
+
+
+@final
+@dataclass(frozen=True)
+class Record(Checked):
+    """What is kept; it does not change the motion."""
+
+    interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
+    picture: Annotated[bool, _said("whether run.png is drawn; it takes long")] = True
+
+
+@final
+@dataclass(frozen=True)
+class Sweep(Checked):
+    """How the runs of a sweep are made, and what is kept of them: no part of a run's own configuration."""
+
+    keep: Annotated[Literal["runs", "metrics"], _said("a folder a run, or numbers alone")] = "runs"
+    metrics: Annotated[_Names, _said("names of metrics that are kept, or all")] = None
+    series: Annotated[_Names, _said("names of time series that are kept as well")] = None
+    samples: Annotated[str | None, _SAMPLES] = None
+    chunk: Annotated[int | None, _CHUNK] = None
+    workers: Annotated[int | None, _said("processes at work", at_least=1)] = None
+
+
+Keys: TypeAlias = dict[str, "DeclaredField | Section"]
+
+
+@final
+@dataclass(frozen=True)
+class Section:
+    """A section of a configuration: the keys of each option, and which of them tells it from others."""
 
     options: Mapping[str, Keys]
     told_by: str = ""
-    group: str = ""
-    default: str = ""
-
-    @cached_property
-    def told(self) -> dict[str, tuple[str, Keys]]:
-        """Each option with its keys, by the word of the key that tells it."""
-        return {keys[self.told_by].default: (o, keys) for o, keys in self.options.items()}
 
 
 def keys_of(owner: type, *without: str) -> Keys:
     """Give the keys that a class declares, those of the objects that it holds included."""
     return {
-        name: field if field.parameter else keys_of(field.kind)
+        name: field if field.parameter else Section({name: keys_of(field.kind)})
         for name, field in declared_fields(owner).items()
         if name not in without
     }
 
 
 def _named(key: str, name: str, keys: Keys) -> Keys:
-    """The keys of a section that is told by its name."""
+    """The keys of an option that is told by its name."""
     return {key: DeclaredField(Literal[name], name, None), **keys}
 
 
@@ -74,31 +99,26 @@ def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
     return replace(field, parameter=replace(field.parameter, **changes))
 
 
-BASES: Final = {"ritz": RitzResonator, "finite_element": FiniteElementResonator}
+BASES: Final = {"ritz": motor.RitzResonator, "finite_element": motor.FiniteElementResonator}
 
-_BEAM: Final = declared_fields(PatchedBeam)
-_CONTACT: Final = declared_fields(ContactGeometry)
+_BEAM: Final = declared_fields(motor.PatchedBeam)
+_CONTACT: Final = declared_fields(motor.ContactGeometry)
+_OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
-GROUPS: Final[dict[str, Choice]] = {
-    "resonator": Choice(
-        {
-            name: _named("basis", name, keys_of(basis, "patch_start", "patch_end", "piezoceramic"))
-            for name, basis in BASES.items()
-        },
-        "basis",
+GROUPS: Final[dict[str, Section]] = {
+    "resonator": Section(
+        {name: _named("basis", name, keys_of(kind, *_OF_OTHERS)) for name, kind in BASES.items()}, "basis"
     ),
-    "piezoceramic": Choice(
+    "piezoceramic": Section(
         {
-            "pz26_identified": _named("constants", "bending", keys_of(Piezoceramic)),
-            "pz26_datasheet": _named("constants", "tensor", keys_of(PiezoceramicDatasheet)),
+            "pz26_identified": _named("constants", "bending", keys_of(motor.Piezoceramic)),
+            "pz26_datasheet": _named("constants", "tensor", keys_of(motor.PiezoceramicDatasheet)),
         },
         "constants",
     ),
-    "placement": Choice(
-        {"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}
-    ),
-    "drive": Choice({"two_mode": keys_of(TwoMode)}),
-    "contact": Choice(
+    "placement": Section({"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}),
+    "drive": Section({"two_mode": keys_of(motor.TwoMode)}),
+    "contact": Section(
         {
             "default": {
                 "tip_length": _CONTACT["tip_length"],
@@ -115,10 +135,10 @@ GROUPS: Final[dict[str, Choice]] = {
             }
         }
     ),
-    "rotor": Choice({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(Rotor)}}),
-    "solver": Choice({"default": keys_of(Solver)}),
-    "record": Choice({"default": keys_of(Record)}),
-    "sweep": Choice({"default": keys_of(Sweep)}),
+    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor)}}),
+    "solver": Section({"default": keys_of(Solver)}),
+    "record": Section({"default": keys_of(Record)}),
+    "sweep": Section({"default": keys_of(Sweep)}),
 }
 """The groups but that of the laws, in the order of a configuration."""
 
@@ -127,36 +147,26 @@ NOT_OF_A_RUN: Final = frozenset({"sweep"})
 
 
 def keys_of_law(owner: Any) -> Keys:
-    """Give the keys of a law or a part.
-
-    Raises:
-        ValueError: it has fields that cannot be keys.
-    """
-    keys = {
-        name: replace(FAMILIES[family], default=getattr(field.default, "name", ""))
-        if (family := family_of(field))
-        else field
-        for name, field in members_of(owner).items()
-        if name != SHARED
-    }
+    """Give the keys of a law or a part; a ValueError says which of its fields cannot be one."""
+    members = {name: field for name, field in members_of(owner).items() if name != SHARED}
+    keys = {name: FAMILIES.get(family_of(field), field) for name, field in members.items()}
     return _named("name", owner.name, keys)
 
 
-FAMILIES: Final = {
-    family: Choice({name: keys_of_law(part) for name, part in parts.items()}, "name", family)
-    for family, parts in PARTS.items()
-}
+FAMILIES: Final[dict[str, Section]] = {}
 """The parts of the composed law."""
+for _family, _parts in PARTS.items():
+    FAMILIES[_family] = Section({name: keys_of_law(part) for name, part in _parts.items()}, "name")
 
 
 @cache
-def laws(*names: str) -> Choice:
+def laws(*names: str) -> Section:
     """Give the choice between the laws of this package and some of others; one that is broken is none."""
     options = {}
     for name in (*LAWS, *names):
         with suppress(ValueError):
             options[name] = keys_of_law(law_class(name))
-    return Choice(options, "name")
+    return Section(options, "name")
 
 
 def groups() -> dict[str, list[str]]:
@@ -164,7 +174,7 @@ def groups() -> dict[str, list[str]]:
     return (
         {"law": law_names()}
         | {f"law/{family}": sorted(parts) for family, parts in PARTS.items()}
-        | {group: sorted(choice.options) for group, choice in GROUPS.items()}
+        | {group: sorted(section.options) for group, section in GROUPS.items()}
     )
 
 
@@ -173,43 +183,42 @@ def content(group: str, option: str) -> dict[str, Any]:
 
     A law that cannot be loaded has its name alone; the check of the configuration says why.
     """
-    below = group.removeprefix("law/")
-    choice = GROUPS.get(group) or FAMILIES.get(below) or laws(option)
-    keys = choice.options.get(option, _named("name", option, {}))
+    section = GROUPS.get(group) or FAMILIES.get(group.removeprefix("law/")) or laws(option)
+    keys = section.options.get(option)
+    if keys is None:
+        return {"name": option}
+    members = members_of(law_class(option)) if group == "law" else {}
     entries = [
-        {part.group if name == part.group else f"{part.group}@{name}": part.default}
-        for name, part in keys.items()
-        if isinstance(part, Choice) and part.default
+        {family if name == family else f"{family}@{name}": member.default.name}
+        for name, member in members.items()
+        if (family := family_of(member)) and member.default is not MISSING
     ]
-    return {"defaults": [*entries, "_self_"], **_defaults(keys)} if entries else _defaults(keys)
+    own = nested(
+        {
+            key: quantity.MISSING if field.default is MISSING else field.default
+            for key, field in full_keys(keys, told=False)
+        }
+    )
+    return {"defaults": [*entries, "_self_"], **own} if entries else own
 
 
-def _defaults(keys: Keys) -> dict[str, Any]:
-    return {
-        name: _defaults(found)
-        if isinstance(found, dict)
-        else (quantity.MISSING if found.default is MISSING else found.default)
-        for name, found in keys.items()
-        if not isinstance(found, Choice)
-    }
-
-
-def full_keys(found: Any, path: str) -> Iterator[tuple[str, DeclaredField]]:
-    """Give what is declared of every full key below a path, of every choice."""
-    if isinstance(found, DeclaredField):
-        yield path, found
-        return
-    for keys in found.options.values() if isinstance(found, Choice) else [found]:
-        for name, below in keys.items():
-            yield from full_keys(below, f"{path}.{name}" if path else name)
+def full_keys(keys: Keys, before: str = "", *, told: bool = True) -> Iterator[tuple[str, DeclaredField]]:
+    """Give what is declared of every full key, without those of sections whose option is told, if asked."""
+    for name, below in keys.items():
+        if isinstance(below, DeclaredField):
+            yield f"{before}{name}", below
+        elif told or not below.told_by:
+            for option in below.options.values():
+                yield from full_keys(option, f"{before}{name}.", told=told)
 
 
 @cache
 def known_keys(law: str = "") -> list[str]:
-    """Give every full key of every choice, or of one law alone where it is named; a broken one has none."""
-    choice = laws(*([law] if law else law_names()))
-    own = choice.options.get(law, _named("name", law, {})) if law else choice
-    return list(dict(full_keys({"law": own, **GROUPS}, "")))
+    """Give every full key of every option, or of one law alone where it is named; a broken one has none."""
+    own = laws(*([law] if law else law_names()))
+    if law:
+        own = Section({law: own.options.get(law, _named("name", law, {}))})
+    return list(dict(full_keys({"law": own, **GROUPS})))
 
 
 def help_on_keys() -> str:
@@ -217,7 +226,7 @@ def help_on_keys() -> str:
     return "\n  ".join(
         f"{key:<31} {said.meaning}{said.label and f' [{said.unit}]'}"
         f"{'. ' + said.hint if NoneType in field.kinds else ''}"
-        for key, field in dict(full_keys(GROUPS, "")).items()
+        for key, field in dict(full_keys({**GROUPS})).items()
         if (said := field.parameter)
     )
 
@@ -225,7 +234,6 @@ def help_on_keys() -> str:
 def group_told_by(key: str) -> str:
     """Give the group whose choice a key tells, 'law/normal' for 'law.normal.name'; empty for other keys."""
     section, _, last = key.rpartition(".")
-    group = section.replace(".", "/")
-    if section in GROUPS:
-        return group if last == GROUPS[section].told_by else ""
-    return group if last == "name" and section.partition(".")[0] == "law" else ""
+    is_law = section.partition(".")[0] == "law"
+    told_by = "name" if is_law else GROUPS[section].told_by if section in GROUPS else ""
+    return section.replace(".", "/") if last == told_by else ""

@@ -11,10 +11,8 @@ def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     """The values of a nested configuration by full key."""
     values: dict[str, Any] = {}
     for key, value in configuration.items():
-        if isinstance(value, Mapping):
-            values |= flat(value, f"{path}{key}.")
-        else:
-            values[f"{path}{key}"] = value
+        full = f"{path}{key}"
+        values |= flat(value, f"{full}.") if isinstance(value, Mapping) else {full: value}
     return values
 
 

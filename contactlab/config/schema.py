@@ -1,24 +1,36 @@
-"""A configuration held against what is declared of its keys: values in SI, and a sentence for each fault."""
+"""A configuration held against what is declared of its keys, and what binds several of them.
 
-from collections.abc import Mapping
+What comes out is its values in SI, and a sentence for each fault.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from types import NoneType
 from typing import Any, get_args
 
-from contactlab.checks import is_kind
-from contactlab.config.faults import unknown_key
-from contactlab.config.groups import (
-    GROUPS,
-    NOT_OF_A_RUN,
-    Choice,
-    Keys,
-    keys_of_law,
-    known_keys,
-    laws,
-)
+from contactlab.checks import SMALLEST_STEP, is_kind
+from contactlab.config.faults import ConfigurationError, unknown_key
+from contactlab.config.groups import GROUPS, NOT_OF_A_RUN, Keys, Section, keys_of_law, known_keys, laws
+from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, describe, number_of
-from contactlab.laws.registry import LAWS, law_class, law_names
+from contactlab.laws.base import PenaltyLaw
+from contactlab.laws.declaration import SHARED
+from contactlab.laws.registry import law_class, law_names, takes_shared
 from contactlab.parameter import DeclaredField, Parameter
 
+BYTES_A_RECORD = 350
+"""Memory that a record takes while its run is simulated and written, measured over runs of 1e6 and 1e7."""
+
+MOST_RECORDS = 10_000_000
+"""Records of one run; they take 3.5 GB of memory."""
+
+FRICTION = f"contact.{SHARED}"
+"""The key that laws share, and some law of another package may not have."""
+
+Values = Mapping[str, Any]
+Rule = Callable[..., Iterator[str]]
+
+_RULES: dict[tuple[str, ...], Rule] = {}
 _WORDS = {bool: "true or false", str: "a text", list[str]: "a list of texts", NoneType: "null"}
 
 
@@ -26,82 +38,81 @@ class Examination:
     """What is found in a configuration.
 
     Attributes:
-        values: of every section that there is, as they run.
-        sound, declared: those that are sound in themselves, by full key, and what is declared of them.
+        values: those that are sound in themselves, as they run.
+        declared: what is declared of them, by full key.
         faults: a sentence each.
     """
 
-    def __init__(self, configuration: object) -> None:
-        given = configuration.get("law") if isinstance(configuration, Mapping) else None
-        self.law = str(given.get("name") if isinstance(given, Mapping) else None)
-        self.sound: dict[str, Any] = {}
+    def __init__(self, configuration: Any) -> None:
+        self.values: dict[str, Any] = {}
         self.declared: dict[str, DeclaredField] = {}
         self.faults: list[str] = []
-        others = [self.law] if self.law in law_names() and self.law not in LAWS else []
-        self.values = self._section({"law": laws(*others), **GROUPS}, configuration, "")
+        if not isinstance(configuration, Mapping):
+            said = f"The configuration is {describe(configuration)}"
+            self.faults.append(f"{said}; it must be a mapping of groups of keys.")
+            return
+        law = configuration.get("law")
+        self._law = str(law.get("name") if isinstance(law, Mapping) else None)
+        self.values = self._values({"law": laws(self._law), **GROUPS}, configuration)
+        sound = flat(self.values)
+        for keys, rule in _RULES.items():
+            if sound.keys() >= {*keys}:
+                self.faults += rule(*(sound[key] for key in keys))
 
-    def _section(self, found: Keys | Choice, given: Any, path: str) -> dict[str, Any]:
-        try:
-            option, keys = _chosen(found, given, path)
-        except UnitError as fault:
-            self.faults.append(str(fault))
-            return {}
+    def _values(
+        self, keys: Keys, given: Mapping[str, Any], before: str = "", option: str = ""
+    ) -> dict[str, Any]:
         values: dict[str, Any] = {}
-        before = f"{path}." if path else ""
         for name, below in keys.items():
             key = f"{before}{name}"
             try:
                 if name not in given:
                     if key not in NOT_OF_A_RUN:
-                        raise UnitError(
-                            "is missing; it must be given. Add it to the configuration."
-                        )
-                elif isinstance(below, DeclaredField):
-                    values[name] = self.sound[key] = _value_of(below, given[name])
-                    self.declared[key] = below
+                        raise UnitError(f"{key} is missing; it must be given. Add it to the configuration.")
+                elif isinstance(below, Section):
+                    values[name] = {}
+                    chosen = _chosen(below, given[name], key)
+                    values[name] = self._values(below.options[chosen], given[name], f"{key}.", chosen)
                 else:
-                    values[name] = self._section(below, given[name], key)
+                    values[name] = _value_of(below, given[name], key)
+                    self.declared[key] = below
             except UnitError as fault:
-                self.faults.append(f"{key} {fault}")
+                self.faults.append(str(fault))
         unknown = [f"{before}{name}" for name in given if name not in keys]
-        self.faults += [unknown_key(key, option, known_keys(self.law)) for key in unknown]
+        self.faults += [unknown_key(key, option, known_keys(self._law)) for key in unknown]
         return values
 
 
-def _chosen(found: Keys | Choice, given: Any, path: str) -> tuple[str, Keys]:
-    """Give the option that a section is, empty where it is no choice, and its keys.
-
-    Raises:
-        UnitError: it is no section, or of no option that there is; a whole sentence.
-    """
+def _chosen(section: Section, given: Any, path: str) -> str:
+    """Give the option that a section is, or say by a UnitError why it is none."""
     group = path.replace(".", "/")
-    if not isinstance(given, Mapping) and not path:
-        said = f"The configuration is {describe(given)}"
-        raise UnitError(f"{said}; it must be a mapping of groups of keys.")
     if not isinstance(given, Mapping):
         raise UnitError(
             f"{path} is {describe(given)}; it must be a group of keys. "
             f"Set a single one by {path}.KEY=VALUE or choose a file by {group}=NAME."
         )
-    if not isinstance(found, Choice):
-        return "", found
-    if not found.told_by:
-        return next(iter(found.options.items()))
-    key, way_out = f"{path}.{found.told_by}", f"Choose one by {group}=NAME."
-    if found.told_by not in given:
+    told_by = section.told_by
+    if not told_by:
+        return next(iter(section.options))
+    key, way_out = f"{path}.{told_by}", f"Choose one by {group}=NAME."
+    if told_by not in given:
         raise UnitError(f"{key} is missing; it must be given. {way_out}")
-    name, options = given[found.told_by], [*found.told]
-    if name in options:
-        return found.told[name]
-    if path == "law":
-        options = law_names()
+    word = given[told_by]
+    words = {
+        told.default: option
+        for option, keys in section.options.items()
+        if isinstance(told := keys[told_by], DeclaredField)
+    }
+    if isinstance(word, str) and word in words:
+        return words[word]
+    known = law_names() if path == "law" else [*words]
+    if path == "law" and word in known:
         try:
-            if name in options:
-                keys_of_law(law_class(name))
+            keys_of_law(law_class(word))
         except ValueError as error:
-            raise UnitError(f"{key} is '{name}', which cannot run. {error}") from error
-    expected = ", ".join(map(repr, options))
-    raise UnitError(f"{key} is {describe(name)}; it must be one of {expected}. {way_out}")
+            raise UnitError(f"{key} is '{word}', which cannot run. {error}") from error
+    expected = ", ".join(map(repr, known))
+    raise UnitError(f"{key} is {describe(word)}; it must be one of {expected}. {way_out}")
 
 
 def declared_in(configuration: Mapping[str, Any]) -> dict[str, Parameter]:
@@ -110,16 +121,113 @@ def declared_in(configuration: Mapping[str, Any]) -> dict[str, Parameter]:
     return {key: field.parameter for key, field in found if field.parameter and field.is_number}
 
 
-def _value_of(found: DeclaredField, value: Any) -> Any:
-    """Give a value as it runs.
-
-    Raises:
-        UnitError: what is wrong with it.
-    """
-    if found.is_number:
-        return value if found.is_sound_float(value) else number_of(found, value)
-    if any(is_kind(value, kind) for kind in found.kinds):
+def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
+    """Give a value as it runs, or say by a UnitError what is wrong with it."""
+    if field.is_number:
+        try:
+            return number_of(field, value)
+        except UnitError as fault:
+            raise UnitError(f"{key} {fault}") from fault
+    if any(is_kind(value, kind) for kind in field.kinds):
         return value
-    words = [_WORDS.get(k) or " or ".join(map(repr, get_args(k))) for k in found.kinds]
-    way_out = " Leave it out for the default." if bool in found.kinds or str in found.kinds else ""
-    raise UnitError(f"is {describe(value)}; it must be {' or '.join(words)}.{way_out}")
+    words = [_WORDS.get(k) or " or ".join(map(repr, get_args(k))) for k in field.kinds]
+    way_out = " Leave it out for the default." if bool in field.kinds or str in field.kinds else ""
+    raise UnitError(f"{key} is {describe(value)}; it must be {' or '.join(words)}.{way_out}")
+
+
+def _binds(*keys: str) -> Callable[[Rule], Rule]:
+    """Register a rule: it gets the values of the keys where all are sound, and gives sentences."""
+    return partial(_RULES.setdefault, keys)
+
+
+@_binds("placement.start", "placement.end", "resonator.length")
+def _patches_fit(start: float, end: float, length: float) -> Iterator[str]:
+    if not start < end <= 0.5 * length:
+        yield (
+            f"placement.start is {start:.12g} m and placement.end is {end:.12g} m; they must "
+            f"satisfy 0 m <= start < end <= {0.5 * length:.12g} m, half of resonator.length, to "
+            "lie on the beam and clear of their mirror image. Shift or shorten them."
+        )
+
+
+@_binds(*(f"piezoceramic.{key}" for key in ("c11", "c12", "c13", "c33")))
+def _elastic_tensor_is_stable(c11: float, c12: float, c13: float, c33: float) -> Iterator[str]:
+    if not (c11 > abs(c12) and (c11 + c12) * c33 > 2.0 * c13**2):
+        yield (
+            f"piezoceramic has c11 = {c11:g}, c12 = {c12:g}, c13 = {c13:g}, c33 = {c33:g} Pa, a tensor "
+            "that stores negative energy; it must satisfy c11 > |c12| and (c11 + c12) c33 > 2 c13^2. "
+            "Check the constants against the datasheet."
+        )
+
+
+@_binds("contact.clearance", "resonator.beam_thickness")
+def _clearance_can_be_bridged(clearance: float, thickness: float) -> Iterator[str]:
+    if clearance > thickness:
+        yield (
+            f"contact.clearance is {clearance:.12g} m; it must be at most {thickness:.12g} m, the "
+            "resonator.beam_thickness: the beam's theory is linear and knows no larger motion of the tip. "
+            "Bring them closer; 1e-06 m is usual."
+        )
+
+
+@_binds("solver.contact_step", "solver.duration")
+def _step_fits(step: float | None, duration: float) -> Iterator[str]:
+    if step is not None and not SMALLEST_STEP * duration <= step <= duration:
+        yield (
+            f"solver.contact_step is {step:.12g} s; it must be at least "
+            f"{SMALLEST_STEP * duration:.3g} s and at most {duration:.12g} s, the solver.duration. "
+            "Leave it out for the law's own default."
+        )
+
+
+@_binds("solver.tolerance", "law.name")
+def _tolerance_is_for_compliant_laws(tolerance: float | None, law: str) -> Iterator[str]:
+    if tolerance is not None and not issubclass(law_class(law), PenaltyLaw):
+        yield (
+            f"solver.tolerance is {tolerance:g}; it must be null with law={law}, which takes steps "
+            "of solver.contact_step without a tolerance. Refine solver.contact_step instead."
+        )
+
+
+@_binds("record.interval", "solver.duration")
+def _records_fit(interval: float, duration: float) -> Iterator[str]:
+    said = f"record.interval is {interval:.12g} s"
+    if interval > duration:
+        yield (
+            f"{said}; it must be at most {duration:.12g} s, the solver.duration. Record more often or run "
+            "longer."
+        )
+    elif duration / interval > MOST_RECORDS:
+        yield (
+            f"{said}, which makes {duration / interval:.3g} records; it must be at least "
+            f"{duration / MOST_RECORDS:.3g} s, for {MOST_RECORDS} records that fit into memory. Record less "
+            "often; the records do not change the motion."
+        )
+
+
+@_binds("sweep.keep", "sweep.chunk", "sweep.workers")
+def _processes_are_for_metrics(keep: str, chunk: int | None, workers: int | None) -> Iterator[str]:
+    for name, given in {"chunk": chunk, "workers": workers}.items():
+        if keep == "runs" and given is not None:
+            yield (
+                f"sweep.{name} is {given} and every run leaves its folder; it must come with "
+                "sweep.keep=metrics. Leave it out; hydra/launcher=joblib runs folders side by side."
+            )
+
+
+def idle_friction(laws: Iterable[Values]) -> str:
+    """Tell which of the laws to run, by their sections, the shared friction coefficient is none of.
+
+    A ConfigurationError says that it is none of any, so that nothing depends on what was set.
+    """
+    takes: dict[str, bool] = {}
+    for law in laws:
+        name = str(law["name"])
+        takes[name] = takes.get(name, True) and takes_shared(law_class(name), law)
+    idle = ", ".join(name for name, taken in takes.items() if not taken)
+    words = f"{FRICTION} is set, but law={idle} has no friction coefficient of that name"
+    if idle and not any(takes.values()):
+        raise ConfigurationError(
+            [f"{words}; it must be left out. Set the keys of the law, or choose another one."]
+        )
+    return f"{words}: what it gives does not depend on it." if idle else ""

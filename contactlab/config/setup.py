@@ -1,23 +1,21 @@
 """From a configuration to the objects that run.
 
 Everything a configuration may get wrong is found here, all at once, and told in a sentence each; see
-`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.rules` for what binds keys.
+`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.schema` for what binds keys.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, final
 
 from contactlab.config.composition import compose
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
-from contactlab.config.rules import FRICTION, broken_rules
-from contactlab.config.schema import Examination
+from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.arguments import default_contact_step
-from contactlab.engine.simulation import DEFAULT_TOLERANCE, take_in
+from contactlab.engine.simulation import DEFAULT_TOLERANCE, simulate, take_in
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, law_class
@@ -26,17 +24,15 @@ from contactlab.motor import (
     Drive,
     Motor,
     NormalModes,
-    PatchedBeam,
     Piezoceramic,
     PiezoceramicDatasheet,
     Rotor,
     Steel,
 )
+from contactlab.trajectory import Trajectory
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
-
-_OF_RESONATOR = ("resonator", "piezoceramic", "placement")
 
 Values = Mapping[str, Any]
 
@@ -62,41 +58,39 @@ class Setup:
     tolerance: float | None
     configuration: dict[str, Any]
 
+    def run(self, **others: Any) -> Trajectory:
+        """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own."""
+        names = ("duration", "record_interval", "contact_step", "tolerance")
+        return simulate(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
 
-def build(
-    configuration: Values | Sequence[str] = (), config_dir: str | Path | None = None
-) -> Setup:
+
+def build(configuration: Values | Sequence[str] = ()) -> Setup:
     """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
     Args:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
             configuration: a mapping of groups of keys, with numbers in SI or texts with units.
-        config_dir: folder of more options, for overrides.
 
     Raises:
         ConfigurationError: with every fault that was found.
     """
     if isinstance(configuration, str):
-        raise TypeError(
-            f"The configuration is the text {configuration!r}; it must be a list of overrides or a mapping. "
-            f"Write [{configuration!r}]."
-        )
+        words = f"The configuration is the text {configuration!r}; it must be a list or a mapping."
+        raise TypeError(f"{words} Write [{configuration!r}].")
     if not isinstance(configuration, Mapping):
-        configuration = compose(configuration, config_dir)
-    resolved, law = _checked(configuration)
-    resolved = {group: keys for group, keys in resolved.items() if group not in NOT_OF_A_RUN}
-    drive, solver, record = resolved["drive"], resolved["solver"], resolved["record"]
-    contact, rotor = resolved["contact"], dict(resolved["rotor"])
+        configuration = compose(configuration)
+    found, law = _checked(configuration)
+    resolved = {group: keys for group, keys in found.items() if group not in NOT_OF_A_RUN}
+    drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
+    rotor = dict(resolved["rotor"])
     geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
-    try:
-        modes = _modes(tuple(flat({group: resolved[group] for group in _OF_RESONATOR}).items()))
-    except ValueError as error:
-        words = "resonator, piezoceramic and placement make no resonator"
-        raise ConfigurationError([f"{words}: {error}"]) from error
-    if drive["frequency"] is None:
+    resonator = {group: resolved[group] for group in ("resonator", "piezoceramic", "placement")}
+    modes = _modes(tuple(flat(resonator).items()))
+    first = drive["frequency"]
+    if first is None:
         drive["frequency"] = float(modes.natural_frequency[0])
     tones = _two_mode(**drive)
-    _refuse_undamped_resonance(tones, modes)
+    _refuse_undamped_resonance(first, tones, modes)
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -105,22 +99,18 @@ def build(
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
     motor = Motor(modes, tones, geometry, Rotor(**rotor))
-    return Setup(motor, law, record_interval=record["interval"], **solver, configuration=resolved)
+    interval = resolved["record"]["interval"]
+    return Setup(motor, law, record_interval=interval, **solver, configuration=resolved)
 
 
 def validate(configuration: Values) -> dict[str, Any]:
-    """Check a configuration without building anything but its law, and give it with every number in SI.
-
-    Raises:
-        ConfigurationError: with every fault that was found.
-    """
+    """Check a configuration, building nothing but its law, and give it in SI; errors as of `build`."""
     return _checked(configuration)[0]
 
 
 def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     found = Examination(configuration)
-    law, sound = None, found.sound
-    faults = found.faults + broken_rules(sound)
+    law, sound, faults = None, flat(found.values), found.faults
     if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
         try:
             law = _law(found.values["law"], sound[FRICTION], sound["rotor.radius"])
@@ -138,18 +128,20 @@ _two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 
 @lru_cache(maxsize=256)
 def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
+    """Give the modes that the sections of the resonator, flat, describe."""
     given, constants, placement = nested(dict(values)).values()
     if constants.pop("constants") == "bending":
         piezoceramic = Piezoceramic(**constants)
     else:
         piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
-    resonator: PatchedBeam = BASES[given.pop("basis")](
-        **given | {"steel": Steel(**given["steel"])},
-        piezoceramic=piezoceramic,
-        patch_start=placement["start"],
-        patch_end=placement["end"],
-    )
-    return resonator.modes
+    given |= {"steel": Steel(**given["steel"]), "piezoceramic": piezoceramic}
+    given |= {f"patch_{edge}": place for edge, place in placement.items()}
+    try:
+        modes: NormalModes = BASES[given.pop("basis")](**given).modes
+    except ValueError as error:
+        words = "resonator, piezoceramic and placement make no resonator"
+        raise ConfigurationError([f"{words}: {error}"]) from error
+    return modes
 
 
 def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
@@ -170,16 +162,16 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
         raise ConfigurationError([sentence]) from error
 
 
-def _refuse_undamped_resonance(drive: Drive, modes: NormalModes) -> None:
+def _refuse_undamped_resonance(given: float | None, drive: Drive, modes: NormalModes) -> None:
     """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    undamped = modes.natural_frequency[modes.damping == 0.0].tolist()
-    keys = ("drive.frequency", "drive.frequency times drive.frequency_ratio")
+    null = " null, that is the first natural frequency," if given is None else ""
+    said = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
     faults = [
-        f"{key} is {tone:.12g} Hz, a natural frequency of a resonator without damping; "
-        f"it must differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
+        f"{words} {tone:.12g} Hz, where a resonator without damping responds without bound; it must "
+        f"differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
         "Shift it or give resonator.stiffness_damping a number greater than 0 s."
-        for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
-        for natural in undamped
+        for words, tone in zip(said, drive.frequency.tolist(), strict=True)
+        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
         if abs(tone - natural) <= RESONANCE * natural
     ]
     if faults:

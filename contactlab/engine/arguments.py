@@ -7,7 +7,7 @@ import numpy as np
 
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number, shown
 from contactlab.engine.plant import Plant, persisting_rates, resolved_rate
-from contactlab.engine.state import RUNNING, TOUCHING, state_names
+from contactlab.engine.state import LEAVES, RUNNING, TOUCHING
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import refuse_unsound
 from contactlab.motor import NormalModes
@@ -53,39 +53,35 @@ def check_kinds(motor: Motor, law: ContactLaw) -> None:
 
 
 def check_numbers(
-    law: ContactLaw,
-    duration: float,
-    record_interval: float,
-    contact_step: float,
-    tolerance: float | None,
+    law: ContactLaw, duration: float, interval: float, step: float, tolerance: float | None
 ) -> None:
     """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
-    times = {"duration": duration, "record interval": record_interval, "contact step": contact_step}
-    for name, value in times.items():
+    for name, value in (("duration", duration), ("contact step", step)):
         check_number(f"The {name}", value)
-    for name in ("duration", "contact step"):
-        if not 0.0 < times[name] < inf:
-            raise ValueError(f"The {name} is {times[name]} s; it must be positive and finite.")
-    if not 0.0 < record_interval <= duration:
+        if not 0.0 < value < inf:
+            raise ValueError(f"The {name} is {value} s; it must be positive and finite.")
+    check_number("The record interval", interval)
+    if not 0.0 < interval <= duration:
         raise ValueError(
-            f"The record interval is {record_interval} s; it must be positive and at most the "
-            f"duration, {duration} s."
+            f"The record interval is {interval} s; it must be positive and at most the duration, "
+            f"{duration} s."
         )
-    if contact_step < SMALLEST_STEP * duration:
+    if step < SMALLEST_STEP * duration:
         raise ValueError(
-            f"The contact step is {contact_step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
+            f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
             f"{SMALLEST_STEP:g} of the duration: shorter steps do not move the clock. Leave it out for the "
             "law's own default."
         )
-    if tolerance is not None:
-        if isinstance(law, MultiplierLaw):
-            raise ValueError(
-                f"The tolerance is {tolerance}, but {law.name} has no error control: its contact "
-                "step sets its error. Leave the tolerance out."
-            )
-        check_number("The tolerance", tolerance)
-        if not 0.0 < tolerance < 1.0:
-            raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
+    if tolerance is None:
+        return
+    if isinstance(law, MultiplierLaw):
+        raise ValueError(
+            f"The tolerance is {tolerance}, but {law.name} has no error control: its contact step sets its "
+            "error. Leave the tolerance out."
+        )
+    check_number("The tolerance", tolerance)
+    if not 0.0 < tolerance < 1.0:
+        raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
 
 
 def check_rates(plant: Plant, duration: float) -> None:
@@ -100,7 +96,7 @@ def check_rates(plant: Plant, duration: float) -> None:
 
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
     """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
-    if not isinstance(start, dict) or not state_names() <= set(start):
+    if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
         raise TypeError(
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )

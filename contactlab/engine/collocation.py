@@ -10,13 +10,13 @@ from math import nan
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.friction import (
+    FIRST,
     HELD_SLIP,
     LEAST_SLIP,
     correct_friction,
     follow_bound,
-    hold_slip,
     missed_between,
     mobility,
     push_node,
@@ -61,15 +61,15 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state, step = run.state, run.step
     normal, bound, friction, steepness = known
     build_level(run.plant, run.propagator, level)
-    free_response(run, level, 0)
+    free_response(run, level, FIRST)
     for i in range(NODES):
-        u, th, u_rate, th_rate, rotor = tip_motion(run.plant, i)
-        step.u[i], step.th[i], step.rotor[i] = u, th, rotor
-        step.u_rate[i], step.th_rate[i] = u_rate, th_rate
+        tip = tip_motion(run.plant, i)
+        step.u[i], step.th[i], step.u_rate[i], step.th_rate[i], step.rotor[i] = tip
     depends = state.friction_kind == RATE_DEPENDENT
-    stretch = step_length(run.propagator, level) / state.length
-    state.length = step_length(run.propagator, level)
-    stiffness = steepness * mobility(run, level, 0, 0)
+    h = step_length(run.propagator, level)
+    stretch = h / state.length
+    state.length = h
+    stiffness = steepness * mobility(run, level, FIRST, FIRST)
     sweeps = 0
     for held in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
         if sweeps == 0:
@@ -79,7 +79,6 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state.sweeps += sweeps
     if sweeps == 0:
         return np.inf
-    h = state.length
     allowed = state.tolerance * state.momentum
     kinked = _kinked_force(run, known)
     if kinked >= 0.0:
@@ -90,31 +89,28 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if state.friction_kind != SET_VALUED:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
         if depends:
-            error = max(error, missed_between(run, law, level))
+            error = max(error, missed_between(run, law, mobility(run, level, FIRST, FIRST)))
     if state.mode == STICK:
         error = max(error, 0.1 * abs(state.friction.coefficient[NODES - 1]))
     return float(error * h / allowed)
 
 
-@inner_kernel
+@merged_kernel
 def _kinked_force(run: Run, known: Known) -> float:
-    """Give the largest force [N] of a step with a kink; negative where there is none.
-
-    One in which the gap opens, or a force that only pushes ends or begins, has a kink.
-    """
-    state, normal = run.state, known[0]
+    """Give the largest force [N] of a step in which the gap opens, or the force ends or begins; else -1."""
+    normal, forces = known[0], run.state.normal.node
     most, ends = max(abs(normal), abs(known[2])), False
     for i in range(NODES):
-        most = max(most, abs(state.normal.node[i]))
-        if state.friction_kind == RATE_DEPENDENT:
+        most = max(most, abs(forces[i]))
+        if run.state.friction_kind == RATE_DEPENDENT:
             # Friction that no bound ties to the normal force.
-            most = max(most, abs(state.friction.node[i]))
-        ends = ends or (normal > 0.0 and state.normal.node[i] == 0.0)
-    begins = normal == 0.0 == state.normal.node[0] and largest(state.normal.node) > 0.0
+            most = max(most, abs(run.state.friction.node[i]))
+        ends = ends or (normal > 0.0 and forces[i] == 0.0)
+    begins = normal == 0.0 == forces[0] and largest(forces) > 0.0
     return most if ends or begins or largest(run.step.gap) >= 0.0 else -1.0
 
 
-@inner_kernel
+@merged_kernel
 def _first_forces(run: Run, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
@@ -127,8 +123,7 @@ def _first_forces(run: Run, stretch: float) -> None:
             state.friction.node[i] = -state.sign * state.bound.node[i]
         # Only friction with an internal variable reads these.
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
-        climb = nodes[i] * state.length
-        step.internal[i] = state.internal + climb * state.internal_rate.node[i]
+        step.internal[i] = state.internal + nodes[i] * state.length * state.internal_rate.node[i]
         push_node(run, i)
 
 
@@ -145,9 +140,9 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
     sign, kind, sticks = float(state.sign), state.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
     slides = not sticks and not follows
+    least_slip = HELD_SLIP if held else LEAST_SLIP
     for sweep in range(1, MOST_ITERATIONS + 1):
-        change = 0.0
-        most = 0.0
+        change, most = 0.0, 0.0
         for i in range(NODES):
             old_normal, old_friction = state.normal.node[i], state.friction.node[i]
             _law_at_node(run, law, level, i)
@@ -159,11 +154,8 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             # Friction that would have to hold far more than the law lets it has the round-off of its size.
             most = max(most, state.normal.node[i], abs(old_friction))
         holds = (held and sweep == 1) or (sticks and not follows)
-        if follows and not holds:
-            least_slip = HELD_SLIP if held else LEAST_SLIP
-            change = max(change, correct_friction(run, law, level, least_slip))
-        if holds:
-            change = max(change, hold_slip(run, level))
+        if holds or follows:
+            change = max(change, correct_friction(run, law, level, holds, least_slip))
         if not np.isfinite(change):
             return 0
         least = 1e-3 * AGREEMENT * state.momentum
@@ -180,7 +172,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
     return 0
 
 
-@part_kernel
+@merged_kernel
 def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
     """Set the motion of node i under the present forces, and the law's answer to it."""
     state, step, answers = run.state, run.step, run.propagator.levels[level]

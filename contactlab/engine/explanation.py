@@ -3,16 +3,16 @@
 Asked after the run has ended, at the state it ended in, so that a run that goes on pays nothing for it.
 """
 
-from collections.abc import Iterator
-from typing import Any, Final, NamedTuple, final
+from collections.abc import Callable
+from functools import partial
+from itertools import product
+from typing import Any, Final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.energy import LEDGER_LIMIT, SCALE
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import Run, contact_from
-from contactlab.engine.ledger import openness_of
 from contactlab.engine.plant import modes_of
 from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
@@ -26,7 +26,7 @@ from contactlab.engine.state import (
     UNSOLVED,
 )
 from contactlab.laws.base import SET_VALUED, STICK
-from contactlab.trajectory import Ending
+from contactlab.trajectory import LEDGER_LIMIT, SCALE, Ending, openness
 
 FARTHEST: Final = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
@@ -40,7 +40,6 @@ STEEP: Final = 0.01
 NARROW: Final = 10.0 ** np.arange(-15.0, -6.0)
 """Changes of gap, gap rate or slip over their own size that should not change a force by as much."""
 
-FORCES: Final = ("normal force", "friction bound", "friction")
 OF_FORCE: Final = ("normal force", "friction bound", "stored energy", "normal loss")
 OF_FRICTION: Final = (
     "friction",
@@ -48,49 +47,90 @@ OF_FRICTION: Final = (
     "stored energy of the friction",
     "tangential stiffness",
 )
+FORCES: Final = {*OF_FORCE[:2], OF_FRICTION[0]}
+
+Contact = tuple[float, float, float]
+"""What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""
+
+Answers = Callable[[Contact], dict[str, float]]
 
 
-def explain(
-    run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float
-) -> tuple[Ending, str]:
+def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float) -> tuple[Ending, str]:
     """Give the ending of a run that stopped by itself, and a sentence on it; the kernels are its law's."""
-    state = run.state
-    time, code = f"{state.time:.6g} s", state.ending
-    if code == CHATTERED:
-        return Ending.CHATTERED, (
-            f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction "
-            f"switches within {state.window:.3g} s, or no progress. The run stops there; a "
-            f"shorter contact step than {contact_step:.3g} s or another law may pass it."
-        )
-    if code == DIVERGED:
-        return Ending.DIVERGED, (
-            f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's "
-            f"parameters, or shorten the contact step, {contact_step:.3g} s."
-        )
-    if code == UNFOLLOWED:
-        return Ending.DIVERGED, (
+    state, rule = run.state, run.propagator.rule
+    time, pace = f"{state.time:.6g} s", f"within {state.window:.3g} s"
+    friction, critical = state.friction_limit, state.critical_friction
+    endings = {
+        CHATTERED: (
+            Ending.CHATTERED,
+            f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction switches "
+            f"{pace}, or no progress. The run stops there; a shorter contact step than {contact_step:.3g} s "
+            "or another law may pass it.",
+        ),
+        DIVERGED: (
+            Ending.DIVERGED,
+            f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's parameters, or "
+            f"shorten the contact step, {contact_step:.3g} s.",
+        ),
+        UNFOLLOWED: (
+            Ending.DIVERGED,
             f"The run diverges at {time}: the tip moves too fast to be followed, {MOST_HALVINGS} halvings "
-            "of one step of its flight do not tell whether it touches. Check the drive and the start."
-        )
-    if code == INCONSISTENT:
-        return Ending.INCONSISTENT, _inconsistency(state)
-    witness = _Witness(run, kernels, parameters)
-    answer = witness.not_finite()
-    if answer or code == NOT_FINITE:
-        answer = answer or f"a value that is not finite near {witness.state_after(0.0)}"
+            "of one step of its flight do not tell whether it touches. Check the drive and the start.",
+        ),
+        INCONSISTENT: (
+            Ending.INCONSISTENT,
+            f"The run ends at {time}: the contact closes, and the law has no normal impulse that stops it. "
+            "Check the law: an approach must be answered."
+            if friction < critical
+            else f"The run ends at {time} in Painleve's paradox: the friction coefficient {friction:.6g} is "
+            f"not below the critical {critical:.6g}, d_nn/|d_nt| of the contact there, so that the friction "
+            "of its slip presses the bodies together more than the normal impulse parts them, and the law "
+            "has no impulse that stops the approach. Lower the friction coefficient, or take a law that may "
+            "stick or a compliant one.",
+        ),
+    }
+    if state.ending in endings:
+        return endings[int(state.ending)]
+    answers = partial(_answers, run, kernels, parameters)
+    reach = rule.longest * 0.5**rule.contact_level
+    answer = _not_finite(run, answers, reach)
+    if answer or state.ending == NOT_FINITE:
+        answer = answer or f"a value that is not finite near {_told(_contact_after(run, 0.0))}"
         return Ending.DIVERGED, (
             f"The run diverges at {time}: the law answers with {answer}. It must "
             "answer every state of a contact with finite numbers and no negative friction bound; mend the "
             "law, or its parameters."
         )
-    return Ending.STALLED, f"The run stalls at {time}: {_no_progress(run, witness)}"
+    words = f"more than {state.most_steps} steps in contact {pace}, where a few hundred are usual"
+    if state.ending == UNSOLVED:
+        words = "no step in contact, however short, satisfies the law"
+    elif state.idle > IDLE_LIMIT:
+        words = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
+    why = "Check the law's parameters, or choose a larger solver.tolerance."
+    sway = float(run.plant.tones["steady_u"].sum())
+    if sway >= FARTHEST:
+        why = (
+            f"The steady state of the tones moves the tip by {sway:.3g} m, and a gap that is summed "
+            f"from it is good to {sway * np.finfo(np.float64).eps:.3g} m only. Leave out a tone that meets a "
+            "mode without stiffness so slowly."
+        )
+    elif jump := _jump(run, answers, reach):
+        why = (
+            f"The law's {jump}: for the steps that is a jump. Let the force change over a wider "
+            "range; friction that jumps with the slip is set-valued and wants no kernel of its own."
+        )
+    return Ending.STALLED, f"The run stalls at {time}: {words}. {why}"
 
 
 def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple[Ending, str]:
     """Give the ending of a run that reached its end: complete, or with an open ledger and a sentence."""
-    openness = openness_of(state, float(np.abs(series["energy_residual"]).max()))
+    start = float(state.initial_energy)
+    # The records know of contacts as well; without any flight there is neither a least nor a most.
+    seen = np.array([state.least_open, state.most_open]) - start
+    residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
+    share = openness(float(residual), float(state.turned_over), 0.0, start)
     # A ledger that is no number is not closed.
-    if openness <= LEDGER_LIMIT:
+    if share <= LEDGER_LIMIT:
         return Ending.COMPLETE, ""
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
@@ -99,7 +139,7 @@ def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple
         else f"Choose a shorter solver.contact_step than {contact_step:.3g} s."
     )
     return Ending.UNBALANCED, (
-        f"The run reached its end, but its energy ledger is open by {openness:.3g} of the energy turned "
+        f"The run reached its end, but its energy ledger is open by {share:.3g} of the energy turned "
         f"over, {SCALE}; it must be at most {LEDGER_LIMIT:g}. {way_out}"
     )
 
@@ -107,10 +147,10 @@ def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple
 def _runaway(run: Run) -> str:
     """Say in what way the state is no motor's."""
     modes, radius = modes_of(run.plant), run.plant.geometry.radius
-    q, v = modes.q[:, START], modes.v[:, START]
+    q, v = modes["q"][:, START], modes["v"][:, START]
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
         return "the state is not finite"
-    th = float(modes.row_th @ q)
+    th = float(modes["row_th"] @ q)
     if abs(th) >= 1.0:
         return f"the tip leans by {th:.3g} rad, and 1 rad is the most"
     return (
@@ -119,131 +159,64 @@ def _runaway(run: Run) -> str:
     )
 
 
-def _no_progress(run: Run, witness: "_Witness") -> str:
-    """Say how little a run moves, what its steps are too long for, and the way out."""
+def _not_finite(run: Run, answers: Answers, reach: float) -> str:
+    """Give the first answer on the way of the step that cannot be, in words; empty where all can."""
     state = run.state
-    pace = (
-        f"more than {state.most_steps} steps in contact within {state.window:.3g} s, where a few "
-        "hundred are usual"
-    )
-    if state.ending == UNSOLVED:
-        pace = "no step in contact, however short, satisfies the law"
-    elif state.idle > IDLE_LIMIT:
-        pace = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
-    sway = float(run.plant.tones["steady_u"].sum())
-    if sway >= FARTHEST:
-        return (
-            f"{pace}. The steady state of the tones moves the tip by {sway:.3g} m, and a gap that is summed "
-            f"from it is good to {sway * np.finfo(np.float64).eps:.3g} m only. Leave out a tone that meets a "
-            "mode without stiffness so slowly."
-        )
-    if jump := witness.jump():
-        return (
-            f"{pace}. The law's {jump}: for the steps that is a jump. Let the force change over a wider "
-            "range; friction that jumps with the slip is set-valued and wants no kernel of its own."
-        )
-    return f"{pace}. Check the law's parameters, or choose a larger solver.tolerance."
+    if not state.compliant:
+        impulses = {"normal": state.normal.node[0], "friction": state.friction.node[0]}
+        found = [f"{name} impulse {p}" for name, p in impulses.items() if not np.isfinite(p)]
+        return f"{' and '.join(found)} at {_told(_contact_after(run, 0.0))}" if found else ""
+    for time in np.linspace(0.0, reach, PROBES):
+        contact = _contact_after(run, time)
+        for name, value in answers(contact).items():
+            if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
+                return f"{name} {value} at {_told(contact)}"
+    return ""
 
 
-def _inconsistency(state: Any) -> str:
-    """Say why a rigid contact closes and its law has no impulse for it."""
-    time = float(state.time)
-    friction, critical = state.friction_limit, state.critical_friction
-    if friction < critical:
-        return (
-            f"The run ends at {time:.6g} s: the contact closes, and the law has no normal impulse that "
-            "stops it. Check the law: an approach must be answered."
-        )
-    return (
-        f"The run ends at {time:.6g} s in Painleve's paradox: the friction coefficient {friction:.6g} is "
-        f"not below the critical {critical:.6g}, d_nn/|d_nt| of the contact there, so that the friction of "
-        "its slip presses the bodies together more than the normal impulse parts them, and the law has no "
-        "impulse that stops the approach. Lower the friction coefficient, or take a law that may stick or "
-        "a compliant one."
-    )
-
-
-@final
-class _State(NamedTuple):
-    """What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""
-
-    gap: float
-    gap_rate: float
-    slip: float
-
-    def __str__(self) -> str:
-        return (
-            f"a gap of {self.gap:.6g} m, a gap rate of {self.gap_rate:.6g} m/s and a slip of "
-            f"{self.slip:.6g} m/s"
-        )
-
-
-@final
-class _Witness:
-    """A law where its run ended: an answer that is no number, or a force that changes at once."""
-
-    def __init__(self, run: Run, kernels: tuple[Any, ...], parameters: Array) -> None:
-        rule = run.propagator.rule
-        self._plant, self._at = run.plant, run.state
-        self._reach = float(rule.longest * 0.5**rule.contact_level)
-        self._force, self._friction = kernels[:2]
-        self._parameters = parameters
-
-    def not_finite(self) -> str:
-        """Give the first answer on the way of the step that cannot be, in words; empty where all can."""
-        at = self._at
-        if not at.compliant:
-            values = {
-                "normal impulse": at.normal.node[0],
-                "friction impulse": at.friction.node[0],
-            }
-            found = [f"{name} {value}" for name, value in values.items() if not np.isfinite(value)]
-            return f"{' and '.join(found)} at {self.state_after(0.0)}" if found else ""
-        for time in np.linspace(0.0, self._reach, PROBES):
-            state = self.state_after(float(time))
-            for name, value in self._answers(state):
-                if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
-                    return f"{name} {value} at {state}"
+def _jump(run: Run, answers: Answers, reach: float) -> str:
+    """Say where the law's force changes at once, in words; empty where it does not."""
+    state, here = run.state, _contact_after(run, 0.0)
+    if not state.compliant:
         return ""
+    if not here[0] < 0.0:
+        here = _contact_after(run, reach)
+    known = answers(here)
+    size = max(abs(known.get("normal force", 0.0)), state.momentum / reach)
+    gap, speed = abs(here[0]), max(abs(here[1]), state.impact_speed)
+    scales = (("gap", "m", gap), ("gap rate", "m/s", speed), ("slip", "m/s", max(abs(here[2]), speed)))
+    for narrow, (i, (name, unit, scale)), sign in product(NARROW, enumerate(scales), (-1.0, 1.0)):
+        moved = list(here)
+        moved[i] += sign * narrow * scale
+        for force, value in answers((moved[0], moved[1], moved[2])).items():
+            if force in FORCES and abs(value - known.get(force, value)) > STEEP * size:
+                return (
+                    f"{force} goes from {known[force]:.4g} N to {value:.4g} N where the {name} goes from "
+                    f"{here[i]:.10g} {unit} to {moved[i]:.10g} {unit}"
+                )
+    return ""
 
-    def jump(self) -> str:
-        """Say where the law's force changes at once, in words; empty where it does not."""
-        here, at = self.state_after(0.0), self._at
-        if not at.compliant:
-            return ""
-        if not here.gap < 0.0:
-            here = self.state_after(self._reach)
-        known = dict(self._answers(here))
-        size = max(abs(known.get("normal force", 0.0)), at.momentum / self._reach)
-        speed = max(abs(here.gap_rate), at.impact_speed)
-        sizes = abs(here.gap), speed, max(abs(here.slip), speed)
-        for narrow in NARROW:
-            for place, name in enumerate(here._fields):
-                for sign in (-1.0, 1.0):
-                    moved = here[place] + sign * narrow * sizes[place]
-                    for force, value in self._answers(here._replace(**{name: moved})):
-                        if force in FORCES and abs(value - known.get(force, value)) > STEEP * size:
-                            unit = "m" if place == 0 else "m/s"
-                            return (
-                                f"{force} goes from {known[force]:.4g} N to {value:.4g} N where the "
-                                f"{name.replace('_', ' ')} goes from {here[place]:.10g} {unit} to "
-                                f"{moved:.10g} {unit}"
-                            )
-        return ""
 
-    def state_after(self, time: float) -> _State:
-        """Give the state after a time of straight motion from where the run ended [s]."""
-        modes = modes_of(self._plant)
-        q, v = modes.q[:, START] + time * modes.v[:, START], modes.v[:, START]
-        gap, rate, slip = contact_from(self._plant, q, v)
-        return _State(gap, rate, 0.0 if self._at.mode == STICK else slip)
+def _contact_after(run: Run, time: float) -> Contact:
+    """Give the contact after a time of straight motion from where the run ended [s]."""
+    modes = modes_of(run.plant)
+    q, v = modes["q"][:, START] + time * modes["v"][:, START], modes["v"][:, START]
+    gap, rate, slip = contact_from(run.plant, q, v)
+    return gap, rate, 0.0 if run.state.mode == STICK else slip
 
-    def _answers(self, state: _State) -> Iterator[tuple[str, float]]:
-        """Give what a penalty law says to a state, by name."""
-        if not state.gap < 0.0:
-            return
-        found = self._force(*state, self._at.impact_speed, self._parameters)
-        yield from zip(OF_FORCE, found, strict=True)
-        if self._at.friction_kind != SET_VALUED:
-            friction = self._friction(*state, found[0], self._at.internal, self._parameters)
-            yield from zip(OF_FRICTION, friction, strict=True)
+
+def _told(contact: Contact) -> str:
+    """Write a contact as a sentence shows it."""
+    return "a gap of {:.6g} m, a gap rate of {:.6g} m/s and a slip of {:.6g} m/s".format(*contact)
+
+
+def _answers(run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact) -> dict[str, float]:
+    """Give what a penalty law says to a contact, by name; nothing where it is open."""
+    if not contact[0] < 0.0:
+        return {}
+    found = kernels[0](*contact, run.state.impact_speed, parameters)
+    answers = dict(zip(OF_FORCE, found, strict=True))
+    if run.state.friction_kind != SET_VALUED:
+        friction = kernels[1](*contact, found[0], run.state.internal, parameters)
+        answers |= zip(OF_FRICTION, friction, strict=True)
+    return answers

@@ -11,13 +11,18 @@ changes between creep and slip: each takes some tens of steps, down to the time 
 crosses the creep velocity and up again. A slider keeps F on the bound; its spring follows.
 """
 
+from typing import Final, cast
+
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_after
 from contactlab.engine.state import NODES, internal_at, value_at
-from contactlab.laws.base import EVEN, SET_VALUED, Forces
+from contactlab.laws.base import EVEN, Forces
+
+FIRST: Final = cast(int, np.int64(0))
+"""The first node, as a number that no kernel is copied for."""
 
 NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
@@ -37,7 +42,7 @@ def push_node(run: Run, i: int) -> None:
     step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
 
 
-@part_kernel
+@inner_kernel
 def mobility(run: Run, level: int, i: int, m: int) -> float:
     """Give d slip_i / d friction_m [m/s/N]."""
     step, tip_v = run.step, run.propagator.levels[level].tip_v
@@ -51,6 +56,36 @@ def mobility(run: Run, level: int, i: int, m: int) -> float:
 
 
 @inner_kernel
+def friction_at(law: Law, at: tuple[float, float, float], normal: float, internal: float) -> Forces:
+    """Give the law's friction at gap, gap rate and slip, a normal force and an internal variable.
+
+    It is zero where there is no contact.
+    """
+    gap, rate, slip = at
+    if gap >= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    return law.friction(gap, rate, slip, normal, internal, law.parameters)
+
+
+@inner_kernel
+def friction_and_steepness(
+    law: Law, at: tuple[float, float, float], normal: float, internal: float
+) -> tuple[float, float]:
+    """Give friction [N], and how steeply it falls with the slip [N s/m], zero where it rises."""
+    gap, rate, slip = at
+    friction = friction_at(law, at, normal, internal)[0]
+    dv = _nudge_of(slip, HELD_SLIP)
+    steeper = friction_at(law, (gap, rate, slip + dv), normal, internal)[0]
+    return friction, max((friction - steeper) / dv, 0.0)
+
+
+@part_kernel
+def _nudge_of(slip: float, least: float) -> float:
+    """Give the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
+    return (NUDGE if slip >= 0.0 else -NUDGE) * (abs(slip) + least)
+
+
+@merged_kernel
 def _solve_linear(system: Array, n: int) -> None:
     """Solve n linear equations in place, their right side in column n, with row pivots."""
     for p in range(n):
@@ -62,31 +97,13 @@ def _solve_linear(system: Array, n: int) -> None:
             held = system[p, column]
             system[p, column] = system[best, column]
             system[best, column] = held
-        for row in range(p + 1, n):
-            ratio = system[row, p] / system[p, p]
-            for column in range(p, n + 1):
-                system[row, column] -= ratio * system[p, column]
-    for p in range(n - 1, -1, -1):
-        for column in range(p + 1, n):
-            system[p, n] -= system[p, column] * system[column, n]
+        for row in range(n):
+            if row != p:
+                ratio = system[row, p] / system[p, p]
+                for column in range(p, n + 1):
+                    system[row, column] -= ratio * system[p, column]
+    for p in range(n):
         system[p, n] /= system[p, p]
-
-
-@inner_kernel
-def hold_slip(run: Run, level: int) -> float:
-    """Correct the friction at all nodes so that the slip vanishes; returns the largest correction [N]."""
-    system = run.step.system
-    for i in range(NODES):
-        for m in range(NODES):
-            system[i, m] = mobility(run, level, i, m)
-        system[i, NODES] = -run.step.slip[i]
-    _solve_linear(system, NODES)
-    most = 0.0
-    for i in range(NODES):
-        run.state.friction.node[i] += system[i, NODES]
-        push_node(run, i)
-        most = max(most, abs(system[i, NODES]))
-    return most
 
 
 @inner_kernel
@@ -100,24 +117,30 @@ def _internal_rate(run: Run, i: int) -> float:
 
 
 @inner_kernel
-def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
+def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) -> float:
     """Take one Newton step of friction and internal variable; returns the largest correction [N].
 
-    The derivatives of f and g are differences, over a slip of at least about `least` [m/s].
+    Friction that `holds` alone changes, so that the slip vanishes at all nodes. Of the others the derivatives
+    of f and g are differences, over a slip of at least about `least` [m/s].
     """
     state, step = run.state, run.step
-    h = state.length
-    system = step.system
-    right = 2 * NODES
+    h, system, derivative = state.length, step.system, run.propagator.rule.derivative
+    right = NODES if holds else 2 * NODES
     for i in range(NODES):
-        slip, z = step.slip[i], step.internal[i]
+        gap, rate, slip, z = step.gap[i], step.gap_rate[i], step.slip[i], step.internal[i]
+        if holds:
+            for m in range(NODES):
+                system[i, m] = mobility(run, level, i, m)
+            system[i, right] = -slip
+            continue
         # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
-        way = NUDGE if slip >= 0.0 or run.state.parity == EVEN else -NUDGE
+        way = NUDGE if slip >= 0.0 or state.parity == EVEN else -NUDGE
         dv = _nudge_of(slip, least)
         dz = way * (abs(z) + LEAST_INTERNAL)
-        f, g, _, _ = _friction_at(run, law, i, slip, z)
-        f_v, g_v, _, _ = _friction_at(run, law, i, slip + dv, z)
-        f_z, g_z, _, _ = _friction_at(run, law, i, slip, z + dz)
+        normal = state.normal.node[i]
+        f, g, _, _ = friction_at(law, (gap, rate, slip), normal, z)
+        f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), normal, z)
+        f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), normal, z + dz)
         f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
         for m in range(NODES):
             s = mobility(run, level, i, m)
@@ -125,7 +148,7 @@ def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
             system[i, m] = same - f_v * s
             system[i, NODES + m] = -f_z * same
             system[NODES + i, m] = -h * g_v * s
-            system[NODES + i, NODES + m] = run.propagator.rule.derivative[i, m] - h * g_z * same
+            system[NODES + i, NODES + m] = derivative[i, m] - h * g_z * same
         system[i, right] = f - state.friction.node[i]
         system[NODES + i, right] = h * (g - _internal_rate(run, i))
     _solve_linear(system, right)
@@ -133,88 +156,49 @@ def correct_friction(run: Run, law: Law, level: int, least: float) -> float:
     for i in range(NODES):
         change = system[i, right]
         state.friction.node[i] += change
-        step.internal[i] += system[NODES + i, right]
+        step.internal[i] += 0.0 if holds else system[NODES + i, right]
         push_node(run, i)
-        most = max(most, abs(change)) if np.isfinite(change) else np.inf
-    for i in range(NODES):
-        state.internal_rate.node[i] = _internal_rate(run, i)
+        most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
+    if not holds:
+        for i in range(NODES):
+            state.internal_rate.node[i] = _internal_rate(run, i)
     return most
 
 
-@inner_kernel
-def _friction_at(run: Run, law: Law, i: int, slip: float, z: float) -> Forces:
-    """Give the law's friction at node i for a slip [m/s] and an internal variable; zero for no contact."""
-    gap, rate, normal = run.step.gap[i], run.step.gap_rate[i], run.state.normal.node[i]
-    if gap >= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    return law.friction(gap, rate, slip, normal, z, law.parameters)
-
-
-@part_kernel
-def _nudge_of(slip: float, least: float) -> float:
-    """Give the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
-    return (NUDGE if slip >= 0.0 else -NUDGE) * (abs(slip) + least)
-
-
-@inner_kernel
-def steepness_of(
-    law: Law, at: tuple[float, float, float], normal: float, internal: float, friction: float
-) -> float:
-    """Give how steeply friction falls with the slip [N s/m] at gap, gap rate and slip; zero if it rises."""
-    gap, rate, slip = at
-    dv = _nudge_of(slip, HELD_SLIP)
-    steeper = law.friction(gap, rate, slip + dv, normal, internal, law.parameters)[0]
-    return max((friction - steeper) / dv, 0.0)
-
-
-@inner_kernel
+@merged_kernel
 def follow_bound(run: Run, law: Law, sign: float) -> None:
     """Let the spring follow a slider that slips: its stretch from the bound, and what of the slip slides."""
     state, step = run.state, run.step
     for i in range(NODES):
-        stiffness = _friction_at(run, law, i, step.slip[i], 0.0)[3]
+        at = step.gap[i], step.gap_rate[i], step.slip[i]
+        stiffness = friction_at(law, at, state.normal.node[i], 0.0)[3]
         bound = state.bound.node[i]
         step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
     for i in range(NODES):
+        at = step.gap[i], step.gap_rate[i], step.slip[i]
         state.internal_rate.node[i] = _internal_rate(run, i)
         if step.gap[i] < 0.0:
-            stretching = _friction_at(run, law, i, step.slip[i], step.internal[i])[1]
+            stretching = friction_at(law, at, state.normal.node[i], step.internal[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
 
 
-@inner_kernel
-def missed_between(run: Run, law: Law, level: int) -> float:
+@merged_kernel
+def missed_between(run: Run, law: Law, yielding: float) -> float:
     """Give the largest error [N] of friction's polynomial half-way between nodes, from the law's answer.
 
     Rate-dependent friction has kinks where the slip changes its sign, which the nodes alone do not see.
-    Of a difference counts what is left once the slip gives way to it: steep friction is met by a slip
-    that is hardly another. So errors of stiff equations are judged (Hairer and Wanner, Solving ODEs II,
-    sec. IV.8).
+    Of a difference counts what is left once the slip gives way to it, by its mobility `yielding` [m/s/N]:
+    steep friction is met by a slip that is hardly another. So errors of stiff equations are judged (Hairer
+    and Wanner, Solving ODEs II, sec. IV.8).
     """
     state, nodes = run.state, run.propagator.rule.nodes
     most = 0.0
-    yielding = mobility(run, level, 0, 0)
     for i in range(NODES - 1):
         x = 0.5 * (nodes[i] + nodes[i + 1])
         gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
         if gap < 0.0:
-            normal = max(value_at(state.normal, x), 0.0)
-            internal = internal_at(state, x)
-            friction = law.friction(gap, rate, slip, normal, internal, law.parameters)[0]
-            steepness = steepness_of(law, (gap, rate, slip), normal, internal, friction)
+            normal, internal = max(value_at(state.normal, x), 0.0), internal_at(state, x)
+            friction, steepness = friction_and_steepness(law, (gap, rate, slip), normal, internal)
             missed = abs(friction - value_at(state.friction, x))
             most = max(most, missed / (1.0 + steepness * yielding))
     return most
-
-
-@inner_kernel
-def sliding_at(run: Run, law: Law, s: float) -> float:
-    """Give what must keep its sign in slip, at time s of a step [m/s]."""
-    state = run.state
-    gap, rate, slip, _, _, _, _ = contact_after(run, s)
-    if state.friction_kind == SET_VALUED or gap >= 0.0:
-        return float(slip)
-    x = s / state.length
-    normal = max(value_at(state.normal, x), 0.0)
-    stretching = law.friction(gap, rate, slip, normal, internal_at(state, x), law.parameters)[1]
-    return float(stretching - value_at(state.internal_rate, x))

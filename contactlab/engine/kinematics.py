@@ -75,9 +75,7 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
     """Give the contact of a motion of the tip."""
     u, th, u_rate, th_rate, rotor = tip
     lengths = plant.geometry
-    gap, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, lengths.tip_length, lengths.radius, lengths.clearance
-    )
+    gap, n_u, n_th, t_u, t_th = contact_frame(u, th, lengths.tip_length, lengths.radius, lengths.clearance)
     rate = n_u * u_rate + n_th * th_rate
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 
@@ -90,14 +88,12 @@ def contact_at(plant: Plant, place: int) -> Contact:
 
 def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]:
     """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
-    modes, lengths = modes_of(plant), plant.geometry
-    u, th = float(modes.row_u @ q), float(modes.row_th @ q)
-    u_rate, th_rate = float(modes.row_u @ v), float(modes.row_th @ v)
-    gap, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, lengths.tip_length, lengths.radius, lengths.clearance
+    modes = modes_of(plant)
+    u, th, u_rate, th_rate, rotor = (
+        float(modes[f"row_{row}"] @ of) for row, of in (("u", q), ("th", q), ("u", v), ("th", v), ("r", v))
     )
-    slip = t_u * u_rate + t_th * th_rate + float(modes.row_r @ v)
-    return float(gap), float(n_u * u_rate + n_th * th_rate), float(slip)
+    gap, n_u, n_th, t_u, t_th = contact_frame(u, th, *plant["geometry"].item())
+    return gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
 
 
 @inner_kernel
@@ -117,6 +113,30 @@ def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
 
 
 @part_kernel
+def _turn(tone: Any, place: int, cosine: float, sine: float) -> None:
+    """Leave at a place cosine and sine of omega t, from the start's and those of omega s."""
+    tone.cosine[place] = tone.cosine[START] * cosine - tone.sine[START] * sine
+    tone.sine[place] = tone.cosine[START] * sine + tone.sine[START] * cosine
+
+
+@part_kernel
+def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: float) -> tuple[float, float]:
+    """Give displacement and rate with a coordinate's steady state at a place, or, by sign -1, without."""
+    for k in range(plant.tone_count):
+        tone, phasor = plant.tones[k], plant.phasors[j, k]
+        cosine, sine = tone.cosine[place], tone.sine[place]
+        q += sign * (phasor.steady_re * cosine - phasor.steady_im * sine)
+        v -= sign * (tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine))
+    return q, v
+
+
+@part_kernel
+def _modal_force(mode: Any, u: float, th: float, tangential: float) -> float:
+    """Give what generalised forces along u and th and a friction do to a coordinate."""
+    return float(mode.row_u * u + mode.row_th * th + mode.row_r * tangential)
+
+
+@part_kernel
 def begin(run: Run) -> None:
     """Split the state at the step's start into steady state and free motion.
 
@@ -129,28 +149,19 @@ def begin(run: Run) -> None:
         tone.sine[START] = sin(tone.omega * time)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
-        q = mode.q[START]
-        v = mode.v[START]
-        for k in range(plant.tone_count):
-            tone, phasor = plant.tones[k], plant.phasors[j, k]
-            cosine, sine = tone.cosine[START], tone.sine[START]
-            q -= phasor.steady_re * cosine - phasor.steady_im * sine
-            v += tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        mode.free_q, mode.free_v = q, v
+        q, v = mode.q[START], mode.v[START]
+        mode.free_q, mode.free_v = _add_steady(plant, j, START, q, v, -1.0)
 
 
 @inner_kernel
-def driven(
-    phasor: Any, tone: Any, answer: tuple[float, float, float, float]
-) -> tuple[float, float]:
-    """Give what a tone adds to displacement and rate of a nearly resonant mode since the step's start.
-
-    `answer` is that to exp(i omega s) from rest, see `answer_from_rest`.
-    """
+def _add_driven(plant: Plant, j: int, k: int, place: int, answer: tuple[float, float, float, float]) -> None:
+    """Add what a tone did to a nearly resonant mode since the step's start, from `answer_from_rest`."""
+    mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
     cosine, sine = tone.cosine[START], tone.sine[START]
     re = phasor.force_re * cosine - phasor.force_im * sine
     im = phasor.force_re * sine + phasor.force_im * cosine
-    return re * answer[0] - im * answer[1], re * answer[2] - im * answer[3]
+    mode.q[place] += re * answer[0] - im * answer[1]
+    mode.v[place] += re * answer[2] - im * answer[3]
 
 
 @inner_kernel
@@ -163,9 +174,7 @@ def flow_to(run: Run, s: float) -> None:
     top = max(degree + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
-        cosine, sine = cos(tone.omega * s), sin(tone.omega * s)
-        tone.cosine[BETWEEN] = tone.cosine[START] * cosine - tone.sine[START] * sine
-        tone.sine[BETWEEN] = tone.cosine[START] * sine + tone.sine[START] * cosine
+        _turn(tone, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         c, stiffness = mode.damping, mode.stiffness
@@ -179,27 +188,16 @@ def flow_to(run: Run, s: float) -> None:
         for d in range(degree + 1):
             if d > 0:
                 scale *= d / h
-            push = scale * (
-                mode.row_u * step.push_u.coefficient[d]
-                + mode.row_th * step.push_th.coefficient[d]
-                + mode.row_r * state.friction.coefficient[d]
-            )
+            u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
+            push = scale * _modal_force(mode, u, th, state.friction.coefficient[d])
             q += push * integrals[d + 2]
             v += push * integrals[d + 1]
-        for k in range(plant.tone_count):
-            tone, phasor = plant.tones[k], plant.phasors[j, k]
-            cosine, sine = tone.cosine[BETWEEN], tone.sine[BETWEEN]
-            q += phasor.steady_re * cosine - phasor.steady_im * sine
-            v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        mode.q[BETWEEN], mode.v[BETWEEN] = q, v
+        mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q, v, 1.0)
         if mode.near != 0:
             for k in range(plant.tone_count):
-                tone, phasor = plant.tones[k], plant.phasors[j, k]
-                if phasor.near != 0:
-                    answer = answer_from_rest(stiffness, c, tone.omega, s)
-                    q, v = driven(phasor, tone, answer)
-                    mode.q[BETWEEN] += q
-                    mode.v[BETWEEN] += v
+                if plant.phasors[j, k].near != 0:
+                    answer = answer_from_rest(stiffness, c, plant.tones[k].omega, s)
+                    _add_driven(plant, j, k, BETWEEN, answer)
 
 
 @part_kernel
@@ -208,22 +206,14 @@ def free_response(run: Run, level: int, first: int) -> None:
     plant, propagator = run.plant, run.propagator
     for i in range(NODES):
         for k in range(plant.tone_count):
-            tone, turn = plant.tones[k], propagator.turns[level, k]
-            cosine, sine = turn.cosine[i], turn.sine[i]
-            tone.cosine[i] = tone.cosine[START] * cosine - tone.sine[START] * sine
-            tone.sine[i] = tone.cosine[START] * sine + tone.sine[START] * cosine
+            turn = propagator.turns[level, k]
+            _turn(plant.tones[k], i, turn.cosine[i], turn.sine[i])
         for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
             q0, v0 = mode.free_q, mode.free_v
             v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
             v += response.hold[i, 1] * mode.constant
-            q = 0.0
-            for k in range(plant.tone_count):
-                tone, phasor = plant.tones[k], plant.phasors[j, k]
-                cosine, sine = tone.cosine[i], tone.sine[i]
-                q += phasor.steady_re * cosine - phasor.steady_im * sine
-                v -= tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-            mode.v[i] = v
+            q, mode.v[i] = _add_steady(plant, j, i, 0.0, v, 1.0)
             if i >= first:
                 q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
                 mode.q[i] = q + response.hold[i, 0] * mode.constant
@@ -231,11 +221,7 @@ def free_response(run: Run, level: int, first: int) -> None:
                 for k in range(plant.tone_count):
                     if plant.phasors[j, k].near != 0:
                         part = propagator.driven[level, j, k].part
-                        answer = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
-                        q, v = driven(plant.phasors[j, k], plant.tones[k], answer)
-                        mode.v[i] += v
-                        if i >= first:
-                            mode.q[i] += q
+                        _add_driven(plant, j, k, i, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
 
 
 @part_kernel
@@ -243,11 +229,10 @@ def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
     for m in range(NODES):
-        friction = run.state.friction.node[m]
+        u, th, friction = step.push_u.node[m], step.push_th.node[m], run.state.friction.node[m]
         for j in range(run.plant.mode_count):
             mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-            push = mode.row_u * step.push_u.node[m] + mode.row_th * step.push_th.node[m]
-            push += mode.row_r * friction
+            push = _modal_force(mode, u, th, friction)
             for i in range(NODES):
                 mode.v[i] += response.answer_v[i, m] * push
             mode.q[LAST] += response.answer_q[LAST, m] * push
@@ -257,13 +242,10 @@ def add_collocated(run: Run, level: int) -> None:
 def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
     """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
     step = run.step
+    u, th, friction = step.push_u.node[0], step.push_th.node[0], run.state.friction.node[0]
     for j in range(run.plant.mode_count):
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-        push = (
-            mode.row_u * step.push_u.node[0]
-            + mode.row_th * step.push_th.node[0]
-            + mode.row_r * run.state.friction.node[0]
-        )
+        push = _modal_force(mode, u, th, friction)
         if displacement:
             mode.q[LAST] += response.hold[LAST, 0] * push
         if rates:
@@ -273,10 +255,7 @@ def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
 
 @inner_kernel
 def checked(run: Run, event: int) -> int:
-    """Give the event of a step in contact; end the run where the law has not answered with numbers.
-
-    The state then stays as it is, so that it can be told what the law was asked.
-    """
+    """Give the event of a step in contact; end the run, as it stands, where the law gave no numbers."""
     state, step = run.state, run.step
     if state.ending == RUNNING:
         total = 0.0

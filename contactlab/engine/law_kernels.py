@@ -7,31 +7,23 @@ constants have changed gets new code.
 
 import sys
 import warnings
-from collections import Counter
 from functools import cache, lru_cache
-from typing import Any, Final
+from typing import Any
 from weakref import WeakKeyDictionary
 
 from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, remade
 from contactlab.engine.callback import Callback, stand_in
 from contactlab.engine.obstacle import obstacle
-from contactlab.fingerprint import Fingerprint, fingerprint, is_own
-
-OFTEN: Final = 8
-"""Compilations of one function in a process that are worth a word."""
+from contactlab.fingerprint import Fingerprint, is_own
 
 _made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
 """Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
-_compilations: Counter[object] = Counter()
-"""Compilations by code: functions that are made by the same lines have the same."""
 
 
 def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
     """Give a kernel with this signature, and the callback behind it where the function is interpreted.
 
-    Args:
-        function: a compiled kernel of this package, which is given back, or any callable.
-        signature: what the engine calls it with.
+    The function is a compiled kernel of this package, which is given back, or any callable.
     """
     if INTERPRETED:
         return function, None
@@ -39,14 +31,14 @@ def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
     if plain is not function and is_own(plain) and not plain.__closure__:
         _compile(function, signature)
         return function, None
-    kernel = _made(fingerprint(function), signature)
+    kernel = _made(Fingerprint(function), signature)
     if not isinstance(kernel, str):
         return kernel, None
     _say_once(
-        f"{_name(plain)} cannot be compiled ({kernel}), so the Python interpreter runs it: a call takes "
-        "microseconds, that of a compiled kernel some ns."
+        f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({kernel}), so the "
+        "Python interpreter runs it: a call takes microseconds, that of a compiled kernel some ns."
     )
-    return stand_in(signature), Callback(plain, signature)
+    return stand_in(signature), (signature, plain)
 
 
 @lru_cache(maxsize=256)
@@ -62,19 +54,12 @@ def _made(found: Fingerprint, signature: Any) -> Any:
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:
         return obstacle(error, function, signature)
-    code = getattr(kernel.py_func, "__code__", type(function))
-    _compilations[code] += 1
-    if _compilations[code] == OFTEN and not is_own(kernel.py_func):
-        _say_once(
-            f"{_name(function)} has been compiled {OFTEN} times, because it is made anew around other "
-            "values every time; let it read what varies from the law's parameters."
-        )
     return kernel
 
 
 def _renew_callees(kernel: Any) -> None:
     """See to it that the code of what a kernel calls is of the sources and values that stand now."""
-    callees = [(each, fingerprint(each)) for each in fingerprint(kernel).kernels]
+    callees = [(each, Fingerprint(each)) for each in Fingerprint(kernel).kernels]
     # What another one calls comes before it.
     for each, found in sorted(callees, key=lambda pair: len(pair[1].kernels)):
         if _made_from.get(each) != found.digest:
@@ -89,10 +74,6 @@ def _compile(kernel: Any, signature: Any) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             kernel.compile(signature)
-
-
-def _name(function: Any) -> str:
-    return str(getattr(function, "__qualname__", type(function).__qualname__))
 
 
 @cache

@@ -12,51 +12,36 @@ import numba
 _COMPILER: Final = str(Path(numba.__file__).parent)
 _PLACES: Final = re.compile(r"(?:During: .* at|Raised from) (\S.*) \((\d+)\)")
 _NOISE: Final = re.compile(r"Failed in |During: |>>> |File \"|- |\* |\s*$|\^|raised from ")
+_UNKNOWN: Final = r"Untyped global name '(.+)': Cannot determine Numba type of "
+_NO_FUNCTION: Final = r"The decorated object is not a function \(got type "
 
-ALLOCATES: Final = (
-    "it makes an array, a list, a dict or a text, and a kernel must not ask for memory"
-)
-_CAUSES: Final = (
-    (r"NRT required but not enabled|Only accept returning of array", ALLOCATES),
-    (
-        r"Cannot modify readonly array",
-        "it writes to an array that is read-only, as the parameters are",
+ALLOCATES: Final = "it makes an array, a list, a dict or a text, and a kernel must not ask for memory"
+_CAUSES: Final = {
+    r"NRT required but not enabled|Only accept returning of array": ALLOCATES,
+    "Cannot modify readonly array": ("it writes to an array that is read-only, as the parameters are"),
+    _UNKNOWN + "<class 'function'>": (
+        r"\1 is a Python function; decorate it with contactlab.compiled.kernel"
     ),
-    (
-        r"Untyped global name '(.+)': Cannot determine Numba type of <class 'function'>",
-        r"\1 is a Python function; decorate it with contactlab.compiled.kernel",
+    _UNKNOWN + r"<class '(?:.*\.)?(\w+)'>": (
+        r"\1 is a Python object (\2), where only numbers, arrays, tuples and kernels can be used"
     ),
-    (
-        r"Untyped global name '(.+)': Cannot determine Numba type of <class '(?:.*\.)?(\w+)'>",
-        r"\1 is a Python object (\2), where only numbers, arrays, tuples and kernels can be used",
+    r"Signature mismatch: (\d+) argument types given, but function takes (\d+) arguments": (
+        r"it is called with \1 arguments and names \2"
     ),
-    (
-        r"Signature mismatch: (\d+) argument types given, but function takes (\d+) arguments",
-        r"it is called with \1 arguments and names \2",
-    ),
-    (
-        r"The decorated object is not a function \(got type <class 'method'>\)",
-        "it is a method of an object; decorate it with @staticmethod",
-    ),
-    (
-        r"The decorated object is not a function \(got type <class '(?:.*\.)?(\w+)'>\)",
-        r"it is a \1 and no function of its own",
-    ),
-    (r"(name '.+' is not defined)", r"\1"),
-    (
-        r"Unknown attribute '(.+)' of type Module\(<module '([\w.]+)'.*",
-        r"\2.\1 has no compiled form",
-    ),
-    (r"Use of unsupported opcode \(IMPORT_NAME\)", "it imports a module"),
-)
+    _NO_FUNCTION + "<class 'method'>": ("it is a method of an object; decorate it with @staticmethod"),
+    _NO_FUNCTION + r"<class '(?:.*\.)?(\w+)'>": r"it is a \1 and no function of its own",
+    r"(name '.+' is not defined)": r"\1",
+    r"Unknown attribute '(.+)' of type Module\(<module '([\w.]+)'": r"\2.\1 has no compiled form",
+    r"Use of unsupported opcode \(IMPORT_NAME\)": "it imports a module",
+    r">>> (.+)": r"\1 has no compiled form",
+}
 """What the compiler says, and what it means."""
 
 
 def obstacle(error: Exception, function: Any, signature: Any) -> str:
     """Say what keeps a callable from being compiled for a signature, from what the compiler raised."""
-    text = str(error)
+    text, statement = str(error), ""
     place = next(_places(error, text, getattr(function, "py_func", function)), None)
-    statement = ""
     if place is not None and (line := getline(*place).strip()):
         statement = f"{Path(place[0]).name}, line {place[1]}, `{line}`: "
     return statement + _cause(error, text, signature)
@@ -78,15 +63,11 @@ def _places(error: Exception, text: str, function: Any) -> Iterator[tuple[str, i
 
 
 def _cause(error: Exception, text: str, signature: Any) -> str:
-    if given := re.search(
-        r"No conversion from (.+) to (.+) for '\$\w*return_(?:value|const)", text
-    ):
+    if given := re.search(r"No conversion from (.+) to (.+) for '\$\w*return_(?:value|const)", text):
         return f"it gives {_words(given[1])} and not {_words(str(signature.return_type))}"
-    for pattern, words in _CAUSES:
+    for pattern, words in _CAUSES.items():
         if found := re.search(pattern, text):
             return found.expand(words)
-    if call := re.search(r">>> (.+)", text):
-        return f"{call[1]} has no compiled form"
     lines = [line.strip() for line in text.splitlines() if not _NOISE.match(line.strip())]
     said = lines[0].partition(" Raised from ")[0].rstrip(".") if lines else ""
     if type(error).__module__.startswith("numba."):
@@ -95,13 +76,12 @@ def _cause(error: Exception, text: str, signature: Any) -> str:
 
 
 def _words(kind: str) -> str:
-    """A type in words."""
+    """Give a type in words."""
     if several := re.fullmatch(r"UniTuple\((?:float|int)64 x (\d+)\)", kind):
         return f"{several[1]} numbers"
     if kind == "none":
         return "nothing where it ends"
     if kind in ("float64", "int64"):
         return "1 number"
-    kind = re.sub(r"Literal\[str\]\((.*?)\)", r"text", kind)
-    kind = re.sub(r"<iv=.*?>", "", kind)
+    kind = re.sub(r"<iv=.*?>", "", re.sub(r"Literal\[str\]\((.*?)\)", "text", kind))
     return re.sub(r"\b(float|int|complex)(64|128)\b", r"\1", kind).replace("Tuple(", "(")

@@ -19,13 +19,13 @@ from math import cos, exp, expm1, sin, sqrt
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel, part_kernel
+from contactlab.compiled import inner_kernel, kernel
 
 REACH = 0.25
 """Largest (c + sqrt k) d that the power series is asked for; the rest is doubled."""
 
 TERMS = 11
-"""Terms of the series, REACH^TERMS / TERMS! being far below round-off."""
+"""Terms of the series: the first that is left out is below 3e-14 of the sum."""
 
 RECIPROCALS = 1.0 / np.maximum(np.arange(64.0), 1.0)
 """1/n: a division costs more than a term of the series."""
@@ -33,33 +33,16 @@ RECIPROCALS = 1.0 / np.maximum(np.arange(64.0), 1.0)
 
 @kernel
 def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> None:
-    """Fill out[i] = I_(i-1)(s) for i = 0 .. top + 1.
+    """Fill out[i] = I_(i-1)(s) [s^i] for i = 0 .. top + 1, with top at least 1.
 
-    Args:
-        k, c: stiffness and damping over mass [1/s^2], [1/s], not negative.
-        s: time [s].
-        top: highest integral, at least 1.
-        out: result, I_m in s^(m+1), shape (at least top + 2,).
+    k [1/s^2] and c [1/s] are stiffness and damping over mass, not negative; s is the time [s].
     """
-    reach = (c + sqrt(k)) * s
-    doublings = 0
-    d = s
+    reach, d, doublings = (c + sqrt(k)) * s, s, 0
     while reach > REACH:
         reach *= 0.5
         d *= 0.5
         doublings += 1
-    _series(k, c, d, top, out)
-    for _ in range(doublings):
-        _double(k, c, d, top, out)
-        d *= 2.0
-
-
-@part_kernel
-def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
-    """Sum the two highest integrals by power series, the others down the recurrence.
-
-    I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable downwards while (c + sqrt k) d is small.
-    """
+    # The two highest integrals by power series.
     factorial, power = 1.0, 1.0
     for i in range(1, top + 1):
         factorial *= i
@@ -75,7 +58,8 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
         lower = upper
         upper = upper * RECIPROCALS[n + top + 1]
         before, now = now, -cd * now - kdd * before
-    # Multiplied up, not divided down: a rigid body must keep its place to the last bit.
+    # The others down I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable while (c + sqrt k) d is small. The
+    # powers are multiplied up, not divided down: a rigid body must keep its place to the last bit.
     out[0] = 1.0
     for m in range(1, top):
         out[m] = out[m - 1] * d / m
@@ -83,30 +67,25 @@ def _series(k: float, c: float, d: float, top: int, out: Array) -> None:
     out[top] = second * power
     for m in range(top, 0, -1):
         out[m - 1] = out[m - 1] - c * out[m] - k * out[m + 1]
-
-
-@part_kernel
-def _double(k: float, c: float, d: float, top: int, out: Array) -> None:
-    """Go from I(d) to I(2 d): flow the answer of the first half, add that of the second."""
-    rate, w = out[0], out[1]
-    keep = rate + c * w
-    for m in range(top, 0, -1):
-        # The force (d + s)^(m-1) / (m-1)! of the second half, expanded about its start.
-        shifted = 0.0
-        moment = 1.0
-        for i in range(m - 1, -1, -1):
-            shifted += moment * out[i + 2]
-            moment *= d / (m - i)
-        out[m + 1] = keep * out[m + 1] + w * out[m] + shifted
-    out[1] = keep * w + w * rate
-    out[0] = -k * w * w + rate * rate
+    # From I(d) to I(2 d): the flow of what the first half answers, and what the second does.
+    for _ in range(doublings):
+        rate, w = out[0], out[1]
+        keep = rate + c * w
+        for m in range(top, 0, -1):
+            # The force (d + s)^(m-1) / (m-1)! of the second half, expanded about its start.
+            shifted, moment = 0.0, 1.0
+            for i in range(m - 1, -1, -1):
+                shifted += moment * out[i + 2]
+                moment *= d / (m - i)
+            out[m + 1] = keep * out[m + 1] + w * out[m] + shifted
+        out[1] = keep * w + w * rate
+        out[0] = -k * w * w + rate * rate
+        d *= 2.0
 
 
 @kernel
-def answer_from_rest(
-    k: float, c: float, omega: float, s: float
-) -> tuple[float, float, float, float]:
-    """Give displacement and rate of an underdamped oscillator under exp(i omega s), from rest.
+def answer_from_rest(k: float, c: float, omega: float, s: float) -> tuple[float, float, float, float]:
+    """Give Re R, Im R [s^2] and their rates [s] of an underdamped oscillator under exp(i omega s), from rest.
 
     Near resonance the steady state is what the tone builds up over a long time, up to a billion times what
     moves now: split off, it would leave its own round-off in every gap. The answer from rest is as small as
@@ -116,10 +95,7 @@ def answer_from_rest(
         E(z) = (1 - exp(-z s)) / z,  z_-+ = sigma + i (omega -+ nu),
 
     with the impulse response w(u) = exp(-sigma u) sin(nu u) / nu. The first term is the beat that grows,
-    and it does so without cancellation however slow the beat is.
-
-    for c^2 < 4 k [1/s^2], a tone of omega [rad/s] and time s. Returns Re R, Im R [s^2], Re and Im of its
-    rate [s].
+    and it does so without cancellation however slow the beat is. It asks for c^2 < 4 k.
     """
     sigma = 0.5 * c
     nu = sqrt(k - sigma * sigma)

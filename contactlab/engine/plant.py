@@ -12,14 +12,14 @@ the rates); the contact force acts through the same rows.
 """
 
 from functools import cache
-from math import sqrt
+from math import ceil, pi, sqrt
 from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.engine.state import PLACES, one, record
+from contactlab.engine.state import EVENT_LIMIT, PLACES, one, record
 from contactlab.motor.motor import Motor
 
 RESONANCE_MARGIN = 1e-9
@@ -29,6 +29,10 @@ NEARLY_RESONANT = 1e-2
 """The same number below which a steady state is not split off: it would be fifty times and more what moves
 a mode that rests, and its round-off that of the gap."""
 
+STEP_LIMIT = 20_000
+"""Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
+of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
+
 MODES, TONES = 64, 4
 """Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
 
@@ -36,7 +40,9 @@ GEOMETRY = record(real="tip_length radius clearance")
 MODE = record(
     ("q", float, PLACES),
     ("v", float, PLACES),
-    real="stiffness damping constant row_u row_th row_r free_q free_v saved_q saved_v",
+    real="stiffness damping constant "  # k_j [1/s^2], c_j [1/s], a_j
+    "row_u row_th row_r "
+    "free_q free_v saved_q saved_v",  # at the step's start less the steady state; before the last step
     whole="near",
 )
 TONE = record(("cosine", float, PLACES), ("sine", float, PLACES), real="omega steady_u steady_th")
@@ -45,14 +51,11 @@ PHASOR = record(real="force_re force_im steady_re steady_im", whole="near")
 Plant = Any
 """A motor and where it is, a record; j runs over coordinates, k over tones.
 
-geometry: tip_length, radius, clearance [m]; mode_count, tone_count.
-modes[j]: k_j [1/s^2], c_j [1/s], constant force a_j, contact rows; displacement q and rate v at every place
-of a step; free_q, free_v, those of its start without the steady state, and saved_q, saved_v, those before the
-step that reaches the end; near, whether a tone is nearly resonant.
-tones[k]: omega [rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of omega t at
-every place.
-phasors[j, k]: of force and of steady-state displacement, the latter zero where mode and tone are `near`ly
-resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
+geometry [m]; mode_count, tone_count. modes[j]: coefficients and contact rows, displacement q and rate v at
+every place of a step; near, whether a tone is nearly resonant. tones[k]: omega [rad/s], amplitudes of the
+steady state at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force and of
+steady-state displacement, the latter zero where mode and tone are `near`ly resonant. Real and imaginary
+parts stand apart because complex products are slow in compiled loops this short.
 """
 
 
@@ -74,13 +77,8 @@ def room_for(count: int, least: int) -> int:
 
 
 def modes_of(plant: Plant) -> Any:
-    """Give the coordinates that a plant has, their fields as attributes."""
-    return plant.modes[: plant.mode_count].view(np.recarray)
-
-
-def tones_of(plant: Plant) -> Any:
-    """Give the tones that a plant has, their fields as attributes."""
-    return plant.tones[: plant.tone_count].view(np.recarray)
+    """Give the coordinates that a plant has, a structured array."""
+    return plant["modes"][: plant["mode_count"]]
 
 
 def plant_of(motor: Motor) -> Plant:
@@ -94,20 +92,19 @@ def plant_of(motor: Motor) -> Plant:
     omega = motor.drive.angular_frequency
     count = modes.stiffness.size + 1
     plant = one(plant_record(room_for(count, MODES), room_for(omega.size, TONES)))
-    plant.mode_count, plant.tone_count = count, omega.size
-    lengths = plant.geometry
-    lengths.tip_length, lengths.radius = geometry.tip_length, geometry.rotor_radius
-    lengths.clearance = geometry.clearance
-    made, tones = modes_of(plant), tones_of(plant)
-    made.stiffness[:-1], made.damping[:-1] = modes.stiffness, modes.damping
-    made.damping[-1] = rotor.damping / rotor.inertia
-    made.constant[:-1] = 0.0 if motor.preload is None else motor.preload
-    made.constant[-1] = -rotor.load_torque / root
-    made.row_u[:-1], made.row_th[:-1] = modes.tip_displacement, modes.tip_slope
-    made.row_r[-1] = -geometry.rotor_radius / root
+    plant["mode_count"], plant["tone_count"] = count, omega.size
+    plant["geometry"] = geometry.tip_length, geometry.rotor_radius, geometry.clearance
+    made, tones = modes_of(plant), plant["tones"][: omega.size]
+    stiffness, damping = made["stiffness"], made["damping"]
+    stiffness[:-1], damping[:-1] = modes.stiffness, modes.damping
+    damping[-1] = rotor.damping / rotor.inertia
+    made["constant"][:-1] = 0.0 if motor.preload is None else motor.preload
+    made["constant"][-1] = -rotor.load_torque / root
+    made["row_u"][:-1], made["row_th"][:-1] = modes.tip_displacement, modes.tip_slope
+    made["row_r"][-1] = -geometry.rotor_radius / root
     force = np.vstack([modes.coupling @ motor.drive.phasors, np.zeros((1, omega.size))])
-    dynamic = made.stiffness[:, None] - omega**2 + 1j * made.damping[:, None] * omega
-    margin = np.abs(dynamic[:-1]) / (made.stiffness[:-1, None] + omega**2)
+    dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
+    margin = np.abs(dynamic[:-1]) / (stiffness[:-1, None] + omega**2)
     if margin.size and margin.min() < RESONANCE_MARGIN:
         mode, tone = np.unravel_index(margin.argmin(), margin.shape)
         raise ValueError(
@@ -115,25 +112,24 @@ def plant_of(motor: Motor) -> Plant:
             f"{modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
             "bound. Give the resonator damping or move the tone."
         )
-    pairs = np.argwhere(margin < NEARLY_RESONANT)
-    steady = force / dynamic
-    steady[pairs[:, 0], pairs[:, 1]] = 0.0
-    made.near[pairs[:, 0]] = 1
-    tones.omega = omega
-    tones.steady_u = np.abs(made.row_u @ steady)
-    tones.steady_th = np.abs(made.row_th @ steady)
-    phasors = plant.phasors[:count, : omega.size].view(np.recarray)
-    phasors.force_re, phasors.force_im = force.real, force.imag
-    phasors.steady_re, phasors.steady_im = steady.real, steady.imag
-    phasors.near[pairs[:, 0], pairs[:, 1]] = 1
+    near = np.vstack([margin < NEARLY_RESONANT, np.zeros((1, omega.size), bool)])
+    steady = np.where(near, 0.0, force / dynamic)
+    made["near"] = near.any(axis=1)
+    tones["omega"] = omega
+    tones["steady_u"] = np.abs(made["row_u"] @ steady)
+    tones["steady_th"] = np.abs(made["row_th"] @ steady)
+    phasors = plant["phasors"][:count, : omega.size]
+    phasors["force_re"], phasors["force_im"] = force.real, force.imag
+    phasors["steady_re"], phasors["steady_im"] = steady.real, steady.imag
+    phasors["near"] = near
     return plant
 
 
 def resolved_rate(plant: Plant) -> float:
     """Give the fastest rate that persists [rad/s] of tones and modes; zero where nothing vibrates."""
     modes = modes_of(plant)[:-1]
-    rates = persisting_rates(modes.stiffness, modes.damping)
-    return float(max(rates.max(initial=0.0), plant.tones["omega"].max()))
+    rates = persisting_rates(modes["stiffness"], modes["damping"])
+    return float(max(rates.max(initial=0.0), plant["tones"]["omega"].max()))
 
 
 def persisting_rates(stiffness: Array, damping: Array) -> Array:
@@ -144,26 +140,38 @@ def persisting_rates(stiffness: Array, damping: Array) -> Array:
 
 
 def motion_rate(plant: Plant) -> float:
-    """Give the rate [rad/s] of what makes the contacts: the fastest tone that drives, or the slowest mode.
+    """Give the faster rate [rad/s] of fastest tone with an amplitude and slowest mode; else zero."""
+    phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
+    loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
+    slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
+    fastest = plant["tones"]["omega"][loud].max(initial=0.0)
+    return float(max(fastest, slowest if slowest < np.inf else 0.0))
 
-    The faster of the two. A tone without amplitude moves nothing. Zero where nothing vibrates.
+
+def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
+    """Give the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
+
+    That is a period of what makes its contacts, but no longer than the run. A rigid contact lasts a step at
+    least, and the flight after it longer: its window is long enough for an event every fifth step to be
+    chatter, if that is far from a few periods. Where nothing has a period, the step says what is often.
     """
-    loud = np.any((plant.phasors["force_re"] != 0.0) | (plant.phasors["force_im"] != 0.0), axis=0)
-    stiffness = plant.modes["stiffness"]
-    rates = np.sqrt(stiffness[stiffness > 0.0])
-    slowest = float(rates.min()) if rates.size else 0.0
-    return max(float(plant.tones["omega"][loud].max(initial=0.0)), slowest)
+    rate = motion_rate(plant)
+    window = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
+    if rate > 0.0:
+        period = 2.0 * pi / rate
+        window = period if compliant else max(period, min(window, 5.0 * period))
+    window = min(window, end)
+    return window, STEP_LIMIT + 2 * ceil(window / contact_step)
 
 
 def fastest_rate(plant: Plant) -> float:
     """Give the fastest rate of any transient [1/s]."""
-    return float((plant.modes["damping"] + np.sqrt(plant.modes["stiffness"])).max())
+    modes = modes_of(plant)
+    return float((modes["damping"] + np.sqrt(modes["stiffness"])).max())
 
 
 @kernel
-def delassus(
-    plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float
-) -> tuple[float, float, float]:
+def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> tuple[float, float, float]:
     """Give D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(plant.mode_count):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, one, record
@@ -40,7 +40,7 @@ RULE = record(
     whole="contact_level fresh_level level_count",
 )
 LEVEL = record(
-    ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), whole="built"
+    ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), real="length", whole="built"
 )
 RESPONSE = record(
     ("flow", float, (NODES, 4)),
@@ -58,8 +58,8 @@ rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = 
 derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,
 length of level 0 [s]; contact_level, of the longest step in contact; fresh_level, of the first step after a
 release; level_count; integrals, scratch of the oscillator.
-levels[level]: whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v, their rates, and
-the rotor's row: uu, uth, thth, rr.
+levels[level]: length h [s]; whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v,
+their rates, and the rotor's row: uu, uth, thth, rr.
 responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
 force; answer_q and answer_v, q and v from l_m.
 turns[level, k]: cosine and sine of omega_k c_i h.
@@ -97,37 +97,6 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
     return nodes, lagrange @ (1.0 / powers), lagrange, np.asarray(derivative, np.float64)
 
 
-def propagator_for(plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
-    """Make an empty ladder that has the contact step as one of its levels.
-
-    The longest step resolves what persists in flight; after a release the steps start short
-    enough for the fastest transient and double from there.
-
-    Args:
-        plant: the motor.
-        contact_step: step in contact [s].
-        duration: of the run [s], the longest step where nothing vibrates.
-        exact: whether steps in contact must have this length, not only at most this length.
-    """
-    # Steps may outlast a run, so that a longer one begins like it, but not for ever.
-    rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
-    rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
-    doublings = floor(log2(RESOLUTION / rate / contact_step))
-    if exact:
-        doublings = max(doublings, 0)
-    contact_level = max(doublings, 0)
-    longest = contact_step * 2.0**doublings
-    turns = max(longest * fastest_rate(plant), 1.0)
-    levels = max(LEVELS, contact_level + ROOM)
-    propagator = one(propagator_record(*plant.phasors.shape))
-    rule = propagator.rule
-    rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
-    rule.longest = longest
-    rule.contact_level, rule.level_count = contact_level, levels
-    rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), levels - 8)
-    return propagator
-
-
 @final
 class Workspace:
     """Keeps the step responses of the last motor for a next one that has the same.
@@ -139,63 +108,72 @@ class Workspace:
 
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
-        self._propagator: Propagator | None = None
+        self._propagator: Propagator = None
 
-    def propagator(
-        self, plant: Plant, contact_step: float, duration: float, exact: bool
-    ) -> Propagator:
-        """Give a ladder for a plant, see `propagator_for`."""
+    def propagator(self, plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
+        """Give a ladder for a plant that has the contact step [s] as one of its levels.
+
+        The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;
+        after a release the steps start short enough for the fastest transient and double from there.
+        Steps in contact have that length at most, or `exact`ly.
+        """
         names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
-        key = (
-            *(plant.modes[name].tobytes() for name in names),
-            plant.tones["omega"].tobytes(),
-            contact_step,
-            duration,
-            exact,
-        )
-        if self._propagator is None or key != self._key:
-            self._propagator = propagator_for(plant, contact_step, duration, exact)
-            self._key = key
-        return self._propagator
+        modes = [plant.modes[name].tobytes() for name in names]
+        key = (*modes, plant.tones["omega"].tobytes(), contact_step, duration, exact)
+        if key == self._key:
+            return self._propagator
+        # Steps may outlast a run, so that a longer one begins like it, but not for ever.
+        rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
+        rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
+        doublings = floor(log2(RESOLUTION / rate / contact_step))
+        longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
+        turns = max(longest * fastest_rate(plant), 1.0)
+        propagator = one(propagator_record(*plant.phasors.shape))
+        propagator.levels["length"] = longest * 0.5 ** np.arange(MOST_LEVELS)
+        rule = propagator.rule
+        rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
+        rule.longest, rule.contact_level = longest, max(doublings, 0)
+        rule.level_count = max(LEVELS, rule.contact_level + ROOM)
+        rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), rule.level_count - 8)
+        self._key, self._propagator = key, propagator
+        return propagator
 
 
 @part_kernel
 def step_length(propagator: Propagator, level: int) -> float:
     """Give the length of a level's step [s]."""
-    return float(propagator.rule.longest * 0.5**level)
+    return float(propagator.levels[level].length)
 
 
 @inner_kernel
 def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
-    """Fill one level; a second call does nothing."""
-    if propagator.levels[level].built == 1:
+    """Fill one level: what every coordinate answers, and what the contact sees of all; once."""
+    answers, rule = propagator.levels[level], propagator.rule
+    if answers.built == 1:
         return
-    propagator.levels[level].built = 1
-    h = step_length(propagator, level)
-    rule = propagator.rule
+    answers.built = 1
     for i in range(NODES):
-        s = rule.nodes[i] * h
+        s = rule.nodes[i] * answers.length
         for k in range(plant.tone_count):
             turn = propagator.turns[level, k]
             turn.cosine[i] = cos(plant.tones[k].omega * s)
             turn.sine[i] = sin(plant.tones[k].omega * s)
         for j in range(plant.mode_count):
-            mode = plant.modes[j]
-            _fill(rule, mode, propagator.responses[level, j], i, h)
+            mode, response = plant.modes[j], propagator.responses[level, j]
+            impulse_integrals(mode.stiffness, mode.damping, s, NODES, rule.integrals)
+            _fill(rule, mode, response, answers, i)
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     omega = plant.tones[k].omega
                     answer = answer_from_rest(mode.stiffness, mode.damping, omega, s)
                     for part in range(4):
                         propagator.driven[level, j, k].part[i, part] = answer[part]
-    _reduce(plant, propagator, level)
 
 
-@inner_kernel
-def _fill(rule: Any, mode: Any, response: Any, i: int, h: float) -> None:
-    """Fill the responses of one coordinate at one node."""
-    integrals = rule.integrals
-    impulse_integrals(mode.stiffness, mode.damping, rule.nodes[i] * h, NODES, integrals)
+@merged_kernel
+def _fill(rule: Any, mode: Any, response: Any, answers: Any, i: int) -> None:
+    """Fill the responses of one coordinate at one node, and add what the contact sees of them."""
+    integrals, tip_q, tip_v = rule.integrals, answers.tip_q, answers.tip_v
     w = integrals[1]
     response.flow[i, 0] = integrals[0] + mode.damping * w
     response.flow[i, 1] = w
@@ -203,31 +181,20 @@ def _fill(rule: Any, mode: Any, response: Any, i: int, h: float) -> None:
     response.flow[i, 3] = integrals[0]
     response.hold[i, 0] = integrals[2]
     response.hold[i, 1] = w
+    u, th, r = mode.row_u, mode.row_th, mode.row_r
     for m in range(NODES):
         q, v, scale = 0.0, 0.0, 1.0
         for d in range(NODES):
             # (s/h)^d = d!/h^d times s^d/d!, whose answers are I_(d+1) and I_d.
             if d > 0:
-                scale *= d / h
+                scale *= d / answers.length
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
         response.answer_q[i, m], response.answer_v[i, m] = q, v
-
-
-@inner_kernel
-def _reduce(plant: Plant, propagator: Propagator, level: int) -> None:
-    """Sum what the contact sees of the responses over the coordinates."""
-    tip_q, tip_v = propagator.levels[level].tip_q, propagator.levels[level].tip_v
-    for i in range(NODES):
-        for m in range(NODES):
-            for j in range(plant.mode_count):
-                mode, response = plant.modes[j], propagator.responses[level, j]
-                u, th, r = mode.row_u, mode.row_th, mode.row_r
-                q, v = response.answer_q[i, m], response.answer_v[i, m]
-                tip_q[0, i, m] += u * u * q
-                tip_q[1, i, m] += u * th * q
-                tip_q[2, i, m] += th * th * q
-                tip_v[0, i, m] += u * u * v
-                tip_v[1, i, m] += u * th * v
-                tip_v[2, i, m] += th * th * v
-                tip_v[3, i, m] += r * r * v
+        tip_q[0, i, m] += u * u * q
+        tip_q[1, i, m] += u * th * q
+        tip_q[2, i, m] += th * th * q
+        tip_v[0, i, m] += u * u * v
+        tip_v[1, i, m] += u * th * v
+        tip_v[2, i, m] += th * th * v
+        tip_v[3, i, m] += r * r * v

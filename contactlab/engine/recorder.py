@@ -1,6 +1,17 @@
-"""What every committed step does to a run, time, state, ledger, records and contacts, and how it is read."""
+"""What every committed step does to a run: clock, state, ledger, records and contacts, and how it is read.
 
-from math import ceil, pi, sin
+Each term of the energy ledger has its own quadrature along the flow:
+
+    drive_work    int sum_j v_j Re sum_k force_jk exp(i omega_k t) dt
+    damping_loss  int sum_j c_j v_j^2 dt            resonator and rotor
+    friction_loss -int F slip dt                   less what a spring of the friction holds
+    contact_loss  int normal loss dt                normal damping; for a rigid law -int N gdot dt
+    load_work     -int sum_j a_j v_j dt = int tau Omega dt, and the work against a preload
+
+None is the difference of the others, so that the residual of the ledger measures the solution.
+"""
+
+from math import sin
 from typing import Any
 
 import numpy as np
@@ -8,25 +19,22 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import Law, Run, contact_at, contact_of, tip_motion
-from contactlab.engine.ledger import (
-    add,
-    energy_of_motion,
-    increments,
-    weigh,
-)
-from contactlab.engine.plant import Plant, motion_rate
+from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame, tip_motion
+from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
     CHATTERED,
     COLLOCATED,
     DIVERGED,
-    EVENT_LIMIT,
+    FLIGHT,
+    HELD,
     LAST,
+    NODES,
     STALLED,
     START,
     internal_at,
+    value_at,
 )
 from contactlab.laws.base import FREE, SET_VALUED, STICK
 from contactlab.variables import SERIES
@@ -40,9 +48,8 @@ IDLE_EVENTS = 100
 CRAWL = 1e-9
 """Step over the longest one in contact that counts as none: at this pace no run reaches its end."""
 
-STEP_LIMIT = 20_000
-"""Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
-of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
+Terms = tuple[float, float, float, float, float, float, float]
+"""What a stretch of a step adds to a `LEDGER`, in its order [J], [N s]."""
 
 
 @part_kernel
@@ -51,7 +58,7 @@ def commit(run: Run, law: Law, series: Any) -> None:
     state, step, plant = run.state, run.step, run.plant
     s = state.taken
     whole = s == state.length
-    increments(run, law, s, whole, step.step_terms)
+    drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, whole)
     if not whole:
         # The records below leave another state there.
         for j in range(plant.mode_count):
@@ -67,41 +74,39 @@ def commit(run: Run, law: Law, series: Any) -> None:
             due = state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
-        at = max(min(due - start, s), 0.0)
-        increments(run, law, at, False, step.record_terms)
-        _write_record(run, law, series, at)
-    add(state.total, step.step_terms)
+        _write_record(run, law, series, max(min(due - start, s), 0.0))
+    total, row = state.total, state.contact
+    total.drive_work += drive
+    total.damping_loss += damping
+    total.friction_loss += friction
+    total.contact_loss += contact
+    total.load_work += load
+    total.normal_impulse += p_n
+    total.friction_impulse += p_t
     if state.mode != FREE:
-        contact, terms = state.contact, step.step_terms
-        contact.duration += s
-        contact.stick_duration += s if state.mode == STICK else 0.0
-        contact.normal_impulse += terms.normal_impulse
-        contact.friction_impulse += terms.friction_impulse
-        contact.energy_loss += terms.friction_loss + terms.contact_loss
+        row.duration += s
+        row.stick_duration += s if state.mode == STICK else 0.0
+        row.normal_impulse += p_n
+        row.friction_impulse += p_t
+        row.energy_loss += friction + contact
     state.time = now
-    _watch_pace(run, s)
     if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
         state.internal = internal_at(state, s / state.length)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
-    _watch(run)
-    weigh(run)
+    _watch(run, s)
+    _weigh(run)
 
 
 @inner_kernel
 def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
-    """Write the next record, at time s of the step.
-
-    The state there is BETWEEN, the ledger terms since the step's start in record_terms.
-    """
-    state, lengths = run.state, run.plant.geometry
-    total, part = state.total, run.step.record_terms
-    tip = tip_motion(run.plant, BETWEEN)
-    u, th, _, _, rotor = tip
-    gap, rate, slip, _, _, _, _ = contact_of(run.plant, tip)
-    stored = 0.0
-    held = 0.0
+    """Write the next record, at time s of the step, and leave the state there BETWEEN."""
+    state, lengths, total = run.state, run.plant.geometry, run.state.total
+    drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
+    u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
+    stored, held = 0.0, 0.0
     if run.step.kind == COLLOCATED and gap < 0.0:
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
@@ -116,23 +121,105 @@ def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
     row.tip_slope = th
     row.gap, row.slip_velocity = gap, slip
     row.rotor_velocity, row.rotor_angle = -rotor / lengths.radius, angle
-    row.normal_force = total.normal_impulse + part.normal_impulse
-    row.friction_force = total.friction_impulse + part.friction_impulse
-    row.kinetic_energy, row.strain_energy = energy_of_motion(run.plant, BETWEEN)
+    row.normal_force = total.normal_impulse + p_n
+    row.friction_force = total.friction_impulse + p_t
+    row.kinetic_energy, row.strain_energy = _energies(run.plant, BETWEEN)
     row.contact_energy = stored + held
-    row.drive_work = total.drive_work + part.drive_work
-    row.damping_loss = total.damping_loss + part.damping_loss
-    row.friction_loss = total.friction_loss + part.friction_loss - held
-    row.contact_loss = total.contact_loss + part.contact_loss
-    row.load_work = total.load_work + part.load_work
+    row.drive_work = total.drive_work + drive
+    row.damping_loss = total.damping_loss + damping
+    row.friction_loss = total.friction_loss + friction - held
+    row.contact_loss = total.contact_loss + contact
+    row.load_work = total.load_work + load
     row.contact_mode = state.mode
     state.held_energy = held
     state.recorded += 1
 
 
 @part_kernel
-def _watch_pace(run: Run, s: float) -> None:
-    """End a run that hardly moves the clock, after a step of s."""
+def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
+    """Give the powers of drive, damping and load [W] at a place."""
+    drive, damping, load = 0.0, 0.0, 0.0
+    for k in range(plant.tone_count):
+        in_phase, quadrature = 0.0, 0.0
+        for j in range(plant.mode_count):
+            v = plant.modes[j].v[place]
+            in_phase += plant.phasors[j, k].force_re * v
+            quadrature += plant.phasors[j, k].force_im * v
+        drive += in_phase * plant.tones[k].cosine[place] - quadrature * plant.tones[k].sine[place]
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        damping += mode.damping * mode.v[place] * mode.v[place]
+        load -= mode.constant * mode.v[place]
+    return drive, damping, load
+
+
+@inner_kernel
+def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
+    """Sum the terms over [0, s], the state there being left BETWEEN; over a whole step, from its nodes."""
+    state, step, rule = run.state, run.step, run.propagator.rule
+    drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(NODES):
+        at, place = rule.nodes[i] * s, i
+        weight = rule.weights[i] * s
+        if not whole:
+            flow_to(run, at)
+            place = BETWEEN
+        driving, damped, loading = _powers(run.plant, place)
+        drive += weight * driving
+        damping += weight * damped
+        load += weight * loading
+        if step.kind == FLIGHT:
+            continue
+        if whole and step.kind == COLLOCATED:
+            normal, tangential = state.normal.node[i], state.friction.node[i]
+            slip, loss = step.slip[i], step.loss[i]
+        else:
+            x = at / state.length
+            normal, tangential = value_at(state.normal, x), value_at(state.friction, x)
+            if step.kind == HELD:
+                rate, slip = rates_in_frame(run, place)
+                loss = -normal * rate
+            else:
+                gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
+                loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+        friction -= weight * tangential * slip
+        contact += weight * loss
+        p_n += weight * normal
+        p_t += weight * tangential
+    return drive, damping, friction, contact, load, p_n, p_t
+
+
+@part_kernel
+def _energies(plant: Plant, place: int) -> tuple[float, float]:
+    """Give kinetic and strain energy [J] at a place."""
+    kinetic, strain = 0.0, 0.0
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        kinetic += 0.5 * mode.v[place] * mode.v[place]
+        strain += 0.5 * mode.stiffness * mode.q[place] * mode.q[place]
+    return kinetic, strain
+
+
+@part_kernel
+def _weigh(run: Run) -> None:
+    """Note the work of drive and load, and what the ledger leaves, after every step that nothing touches.
+
+    In contact what the law stores is not known without asking it; it is back, or lost, at the release.
+    """
+    state, total = run.state, run.state.total
+    state.turned_over = max(state.turned_over, abs(total.drive_work), abs(total.load_work))
+    if state.mode != FREE:
+        return
+    kinetic, strain = _energies(run.plant, START)
+    left = total.load_work - total.drive_work + total.damping_loss
+    left += total.friction_loss + total.contact_loss + kinetic + strain
+    state.least_open = min(state.least_open, left)
+    state.most_open = max(state.most_open, left)
+
+
+@part_kernel
+def _watch(run: Run, s: float) -> None:
+    """End a run that hardly moves the clock, by a step of s, or is not finite, or deep inside the rotor."""
     state = run.state
     crawls = s < CRAWL * step_length(run.propagator, run.propagator.rule.contact_level)
     state.idle = state.idle + 1 if crawls else 0
@@ -140,72 +227,35 @@ def _watch_pace(run: Run, s: float) -> None:
     if state.idle > IDLE_LIMIT:
         state.ending = CHATTERED if state.events > IDLE_EVENTS else STALLED
     elif state.time - state.window_start > state.window:
-        state.window_start = state.time
-        state.events = 0
-        state.steps_before = steps
+        state.window_start, state.events, state.steps_before = state.time, 0, steps
     elif steps - state.steps_before > state.most_steps:
         state.ending = STALLED
-
-
-@part_kernel
-def _watch(run: Run) -> None:
-    """End a run whose state is no longer a motor's: not finite, or deep inside the rotor."""
     tip = tip_motion(run.plant, START)
     gap = contact_at(run.plant, START)[0]
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
-        run.state.ending = DIVERGED
+        state.ending = DIVERGED
 
 
-def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
-    """Give the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
+def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:
+    """Take times [s], series and contact modes out of the records' own memory: a long run has no second one.
 
-    The time is a period of what makes its contacts. A rigid contact lasts a step at least, and the flight
-    after it longer: its window is long enough for an event every fifth step to be chatter, if that is far
-    from what a few periods bring. Where nothing has a period, the step alone says what is often. No longer
-    than the run: the slowest of modes may be one that hardly has a period.
+    Impulses become mean forces, of which a run that goes on begins with those of its start; the ledger gets
+    its residual, since t = 0.
     """
-    rate = motion_rate(plant)
-    window = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
-    if rate > 0.0:
-        period = 2.0 * pi / rate
-        window = period if compliant else max(period, min(window, 5.0 * period))
-    window = min(window, end)
-    return window, STEP_LIMIT + 2 * ceil(window / contact_step)
-
-
-def record_times(run: Run, series: Any) -> Array:
-    """Give the times of the records [s], as the recorder took them."""
-    state = run.state
-    time = state.origin + (state.first + np.arange(state.recorded)) * state.interval
-    if state.recorded == series.size:
-        time[-1] = state.end
-    return np.asarray(time, dtype=np.float64)
-
-
-def energy_of(series: dict[str, Array]) -> Array:
-    """Give the energy of motor and contact [J] at every record."""
-    return series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
-
-
-def take_series(run: Run, table: Any, time: Array) -> tuple[dict[str, Array], NDArray[np.int8]]:
-    """Take the records out of a run, by name: its memory, of which a long run has no second one.
-
-    Impulses become mean forces, and the ledger has its residual. A run that goes on from a state begins
-    with that state's mean forces, and its residual is that since t = 0.
-    """
-    state, table = run.state, table[: time.size]
+    state, table = run.state, records[: run.state["recorded"]]
+    steps = state["first"] + np.arange(table.size, dtype=np.float64)
+    time = state["origin"] + steps * state["interval"]
+    if table.size == records.size:
+        time[-1] = state["end"]
     series: dict[str, Array] = {v.name: table[v.name] for v in SERIES}
-    interval = np.diff(time)
     for name in ("normal_force", "friction_force"):
         impulse = series[name]
-        impulse[1:] = np.diff(impulse) / interval
+        impulse[1:] = np.diff(impulse) / np.diff(time)
         impulse[:1] = state[name]
-    energy = energy_of(series)
-    if np.isnan(state.initial_energy) and energy.size:
-        state.initial_energy = energy[0]
-    losses = sum(
-        series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work")
-    )
-    series["energy_residual"][:] = energy - state.initial_energy - (series["drive_work"] - losses)
-    return series, table["contact_mode"]
+    energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
+    if np.isnan(state["initial_energy"]) and energy.size:
+        state["initial_energy"] = energy[0]
+    losses = sum(series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work"))
+    series["energy_residual"][:] = energy - state["initial_energy"] - (series["drive_work"] - losses)
+    return time, series, table["contact_mode"]

@@ -15,7 +15,7 @@ impulse until the gap is open.
 
 from math import inf
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import (
     Law,
@@ -26,10 +26,11 @@ from contactlab.engine.kinematics import (
     free_response,
     rates_in_frame,
 )
+from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
 from contactlab.laws.base import SLIP
-from contactlab.laws.lagrange_stick import wedges
+from contactlab.laws.lagrange import wedges
 
 NONE, ONE, SEVERAL = range(3)
 """How many answers the step of a law has; what is none and what are several see `wedges`."""
@@ -41,48 +42,52 @@ Answer = tuple[float, float, int, int]
 """Normal and friction impulse [N s], the mode, and how many answers there are."""
 
 
-@inner_kernel
+@merged_kernel
 def step_rigid(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING.
 
     A contact that approaches and for which the law has no impulse ends the run as INCONSISTENT.
     """
-    state, contact = run.state, run.state.contact
-    level = state.level
+    state, contact, level = run.state, run.state.contact, run.state.level
     projects = state.projects != 0
     run.step.kind = HELD
     gap, gap_rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.max_penetration = max(contact.max_penetration, -gap)
     impact = contact.duration == 0.0
-    p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
-    # Over a long step a graze seems to open by itself; the approach it began with must still be met.
-    while impact and gap_rate < 0.0 and p_n <= 0.0 and level < run.propagator.rule.level_count - 1:
-        level += 1
+    while True:
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
+        # Over a long step a graze seems to open by itself; the approach it began with must still be met.
+        grazes = impact and gap_rate < 0.0 and p_n <= 0.0
+        if not grazes or level >= run.propagator.rule.level_count - 1:
+            break
+        level += 1
+    event, taken = NOTHING, state.length
+    normal, friction = p_n / taken, p_t / taken
     if count == NONE:
         state.ending = INCONSISTENT
-        _hold_forces(run, 0.0, 0.0)
-        state.taken = 0.0
-        return NOTHING
-    state.wedged_steps += 1 if count == SEVERAL else 0
-    h = state.length
-    if p_n <= 0.0 and (projects or gap > 0.0):
-        return checked(run, _shorten_to_release(run, p_n / h))
-    if p_n <= 0.0:
+        normal, friction, taken, mode = 0.0, 0.0, 0.0, state.mode
+    elif p_n <= 0.0 and (projects or gap > 0.0):
+        # The normal force, linear from that of the step before, reaches zero within the step.
+        before = state.normal_before
+        taken = taken * before / (before - normal) if before > 0.0 else 0.0
+        normal, friction = 0.5 * before, 0.5 * state.friction_before
+        event, mode = RELEASE, SLIP
+    elif p_n <= 0.0:
         # The gap is closed still and opens by itself.
-        p_n, p_t, mode = 0.0, 0.0, SLIP
-    _hold_forces(run, p_n / h, p_t / h)
-    add_held(run, level, not projects, True)
-    state.taken = min(h, state.end - state.time)
-    state.mode = mode
-    contact.peak_normal_force = max(contact.peak_normal_force, p_n / h)
-    # An impact's force says nothing about the one at which the contact will open. A release that finds
-    # the gap open is not looked for at all: no force before means at once.
-    lasts = projects and not impact
-    state.normal_before = p_n / h if lasts else 0.0
-    state.friction_before = p_t / h if lasts else 0.0
-    state.contact_steps += 1
-    return checked(run, NOTHING)
+        normal, friction, mode = 0.0, 0.0, SLIP
+    _hold_forces(run, normal, friction)
+    state.taken, state.mode = min(taken, state.end - state.time), mode
+    state.wedged_steps += 1 if count == SEVERAL else 0
+    if count != NONE and event == NOTHING:
+        add_held(run, level, not projects, True)
+        contact.peak_normal_force = max(contact.peak_normal_force, normal)
+        # An impact's force says nothing about the one at which the contact will open. A release that finds
+        # the gap open is not looked for at all: no force before means at once.
+        lasts = projects and not impact
+        state.normal_before = normal if lasts else 0.0
+        state.friction_before = friction if lasts else 0.0
+        state.contact_steps += 1
+    return checked(run, event)
 
 
 @inner_kernel
@@ -92,8 +97,8 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
     The step's displacements end corrected, where the law projects, its rates without contact; gap rate and
     slip are those of its start [m/s].
     """
-    state = run.state
-    build_level(run.plant, run.propagator, level)
+    state, step, plant = run.state, run.step, run.plant
+    build_level(plant, run.propagator, level)
     h = step_length(run.propagator, level)
     state.length = h
     _turn_frame(run, START)
@@ -104,13 +109,11 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
         add_held(run, level, True, False)
         # Onto the closed gap along its gradient, by the masses (eq. 57).
         gap = _turn_frame(run, LAST)
-        n_u, n_th, gradient = run.step.n_u[0], run.step.n_th[0], 0.0
-        for j in range(run.plant.mode_count):
-            mode = run.plant.modes[j]
-            gradient += (n_u * mode.row_u + n_th * mode.row_th) ** 2
-        for j in range(run.plant.mode_count):
-            mode = run.plant.modes[j]
-            mode.q[LAST] -= gap / gradient * (n_u * mode.row_u + n_th * mode.row_th)
+        n_u, n_th = step.n_u[0], step.n_th[0]
+        shift = gap / delassus(plant, n_u, n_th, step.t_u[0], step.t_th[0])[0]
+        for j in range(plant.mode_count):
+            mode = plant.modes[j]
+            mode.q[LAST] -= shift * (n_u * mode.row_u + n_th * mode.row_th)
     _turn_frame(run, LAST)
     return _answer(run, law, level, gap_rate, slip)
 
@@ -123,7 +126,7 @@ def _turn_frame(run: Run, place: int) -> float:
     return gap
 
 
-@part_kernel
+@inner_kernel
 def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
     """Give the law's impulses in the step's directions, their mode, and whether they are the only ones.
 
@@ -132,13 +135,12 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
     """
     state, step = run.state, run.step
     n_u, n_th, t_u, t_th = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
-    h = step_length(run.propagator, level)
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
-        mobility = run.propagator.responses[level, j].hold[LAST, 1] / h
+        mobility = run.propagator.responses[level, j].hold[LAST, 1] / state.length
         nn += mobility * normal * normal
         nt += mobility * normal * tangential
         tt += mobility * tangential * tangential
@@ -164,18 +166,3 @@ def _hold_forces(run: Run, normal: float, friction: float) -> None:
     push_node(run, 0)
     hold(run.step.push_u, run.step.push_u.node[0])
     hold(run.step.push_th, run.step.push_th.node[0])
-
-
-@part_kernel
-def _shorten_to_release(run: Run, normal: float) -> int:
-    """Shorten a step to where the normal force, linear from the step before, reaches zero.
-
-    `normal` is the force that the step would have to pull with [N], not positive.
-    """
-    state = run.state
-    before = state.normal_before
-    s = state.length * before / (before - normal) if before > 0.0 else 0.0
-    state.taken = min(s, state.end - state.time)
-    state.mode = SLIP
-    _hold_forces(run, 0.5 * before, 0.5 * state.friction_before)
-    return RELEASE

@@ -1,7 +1,7 @@
 """Where in a step something happens: a function of time for every event, one finder of its zero, extremes."""
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.friction import sliding_at
+from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import Law, Run, contact_after
 from contactlab.engine.state import (
     CONE,
@@ -10,11 +10,15 @@ from contactlab.engine.state import (
     PEAK,
     RELEASE,
     REVERSAL,
+    internal_at,
     largest,
     slope_at,
     value_at,
 )
-from contactlab.laws.base import RATE_DEPENDENT, STICK
+from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, STICK
+
+SUMMIT = PEAK + 1
+"""The gap at its widest, which ends no step."""
 
 TIME_DIGIT = 1e-14
 """Length of the bracket over that of the step at which a search ends."""
@@ -25,16 +29,23 @@ CONE_ROUND_OFF = 1e-9
 
 @inner_kernel
 def event_value(run: Run, law: Law, s: float, event: int) -> float:
-    """Give a function of time in the step whose zero is the event."""
+    """Give a function of time in the step whose zero is the event: of REVERSAL, what must keep its sign."""
     state = run.state
     x = s / state.length
     if event == CONE:
         return value_at(state.bound, x) - abs(value_at(state.friction, x))
-    if event == REVERSAL:
-        return sliding_at(run, law, s)
     if event == PEAK:
         return slope_at(state.normal, x)
-    return contact_after(run, s)[0]
+    gap, rate, slip, _, _, _, _ = contact_after(run, s)
+    if event == SUMMIT:
+        return rate
+    if event != REVERSAL:
+        return gap
+    if state.friction_kind == SET_VALUED or gap >= 0.0:
+        return slip
+    normal = max(value_at(state.normal, x), 0.0)
+    stretching = friction_at(law, (gap, rate, slip), normal, internal_at(state, x))[1]
+    return stretching - value_at(state.internal_rate, x)
 
 
 @inner_kernel
@@ -80,59 +91,37 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     `rate` is the gap rate at its start [m/s].
     """
     state, step = run.state, run.step
-    left = 0.0
-    before = rate
+    left, before = 0.0, rate
     sticks = state.mode == STICK
-    slides = (
-        largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
-    )
+    slides = largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
-        first = NOTHING
-        s = right
-        for event in (CONE, REVERSAL, RELEASE):
-            if event == RELEASE:
-                # A gap that is open while it closes is round-off of a touch-down.
-                happened = step.gap[i] >= 0.0 and step.gap_rate[i] >= 0.0
-            elif event == REVERSAL:
-                happened = slides and state.sign * step.sliding[i] < 0.0
-            else:
+        gap, now = step.gap[i], step.gap_rate[i]
+        first, s, until = NOTHING, right, right
+        for event in (CONE, REVERSAL, SUMMIT, RELEASE):
+            if event == CONE:
                 ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
                 happened = sticks and abs(state.friction.node[i]) > ceiling
+            elif event == REVERSAL:
+                happened = slides and state.sign * step.sliding[i] < 0.0
+            elif event == SUMMIT:
+                happened = before > 0.0 > now and gap < 0.0
+            else:
+                # A gap that is open while it closes is round-off of a touch-down.
+                happened = until < right or (gap >= 0.0 and now >= 0.0)
             if happened:
-                at = locate(run, law, event, left, right, 0.0)
+                at = locate(run, law, event, left, until, 0.0)
+                if event == SUMMIT:
+                    # The gap may open and close between two nodes.
+                    until = at if event_value(run, law, at, RELEASE) >= 0.0 else until
+                    continue
                 if event == RELEASE and at == left and before < 0.0:
                     at = right
                 first, s = (event, at) if first == NOTHING or at < s else (first, s)
-        now = step.gap_rate[i]
-        if before > 0.0 > now and step.gap[i] < 0.0:
-            top = _highest(run, left, right, before, now)
-            if top > 0.0:
-                at = locate(run, law, RELEASE, left, top, 0.0)
-                first, s = (RELEASE, at) if first == NOTHING or at < s else (first, s)
         if first != NOTHING:
             return first, s
-        left = right
-        before = now
+        left, before = right, now
     return NOTHING, state.length
-
-
-@inner_kernel
-def _highest(run: Run, left: float, right: float, before: float, after: float) -> float:
-    """Find a time at which the gap is open between two nodes at which it is closed; zero where there is none.
-
-    The gap rate falls from `before` to `after`; its zero by secants, of which two are plenty.
-    """
-    for _ in range(3):
-        at = left + (right - left) * before / (before - after)
-        gap, rate, _, _, _, _, _ = contact_after(run, at)
-        if gap >= 0.0:
-            return at
-        if rate > 0.0:
-            left, before = at, rate
-        else:
-            right, after = at, rate
-    return 0.0
 
 
 @inner_kernel
@@ -143,30 +132,25 @@ def track_extremes(run: Run, law: Law, gap: float, rate: float, normal: float) -
     """
     state, step, contact = run.state, run.step, run.state.contact
     s, h = state.taken, state.length
-    contact.peak_normal_force = max(contact.peak_normal_force, normal)
-    contact.max_penetration = max(contact.max_penetration, -gap)
-    before = rate
-    left = 0.0
+    peak, deepest = max(contact.peak_normal_force, normal), max(contact.max_penetration, -gap)
+    left, before = 0.0, rate
     for i in range(NODES):
         right, gap, now = run.propagator.rule.nodes[i] * h, step.gap[i], step.gap_rate[i]
         if right > s:
             # An event or the end of the run cuts the step here.
             right = s
             gap, now, _, _, _, _, _ = contact_after(run, s)
-        contact.peak_normal_force = max(
-            contact.peak_normal_force, value_at(state.normal, right / h)
-        )
-        contact.max_penetration = max(contact.max_penetration, -gap)
+        peak = max(peak, value_at(state.normal, right / h))
+        deepest = max(deepest, -gap)
         if before < 0.0 <= now and left < right:
             # The turning point by a line through the rates, and from there by the gap's parabola.
             curvature = (now - before) / (right - left)
             gap, slope, _, _, _, _, _ = contact_after(run, left - before / curvature)
-            depth = 0.5 * slope * slope / curvature - gap
-            contact.max_penetration = max(contact.max_penetration, depth)
+            deepest = max(deepest, 0.5 * slope * slope / curvature - gap)
         if right == s:
             break
-        before = now
-        left = right
+        left, before = right, now
     if slope_at(state.normal, 0.0) > 0.0 > slope_at(state.normal, s / h):
         at = locate(run, law, PEAK, 0.0, s, 0.0)
-        contact.peak_normal_force = max(contact.peak_normal_force, value_at(state.normal, at / h))
+        peak = max(peak, value_at(state.normal, at / h))
+    contact.peak_normal_force, contact.max_penetration = peak, deepest

@@ -1,7 +1,9 @@
 """Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
 
+from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,13 +17,12 @@ from contactlab.engine.arguments import (
     default_contact_step,
 )
 from contactlab.engine.callback import law_errors
-from contactlab.engine.compilation import kernels_of, loop_for
 from contactlab.engine.explanation import balanced, explain
 from contactlab.engine.kinematics import Run, contact_from
-from contactlab.engine.loop import TOUCH_REFINEMENT
-from contactlab.engine.plant import modes_of, plant_of
+from contactlab.engine.loop import TOUCH_REFINEMENT, kernels_of, loop_for
+from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of
 from contactlab.engine.propagator import Workspace
-from contactlab.engine.recorder import pace_of, record_times, take_series
+from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     COUNTS,
     OPEN,
@@ -37,7 +38,6 @@ from contactlab.engine.state import (
     one,
     state_as_value,
     state_from_value,
-    table,
 )
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
@@ -46,14 +46,20 @@ from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
 
 DEFAULT_TOLERANCE = 1e-7
-"""Error of the force at a compliant step's start, as an impulse over that of the contact. The step
-itself is far better: its end converges with nearly twice the order of this estimate."""
+"""Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
+converges with nearly twice the order of this estimate."""
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
 
 ON_GRID = 1e-6
 """Part of a record interval that is round-off."""
+
+_sound: deque[object] = deque(maxlen=64)
+"""What the last laws that were taken in are made of: they answered as a law must."""
+
+_workspace = Workspace()
+"""Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
 
 
 def simulate(
@@ -65,35 +71,29 @@ def simulate(
     contact_step: float | None = None,
     tolerance: float | None = None,
     progress: Callable[[float], None] | None = None,
-    workspace: Workspace | None = None,
     start: State | None = None,
 ) -> Trajectory:
     """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
 
     Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located.
     In contact a penalty law is collocated at order 9 with steps that follow its error, a
-    multiplier law is stepped at order 1. The trajectory does not depend on the record interval.
+    multiplier law is stepped at order 1. The trajectory does not depend on the record interval; one that
+    is not complete says why and holds what it had.
 
     A run that goes on from another's `Trajectory.state` is the run that was never cut, bit for bit: the same
-    steps (the one that the cut shortened is taken again, whole), the clock and the drive's phase go on, a
-    contact that was cut goes on as one contact, and so do ledger, residual, rotor angle and statistics,
-    all of them since t = 0. Its first record is the state that it starts from; where the cut falls on a
-    record of the interval, its records are those of the uncut run. Only where nothing vibrates at all does
-    the length of a step follow the duration. Motor, law, steps and tolerance may change at a cut: what
-    stands then goes on under the new ones.
-
-    A trajectory that is not complete says why and holds what it had.
+    steps (the one that the cut shortened is taken again, whole), clock, drive's phase and contact go on, and
+    so do ledger, residual, rotor angle and statistics, all since t = 0. Its first record is the state that it
+    starts from; where the cut falls on a record of the interval, its records are those of the uncut run. Only
+    where nothing vibrates at all does the length of a step follow the duration. Motor, law, steps and
+    tolerance may change at a cut: what stands then goes on under the new ones.
 
     Args:
-        motor, law: what moves, and what acts between tip and rotor.
         duration: [s], positive; of a run that goes on, how much longer it runs.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
-        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes the
-            law's default, or less, see `contactlab.engine.arguments.default_contact_step`.
+        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes that of
+            `contactlab.engine.arguments.default_contact_step`.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
-        workspace: what runs that follow each other can share; it changes no bit of any.
-        start: the state of a run to go on from.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -109,21 +109,16 @@ def simulate(
     parameters, kernels, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
-    propagator = (workspace or Workspace()).propagator(
-        plant, contact_step, duration, isinstance(law, MultiplierLaw)
-    )
-    run = Run(plant, propagator, one(STATE), one(STEP))
-    if start is None:
-        _begin(motor, law, run)
-    else:
-        check_start(start, plant, law)
-        run = _resume(run, start)
-    _set_up(law, run, duration, record_interval, contact_step)
-    state = run.state
-    state.tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    exact = isinstance(law, MultiplierLaw)
+    propagator = _workspace.propagator(plant, contact_step, duration, exact)
+    state = _at_start(motor, law, plant) if start is None else _going_on(start, law, plant)
+    _set_up(state, law, propagator.rule, duration, record_interval)
+    state["window"], state["most_steps"] = pace_of(plant, state["end"], contact_step, not exact)
+    state["tolerance"] = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    run = Run(plant, propagator, state, one(STEP))
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
-    records = table(SAMPLE, intervals + 1)
+    records = np.zeros(intervals + 1, SAMPLE)
     loop = loop_for(law, run)
 
     if progress is not None:
@@ -134,7 +129,7 @@ def simulate(
         while state.time < state.end and state.ending == RUNNING:
             with errors():
                 loop(run, records, *kernels, parameters, STEPS_PER_CALL)
-            finished.append(_finished_contacts(run))
+            finished.append(_finished(run))
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
@@ -142,15 +137,14 @@ def simulate(
     if state.ending != RUNNING:
         with errors():
             ending, message = explain(run, kernels, parameters, contact_step)
-    finished.append(_finished_contacts(run))
+    finished.append(_finished(run))
     if state.phase == TOUCHING:
         # The end of the run cut it: it has no separation.
         cut = state.contact.copy().reshape(1)
         cut["separation_velocity"] = np.nan
         cut["energy_loss"] -= state.held_energy
         finished.append(cut)
-    time = record_times(run, records)
-    series, modes = take_series(run, records, time)
+    time, series, modes = take_series(run, records)
     if ending is Ending.COMPLETE:
         ending, message = balanced(state, series, contact_step)
     rows = np.concatenate(finished)
@@ -164,7 +158,7 @@ def simulate(
         series=series,
         contact_mode=modes,
         contacts={variable.name: rows[variable.name].copy() for variable in CONTACTS},
-        statistics={name: int(state[name]) for name in COUNTS},
+        statistics={name: int(state[name]) for name in COUNTS.split()},
         ending=ending,
         message=message,
         final=ModalState(*(modes_of(run.plant)[k][:-1, START].copy() for k in ("q", "v"))),
@@ -174,18 +168,11 @@ def simulate(
 
 def prepare(motor: Motor, law: ContactLaw) -> None:
     """Compile the engine and a law, or load their code, before the first run asks for it."""
-    plant = plant_of(motor)
-    propagator = Workspace().propagator(
-        plant, law.default_contact_step, 1.0, isinstance(law, MultiplierLaw)
-    )
-    run = Run(plant, propagator, one(STATE), one(STEP))
-    loop_for(law, run)
-    kernels_of(law)
+    step = law.default_contact_step
+    simulate(motor, law, duration=step, record_interval=step)
 
 
-def take_in(
-    law: ContactLaw,
-) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
+def take_in(law: ContactLaw) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
     """Give a law's parameters between guards and its kernels, see `kernels_of`.
 
     Raises:
@@ -194,18 +181,23 @@ def take_in(
     with law_errors(law.name):
         check_words(law)
         parameters = kernel_parameters(law)
-    kernels, errors = kernels_of(law)
-    with errors():
-        check_answers(law, parameters, *kernels)
+    kernels, callbacks = kernels_of(law)
+    errors = partial(law_errors, law.name, *callbacks)
+    friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
+    made_of = kernels, parameters.tobytes(), friction, tuple(law.violations)
+    # Interpreted functions may have changed since.
+    if callbacks or made_of not in _sound:
+        with errors():
+            check_answers(law, parameters, *kernels)
+        _sound.append(made_of)
     return guarded(parameters), kernels, errors
 
 
-def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
-    """Set the initial state and phase."""
-    plant, state, rule = run.plant, run.state, run.propagator.rule
+def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
+    """Set the initial motion, and give the state of its phase."""
     modes = modes_of(plant)
-    q, v = modes.q[:, START], modes.v[:, START]
-    v[-1] = -motor.rotor.initial_velocity * plant.geometry.radius / modes.row_r[-1]
+    q, v = modes["q"][:, START], modes["v"][:, START]
+    v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
     if motor.start is not None:
         q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
     gap, rate, _ = contact_from(plant, q, v)
@@ -214,70 +206,62 @@ def _begin(motor: Motor, law: ContactLaw, run: Run) -> None:
             f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
             "rotor would overlap."
         )
-    state.phase = OPEN if gap > 0.0 else RELEASED
+    phase = OPEN if gap > 0.0 else RELEASED
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
-        state.phase = PRESSED
+        phase = PRESSED
     # A first step continues a polynomial of zeros, of some length.
-    state.length = 1.0
-    state.level, state.longest, state.contact_level = (
-        rule.fresh_level,
-        rule.longest,
-        rule.contact_level,
-    )
-    state.least_open, state.most_open, state.initial_energy = np.inf, -np.inf, np.nan
+    unknown = {"least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
+    return one(STATE, phase=phase, length=1.0, **unknown)
 
 
-def _resume(run: Run, start: State) -> Run:
-    """Set the state of a run that goes on; on another ladder its next step is the first of its kind."""
-    state, modes = state_from_value(start), modes_of(run.plant)
-    modes.q[:, START], modes.v[:, START] = start["q"], start["v"]
-    rule = run.propagator.rule
-    if (state.longest, state.contact_level) != (rule.longest, rule.contact_level):
-        touching = state.phase == TOUCHING
-        refinement = TOUCH_REFINEMENT if state.compliant else 0
-        state.level = rule.contact_level + refinement if touching else rule.fresh_level
-        state.level_before = state.level + 1
-        state.longest, state.contact_level = rule.longest, rule.contact_level
-    return run._replace(state=state)
+def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
+    """Set the motion that a run ended with, and give its state."""
+    check_start(start, plant, law)
+    modes = modes_of(plant)
+    modes["q"][:, START], modes["v"][:, START] = start["q"], start["v"]
+    return state_from_value(start)
 
 
-def _set_up(
-    law: ContactLaw, run: Run, duration: float, interval: float, contact_step: float
-) -> None:
-    """Set the clock, the grid of records, the pace, and what the kernels know of a law beside its own."""
-    state, compliant = run.state, isinstance(law, PenaltyLaw)
-    begins = float(state.end)
-    state.first = round((begins - state.origin) / interval)
-    if abs(begins - (state.origin + state.first * interval)) > ON_GRID * interval:
-        state.origin, state.first = begins, 0
-    state.end, state.interval = begins + duration, interval
-    state.recorded = state.stored = 0
-    state.window, state.most_steps = pace_of(run.plant, state.end, contact_step, compliant)
-    state.compliant = compliant
-    state.friction_limit = law.friction_limit
+def _set_up(state: Any, law: ContactLaw, rule: Any, duration: float, interval: float) -> None:
+    """Set clock, grid of records, ladder and what the kernels know of a law beside its own.
+
+    On another ladder than before, the next step is the first of its kind.
+    """
+    begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
+    state["first"] = round((begins - state["origin"]) / interval)
+    if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
+        state["origin"], state["first"] = begins, 0
+    state["end"], state["interval"] = begins + duration, interval
+    state["recorded"] = state["stored"] = 0
+    if (state["longest"], state["contact_level"]) != (rule.longest, rule.contact_level):
+        touching = state["phase"] == TOUCHING
+        refinement = TOUCH_REFINEMENT if state["compliant"] else 0
+        state["level"] = rule.contact_level + refinement if touching else rule.fresh_level
+        state["level_before"] = state["level"] + 1
+        state["longest"], state["contact_level"] = rule.longest, rule.contact_level
+    state["compliant"], state["friction_limit"] = compliant, law.friction_limit
     if isinstance(law, PenaltyLaw):
-        state.friction_kind = law.friction_kind
-        state.parity = law.internal_parity
+        state["friction_kind"], state["parity"] = law.friction_kind, law.internal_parity
     if isinstance(law, MultiplierLaw):
-        state.projects = law.projects
+        state["projects"] = law.projects
 
 
-def _finished_contacts(run: Run) -> Any:
+def _finished(run: Run) -> Any:
     """Take the finished contacts out of the run's storage."""
-    rows = run.step.contacts[: run.state.stored].copy()
-    run.state.stored = 0
+    rows = run.step["contacts"][: run.state["stored"]].copy()
+    run.state["stored"] = 0
     return rows
 
 
 def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:
     """Give the state as a value: before the step that the end cut, else where the run stopped."""
     state, modes = run.state, modes_of(run.plant)
-    initial_energy, end = state.initial_energy, state.end if ending.reached_end else state.time
-    q, v = modes.q[:, START], modes.v[:, START]
+    initial_energy, end = state["initial_energy"], state["end" if ending.reached_end else "time"]
+    q, v = modes["q"][:, START], modes["v"][:, START]
     if ending.reached_end:
-        state, q, v = run.step.saved[0], modes.saved_q, modes.saved_v
+        state, q, v = run.step["saved"][0], modes["saved_q"], modes["saved_v"]
     for name in ("normal_force", "friction_force"):
         if series[name].size:
             state[name] = series[name][-1]
-    state.initial_energy, state.end = initial_energy, end
+    state["initial_energy"], state["end"] = initial_energy, end
     return state_as_value(state, q, v)

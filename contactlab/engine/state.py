@@ -45,35 +45,19 @@ that has no impulse for a contact that closes."""
 EVENT_LIMIT = 1000
 """Touch-downs and friction switches within one window that count as chattering."""
 
-COUNTS: Final = (
-    "flight_steps",
-    "contact_steps",
-    "rejected_steps",
-    "sweeps",
-    "touchdowns",
-    "friction_switches",
-    "wedged_steps",
-)
+COUNTS: Final = "flight_steps contact_steps rejected_steps sweeps touchdowns friction_switches wedged_steps"
+"""Statistics of the solver's work."""
 
 
 def record(*parts: object, real: str = "", whole: str = "") -> np.dtype[Any]:
     """Declare a record: pairs or triples of NumPy, then real and whole numbers by name."""
-    fields = [
-        *parts,
-        *((n, np.float64) for n in real.split()),
-        *((n, np.int64) for n in whole.split()),
-    ]
-    return np.dtype((np.record, np.dtype(fields, align=True)))
-
-
-def table(kind: np.dtype[Any], *shape: int) -> Any:
-    """Make a zeroed array of records, whose fields are attributes in Python as they are in kernels."""
-    return np.zeros(shape, dtype=kind).view(np.recarray)
+    reals, wholes = [(n, np.float64) for n in real.split()], [(n, np.int64) for n in whole.split()]
+    return np.dtype((np.record, np.dtype([*parts, *reals, *wholes], align=True)))
 
 
 def one(kind: np.dtype[Any], **values: object) -> Any:
-    """Make one record, zero but for some values."""
-    made = table(kind, 1)
+    """Make one record, zero but for some values; its fields are attributes, as they are in kernels."""
+    made = np.zeros(1, kind)
     for name, value in values.items():
         made[name] = value
     return made[0]
@@ -92,51 +76,48 @@ SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for ea
 """A record of the series; the forces are impulses since the start until the run is read."""
 
 STATE: Final = record(
+    # Forces of the last step [N], of which the next begins its guess, and the rate of the friction's
+    # internal variable; the contact that goes on; the ledger since t = 0.
     *((name, FORCE) for name in ("normal", "friction", "bound", "internal_rate")),
     ("contact", CONTACT),
     ("total", LEDGER),
-    real="time end interval origin window window_start tolerance length taken momentum impact_speed "
-    "internal normal_before friction_before held_energy initial_energy least_open most_open turned_over "
-    "friction_limit critical_friction normal_force friction_force longest",
-    whole="first phase mode sign level level_before recorded stored ending events idle most_steps "
-    "steps_before projects compliant friction_kind parity contact_level " + " ".join(COUNTS),
+    real="time end interval origin "  # [s]; records lie at origin + (first + i) interval
+    "window window_start tolerance "  # of the pace [s]; of a compliant step [1]
+    "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
+    "impact_speed internal "  # with which the contact began [m/s]; variable of the friction
+    "normal_before friction_before "  # of a rigid contact [N]
+    "held_energy "  # what a spring of the friction holds at the last record [J]
+    "initial_energy least_open most_open "  # at t = 0; what the ledger's terms left so far [J]
+    "turned_over "  # largest work of drive or load [J]
+    "friction_limit critical_friction "  # largest |F|/N that the law allows; d_nn/|d_nt| of the last step,
+    # from which on a rigid contact may have several solutions or none [1]
+    "normal_force friction_force longest",  # mean over the last record interval [N]; longest step [s]
+    whole="first phase mode sign "  # record of this run; ...; of the slip
+    "level level_before contact_level "  # of the next step, of the one before and of the contact step
+    "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
+    "most_steps steps_before "  # in contact in a window, and those taken before it
+    "projects compliant friction_kind parity " + COUNTS,  # of the law
 )
-"""All that a run goes on from, beside displacements and rates.
-
-normal, friction, bound, internal_rate: forces of the last step [N], of which the next begins its guess, and
-the rate of the friction's internal variable; contact: the one that goes on; total: the ledger since t = 0.
-time, end [s]; records lie at origin + (first + i) interval [s]; window, window_start: of the pace [s];
-tolerance of a compliant step [1]; length, taken: the last step and the part of it that was taken [s].
-momentum: impulse scale of the contact [N s]; impact_speed: that with which the contact began [m/s];
-internal: variable of the friction; normal_before, friction_before: of a rigid contact [N].
-held_energy: what a spring of the friction holds at the last record; initial_energy, least_open, most_open,
-turned_over: at t = 0, what the ledger's terms left so far and the largest work of drive or load [J].
-friction_limit: largest |F|/N that the law allows; critical_friction: from which on a rigid contact may have
-several solutions or none, d_nn/|d_nt| of the last step [1]. normal_force, friction_force: mean over the last
-record interval [N]; longest, contact_level: of the ladder of steps.
-sign: of the slip; level, level_before: of the next step and of the one before; recorded, stored: records and
-contacts written; events: in the window; idle: steps without progress; most_steps: in contact in a window;
-steps_before: those taken before it; projects: whether a rigid law puts displacements back onto the gap;
-compliant, friction_kind, parity: of the law.
-"""
+"""All that a run goes on from, beside displacements and rates."""
 
 STEP: Final = record(
+    # Generalised forces along u and th [N, N m].
     *((name, FORCE) for name in ("push_u", "push_th")),
-    *((name, LEDGER) for name in ("step_terms", "record_terms")),
+    # The contact at the nodes [m, m/s, W]; `sliding` is what must keep its sign in slip: the slip, less what
+    # a spring of the friction takes of it [m/s].
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal")),
+    # The tip's motion there without contact, and the directions, of which a HELD step keeps the first.
     *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
     ("system", float, (2 * NODES, 2 * NODES + 1)),
+    # Stretches of a flight that wait to be searched, and contacts that wait to be collected.
     *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate")),
     ("contacts", CONTACT, 512),
+    # The state before the step that reaches the end.
     ("saved", STATE, (1,)),
     whole="kind",
 )
-"""Scratch of one step: generalised forces along u and th [N, N m]; the contact at the nodes [m, m/s, W], of
-which `sliding` is what must keep its sign in slip: the slip, less what a spring of the friction takes of it
-[m/s]; the tip's motion there without contact, and the directions, of which a HELD step keeps the first;
-linear systems; stretches of a flight that wait to be searched, contacts that wait to be collected; the state
-before the step that reaches the end."""
+"""Scratch of one step."""
 
 
 @part_kernel
@@ -195,33 +176,34 @@ def largest(values: Array) -> float:
 
 
 State = dict[str, Any]
-"""A state as a value: NumPy arrays and numbers by name."""
+"""A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name."""
+
+
+def _leaves(kind: np.dtype[Any], name: str, start: int) -> Iterator[tuple[str, Any, int]]:
+    """Give dotted name, kind and offset of every field that is no record itself."""
+    for field, (part, offset, *_) in (kind.fields or {}).items():
+        if part.names:
+            yield from _leaves(part, f"{name}{field}.", start + offset)
+        else:
+            yield name + field, part, start + offset
+
+
+_names, _kinds, _offsets = zip(*_leaves(STATE, "", 0), strict=True)
+LEAVES: Final = np.dtype(
+    {"names": _names, "formats": _kinds, "offsets": _offsets, "itemsize": STATE.itemsize}
+)
+"""The same memory as `STATE` without records in it, those by dotted names."""
 
 
 def state_as_value(state: Any, q: Array, v: Array) -> State:
-    """Give a state as a plain dict of arrays and numbers, those of sub-records by dotted names."""
-    leaves = {name: part[field] for name, part, field in _leaves(state)}
-    numbers = {name: each.copy() if each.ndim else each.item() for name, each in leaves.items()}
-    return {"q": q.copy(), "v": v.copy(), **numbers}
+    """Give a state as a plain dict of arrays and numbers."""
+    values = state.copy().view(LEAVES).item()
+    return {"q": q.copy(), "v": v.copy(), **dict(zip(_names, values, strict=True))}
 
 
 def state_from_value(value: State) -> Any:
     """Give the state record of a value."""
-    state = one(STATE)
-    for name, part, field in _leaves(state):
-        part[field] = value[name]
-    return state
-
-
-def state_names() -> set[str]:
-    """Give the names that a state as a value has."""
-    return {"q", "v", *(name for name, _, _ in _leaves(one(STATE)))}
-
-
-def _leaves(part: Any, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
-    """Give every field that is no record itself: dotted name, the record that holds it, its name there."""
-    for name in part.dtype.names:
-        if part[name].dtype.names:
-            yield from _leaves(part[name], f"{prefix}{name}.")
-        else:
-            yield prefix + name, part, name
+    leaves = np.zeros(1, LEAVES)
+    for name in _names:
+        leaves[name] = value[name]
+    return leaves.view(STATE)[0]

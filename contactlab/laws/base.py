@@ -1,24 +1,20 @@
-"""What a contact law is: a frozen set of parameters and one compiled scalar kernel.
+"""What a contact law is, and a part of a composed one: frozen parameters and compiled scalar kernels.
 
-A law never sees a mode shape. It is given the state of one contact with a normal and a
-tangential direction (signs in `contactlab.motor.geometry`) and gives back a force or an impulse. There
-are two families, and the engine knows only these two:
-
-* `PenaltyLaw`: the bodies interpenetrate, and the force follows from gap, gap rate and slip.
-* `MultiplierLaw`: the gap is held at zero, and the law solves for the impulse of one step.
+A law never sees a mode shape. It is given the state of one contact with a normal and a tangential
+direction (signs in `contactlab.motor.geometry`) and gives back a force or an impulse.
 """
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numba import types
 
 from contactlab.arrays import Array
-from contactlab.laws.declaration import Declared
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, Declared
 
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
@@ -38,28 +34,24 @@ FRICTION_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 5, _parameters)
 MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(*[_real] * 7, _parameters)
 
 Forces = tuple[float, float, float, float]
-Impulses = tuple[float, float, int]
 PenaltyKernel = Callable[[float, float, float, float, Array], Forces]
 FrictionKernel = Callable[[float, float, float, float, float, Array], Forces]
-MultiplierKernel = Callable[[float, float, float, float, float, float, float, Array], Impulses]
+MultiplierKernel = Callable[
+    [float, float, float, float, float, float, float, Array], tuple[float, float, int]
+]
 
 
 class Tangential:
-    """What a law, or the friction of a composed one, says of its tangential direction.
-
-    Its fields `friction_coefficient` and `static_ratio` are mu and mu_s / mu where it has them.
-    """
+    """What a law, or the friction of a composed one, says of its tangential direction."""
 
     friction_kind: ClassVar[int] = SET_VALUED
     """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
     internal_variables: ClassVar[tuple[str, ...]] = ()
     """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
     internal_parity: ClassVar[int] = ODD
-    """ODD where it changes its sign in a mirror, as a stretch does; EVEN where it does not, as the age of a
-    contact."""
+    """ODD as of a stretch, EVEN as of the age of a contact."""
     convergence_order: ClassVar[float] = 1.0
-    """Order at which the error falls: with the contact step of a `MultiplierLaw`, with the tolerance of a
-    `PenaltyLaw`."""
+    """Order at which the error falls with the contact step of a rigid law, the tolerance of a compliant."""
     exact_stick: ClassVar[bool] = True
     """Whether contact that sticks has no slip at all; else it creeps or chatters."""
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
@@ -67,16 +59,13 @@ class Tangential:
 
     @property
     def friction_limit(self) -> float:
-        """Largest |F|/N that it allows [1]: mu_s, unless it says otherwise."""
+        """Largest |F|/N that it allows [1]: mu mu_s/mu of its fields, unless it says otherwise."""
         mu = float(getattr(self, "friction_coefficient", 0.0))
         return mu * float(getattr(self, "static_ratio", 1.0))
 
 
 class ContactLaw(Declared, Tangential):
-    """A contact law. Subclass one of the two families, never a concrete law.
-
-    What a law declares is checked by `contactlab.testing`, the exceptions included.
-    """
+    """A contact law. Subclass one of the two families; `contactlab.testing` checks what it declares."""
 
     WORDS = ("name", "equation", "source", "default_contact_step")
 
@@ -87,7 +76,7 @@ class ContactLaw(Declared, Tangential):
 
     @property
     def title(self) -> str:
-        """What tells the law from others that are made alike; its name unless it says otherwise."""
+        """What tells the law from others that are made alike."""
         return self.name
 
     def parameters(self) -> Array:
@@ -96,19 +85,15 @@ class ContactLaw(Declared, Tangential):
         return np.array(values, dtype=np.float64)
 
     def on_rotor(self, radius: float) -> Self:
-        """Give the law with what follows from the radius of the rotor [m]; itself unless it says otherwise.
-
-        Whatever sets up a run asks for it, a configuration and `simulate` alike.
-        """
+        """Give the law with what follows from the radius of the rotor [m]; every run asks for it."""
         return self
 
 
 class PenaltyLaw(ContactLaw):
-    """A compliant law: force from penetration.
+    """A compliant law: force from gap, gap rate and slip of bodies that interpenetrate.
 
-    Set-valued friction needs nothing but `force`, which gives its bound. A law whose friction has an
-    internal variable or depends on the rate says so in `friction_kind` and has a second kernel,
-    `friction_force`.
+    Set-valued friction needs nothing but `force`, which gives its bound. Any other says so in
+    `friction_kind` and has a second kernel, `friction_force`.
     """
 
     @property
@@ -141,7 +126,7 @@ class PenaltyLaw(ContactLaw):
 
 
 class MultiplierLaw(ContactLaw):
-    """A rigid law: the impulse of one step from the velocities that the step would end with."""
+    """A rigid law: holds the gap at zero by the impulse of one step."""
 
     projects: ClassVar[bool] = True
     """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
@@ -163,3 +148,78 @@ class MultiplierLaw(ContactLaw):
         normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt p_t. The mode is SLIP or
         STICK. A normal impulse that is not positive means release.
         """
+
+
+class NormalForce(Declared):
+    """A part of a composed law: an elastic normal force of the penetration d >= 0.
+
+    The kernel of a part reads its coefficients, as many as they are, from the place `at` of the law's array.
+    """
+
+    family: ClassVar[str] = "normal"
+
+    def coefficients(self) -> tuple[float, ...]:
+        """Give what the kernel reads: the fields in their order, unless something follows from them."""
+        return tuple(self.describe().values())
+
+    @property
+    @abstractmethod
+    def elastic(self) -> Any:
+        """The kernel.
+
+        elastic(depth, parameters, at)
+            -> force [N], stored energy [J], stiffness dN/dd [N/m], its slope d2N/dd2 [N/m^2]
+        """
+
+
+class Damping(Declared):
+    """A part of a composed law: what the elastic force becomes while the bodies move."""
+
+    family: ClassVar[str] = "damping"
+
+    @abstractmethod
+    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
+        """Give what the kernel reads, solved for an elastic force."""
+
+    @property
+    @abstractmethod
+    def damped(self) -> Any:
+        """The kernel.
+
+        damped(elastic, depth_rate, impact_speed, parameters, at) -> normal force [N]
+
+        depth_rate is the rate of the penetration, impact_speed its value at the touch-down [m/s].
+        """
+
+
+@dataclass(frozen=True)
+class Friction(Declared, Tangential):
+    """A part of a composed law: set-valued friction needs nothing but its cone, any other a kernel too.
+
+    Where static friction is larger than kinetic it has a field `static_ratio`, mu_s / mu.
+    """
+
+    family: ClassVar[str] = "friction"
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    def coefficients(self) -> tuple[float, ...]:
+        """Give what the kernels read: mu, mu_s / mu, and the other fields in their order."""
+        given = self.describe()
+        first = given.pop("friction_coefficient"), given.pop("static_ratio", 1.0)
+        return *first, *given.values()
+
+    @property
+    def state(self) -> Any:
+        """The kernel of friction that is not set-valued, else None.
+
+        state(normal, stiffness, stiffness_rate, slip, z, parameters, at)
+            -> friction [N], rate of z, stored energy [J], tangential stiffness [N/m]
+
+        z is the internal variable; stiffness is that of the elastic normal force [N/m], and its rate in
+        time [N m^-1 s^-1].
+        """
+        return None
+
+
+Part = NormalForce | Damping | Friction

@@ -2,21 +2,17 @@
 
 from dataclasses import dataclass, field
 from functools import cache
+from math import nan
 from typing import Any, final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import fleeting_kernel
-from contactlab.laws.base import FrictionKernel, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.laws.damping import Undamped
-from contactlab.laws.friction import Coulomb
-from contactlab.laws.friction.coulomb import cone_bound
+from contactlab.laws.friction import Coulomb, cone_bound
 from contactlab.laws.normal import HertzPoint
-from contactlab.laws.part import Damping, Friction, NormalForce, Part
-
-GUARD = (np.nan,)
-"""Stands behind the coefficients of each part: a kernel that reads past its own finds no number."""
 
 
 def _of_friction(name: str) -> Any:
@@ -49,49 +45,41 @@ class Composed(PenaltyLaw):
     @property
     def title(self) -> str:
         """The names of the parts."""
-        return f"{self.name} of {', '.join(f'{part.family} {part.name}' for part in self.parts)}"
-
-    @property
-    def parts(self) -> tuple[Part, ...]:
-        """The three parts."""
-        return self.normal, self.damping, self.friction
+        parts = self.normal, self.damping, self.friction
+        return f"{self.name} of {', '.join(f'{part.family} {part.name}' for part in parts)}"
 
     @property
     def coefficients(self) -> tuple[tuple[float, ...], ...]:
-        """What the kernels of the parts read."""
-        return (
-            self.normal.coefficients(),
-            self.damping.coefficients(self.normal),
-            self.friction.coefficients(),
-        )
+        """What the kernels of the parts read, with no number between those of one and the next."""
+        normal, damping = self.normal.coefficients(), self.damping.coefficients(self.normal)
+        return (*normal, nan), (*damping, nan), self.friction.coefficients()
 
     def parameters(self) -> Array:
-        """Give the coefficients of the parts in their order, a guard behind each but the last."""
-        normal, damping, friction = self.coefficients
-        return np.array([*normal, *GUARD, *damping, *GUARD, *friction], dtype=np.float64)
+        """Give the coefficients of the parts in their order."""
+        return np.concatenate(self.coefficients)
 
     @property
     def places(self) -> tuple[int, int]:
         """Where the coefficients of damping and friction begin among them."""
         normal, damping, _ = map(len, self.coefficients)
-        return normal + len(GUARD), normal + damping + 2 * len(GUARD)
+        return normal, normal + damping
 
     @property
-    def force(self) -> PenaltyKernel:
+    def force(self) -> Any:
         """See `PenaltyLaw.force`."""
         return _force_of(self.normal.elastic, self.damping.damped, *self.places)
 
     @property
-    def friction_force(self) -> FrictionKernel | None:
+    def friction_force(self) -> Any:
         """See `PenaltyLaw.friction_force`."""
         state = self.friction.state
-        return None if state is None else _friction_of(self.normal.elastic, state, self.places[1])
+        return state and _friction_of(self.normal.elastic, state, self.places[1])
 
 
 # The kernels of a composition depend on how many coefficients its parts have, and not on their values: one
 # compilation serves a whole sweep.
 @cache
-def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> PenaltyKernel:
+def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> Any:
     def composed_force(gap, gap_rate, slip, impact_speed, parameters):
         spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, 0)
         normal = damped(spring, -gap_rate, impact_speed, parameters, damping)
@@ -102,7 +90,7 @@ def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> Penalty
 
 
 @cache
-def _friction_of(elastic: Any, state: Any, friction: int) -> FrictionKernel:
+def _friction_of(elastic: Any, state: Any, friction: int) -> Any:
     def composed_friction(gap, gap_rate, slip, normal, z, parameters):
         _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, 0)
         rate = -slope * gap_rate

@@ -1,6 +1,6 @@
 """What a law, or a part of one, says of itself: its words, and its fields with symbol, unit and range.
 
-Refusals, configuration, options and listings all follow from this; nothing is written twice.
+Refusals, configuration, options and listings all follow from this.
 """
 
 from abc import ABC
@@ -11,7 +11,7 @@ from inspect import get_annotations, isabstract
 from typing import Any, ClassVar, Self
 
 from contactlab.checks import check_fields, shown
-from contactlab.parameter import DeclaredField, Parameter, declared_fields, parameters_of
+from contactlab.parameter import DeclaredField, Parameter, declared_fields
 
 SHARED = "friction_coefficient"
 """The parameter that is the contact's, whatever the law: laws are compared on one motor."""
@@ -27,11 +27,8 @@ class LawError(RuntimeError):
 class Declared(ABC):
     """What laws and parts share: an immutable dataclass whose fields are its parameters in SI units.
 
-    A field is `Annotated[float, Parameter(...)]`, `float | None` where it may be left open.
-
-    Raises:
-        TypeError: a parameter that is no number, or a class that is no dataclass or lacks a word.
-        ValueError: a parameter outside of its range.
+    A field is `Annotated[float, Parameter(...)]`, `float | None` where it may be left open. What is no
+    number, and a class that lacks a word, is refused by a TypeError, a value out of range by a ValueError.
     """
 
     WORDS: ClassVar[tuple[str, ...]] = ("name", "equation", "source")
@@ -54,25 +51,18 @@ class Declared(ABC):
         check_fields(self, self.name)
 
     def effective(self) -> Iterator[tuple[str, float, Parameter | None]]:
-        """Give name, value in SI units and declaration of each effective parameter: of those not left open.
-
-        They come in the order of the fields; that of a part has its field's name before a dot.
-        """
+        """Give name ("part.name" for one of a part), value [SI] and declaration of what is not left open."""
         kind: Any = type(self)
-        for name in declared_fields(kind):
+        for name, member in declared_fields(kind).items():
             value = getattr(self, name)
             if isinstance(value, Declared):
                 yield from ((f"{name}.{below}", x, said) for below, x, said in value.effective())
             elif value is not None:
-                yield name, value, parameters_of(kind).get(name)
+                yield name, value, member.parameter
 
     def describe(self) -> dict[str, float]:
         """Give the effective parameters by name, SI."""
         return {name: value for name, value, _ in self.effective()}
-
-    def declared(self) -> dict[str, Parameter]:
-        """Give what is said of the effective parameters, by the names of `describe`."""
-        return {name: said for name, _, said in self.effective() if said is not None}
 
     def changed(self, name: str, value: float) -> Self:
         """Give the law with another value of one parameter, or raise a ValueError if that is out of range."""
@@ -89,8 +79,8 @@ def fault_of(kind: Any) -> str:
         return f"lacks {', '.join(sorted(kind.__abstractmethods__))}"
     # A subclass of a dataclass that says nothing of fields is one too.
     undecorated = "__dataclass_fields__" not in vars(kind) and get_annotations(kind)
-    plain = undecorated or not is_dataclass(kind)
-    if plain:
+    sound = is_dataclass(kind) and not undecorated
+    if not sound:
         return "is no dataclass; decorate it with @dataclass(frozen=True)"
     if not kind.__dataclass_params__.frozen:
         return "can be changed; decorate it with @dataclass(frozen=True)"
@@ -98,9 +88,7 @@ def fault_of(kind: Any) -> str:
         return f"does not say its {', '.join(missing)}"
     if among := [field.name for field in fields(kind) if field.name in kind.WORDS]:
         return f"has its {', '.join(among)} among its parameters; annotate it with ClassVar"
-    if not isinstance(kind.name, str):
-        return f"has a name that is no text, {shown(kind.name)}"
-    return ""
+    return "" if isinstance(kind.name, str) else f"has a name that is no text, {shown(kind.name)}"
 
 
 def refuse_unsound(kind: type) -> None:
@@ -111,11 +99,7 @@ def refuse_unsound(kind: type) -> None:
 
 @cache
 def members_of(owner: type[Declared]) -> dict[str, DeclaredField]:
-    """Give the fields of a law or a part by name, in their order: declared numbers, and parts.
-
-    Raises:
-        ValueError: a sentence on a field that is neither.
-    """
+    """Give the fields by name, declared numbers and parts, or raise a ValueError on one that is neither."""
     try:
         members = declared_fields(owner)
     # An annotation or a default is any expression of somebody else's.

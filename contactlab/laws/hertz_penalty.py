@@ -7,14 +7,13 @@ from typing import Annotated, final
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
-from contactlab.laws.normal.hertz import hertz_elastic
-from contactlab.parameter import Parameter
+from contactlab.laws.normal import hertz_elastic
+from contactlab.parameter import positive
 
 PER_RADIUS = "A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius."
-STIFFNESS = Parameter("K", "N m-1.5", "contact stiffness", above=0.0, hint=PER_RADIUS)
-
 LEFT_OUT = "Leave it out where law.stiffness is given."
-TIP_RADIUS = Parameter("r", "m", "radius of the tip", above=0.0, hint=LEFT_OUT)
+STIFFNESS = positive("K", "N m-1.5", "contact stiffness", hint=PER_RADIUS)
+TIP_RADIUS = positive("r", "m", "radius of the tip", hint=LEFT_OUT)
 
 
 @final
@@ -52,21 +51,16 @@ class HertzPenalty(PenaltyLaw):
         stiffness = hertz_stiffness(self.tip_radius, radius)
         return replace(self, stiffness=stiffness, tip_radius=None)
 
-    # What the kernel of such a composition does, under a name: its code is kept, so that the default law
-    # starts at once.
+    # As a composition's, but under a name: its code is kept, so that the default law starts at once.
     @staticmethod
     @kernel
     def force(gap, gap_rate, slip, impact_speed, parameters):
-        """See `PenaltyLaw.force`."""
         normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
         return normal, parameters[1] * normal, stored, 0.0
 
 
 def hertz_stiffness(
-    tip_radius: float,
-    rotor_radius: float,
-    youngs_modulus: float = 210e9,
-    poisson_ratio: float = 0.3,
+    tip_radius: float, rotor_radius: float, youngs_modulus: float = 210e9, poisson_ratio: float = 0.3
 ) -> float:
     """Give K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
 

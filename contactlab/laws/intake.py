@@ -3,7 +3,7 @@
 The contract of `contactlab.testing` asks more, and lets the law run; this costs a run next to nothing.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from itertools import product
 from math import isfinite, nan
@@ -14,39 +14,21 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
-from contactlab.laws.base import (
-    ELASTOPLASTIC,
-    EVEN,
-    ODD,
-    PENALTY_SIGNATURE,
-    RATE_DEPENDENT,
-    SET_VALUED,
-    SLIP,
-    STICK,
-    ContactLaw,
-    PenaltyLaw,
-)
+from contactlab.laws import base
+from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, ContactLaw, PenaltyLaw
 from contactlab.laws.declaration import LawError
 
 Kernel = Callable[..., Any]
 
-KINDS = {
-    SET_VALUED: "SET_VALUED",
-    ELASTOPLASTIC: "ELASTOPLASTIC",
-    RATE_DEPENDENT: "RATE_DEPENDENT",
-}
+KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
+"""Kinds of friction in words, in their order."""
 
-GUARDS = 16
-"""Numbers on either side of a law's parameters, where no kernel has any business."""
+GUARDS, LURES = 16, (nan, 1.0, -1.0)
+"""Numbers on either side of a law's parameters, where no kernel has any business, and what they are: an
+answer that changes with them was made from them."""
 
-LURES = (nan, 1.0, -1.0)
-"""What they are: an answer that changes with them was made from them."""
-
-DEPTHS = (1e-12, 1e-9)
-"""Penetrations that every contact begins and ends with [m], whatever is out of a law's domain."""
-
-SPEEDS = (-0.01, 0.0, 0.01)
-"""Gap rates and slips [m/s]."""
+DEPTHS, SPEEDS = (1e-12, 1e-9), (-0.01, 0.0, 0.01)
+"""Penetrations that every contact begins and ends with [m], and gap rates and slips [m/s]."""
 
 COUPLINGS = (-50.0, 0.0, 50.0)
 """Off the diagonal of the Delassus matrix of a motor's tip [1/kg]; 1000 and 2000 are on it."""
@@ -56,10 +38,9 @@ ROUND_OFF = 1e-9
 
 def guarded(parameters: Array, guard: float = nan) -> Array:
     """Put the parameters between guards, so that a kernel that reads beyond them finds no number."""
-    padded = np.full(parameters.size + 2 * GUARDS, guard)
-    padded[GUARDS:-GUARDS] = parameters
+    padded = np.pad(parameters, GUARDS, constant_values=guard)
     # As the kernels are compiled for it: one for another kind of array would be compiled anew.
-    padded.flags.writeable = bool(PENALTY_SIGNATURE.args[-1].mutable)
+    padded.flags.writeable = bool(base.PENALTY_SIGNATURE.args[-1].mutable)
     return padded[GUARDS:-GUARDS]
 
 
@@ -81,114 +62,94 @@ def kernel_parameters(law: ContactLaw) -> Array:
 
 
 def check_words(law: ContactLaw) -> None:
-    """Refuse a law that contradicts itself in what it says, of its friction above all.
-
-    Raises:
-        LawError: with a sentence on each contradiction.
-    """
+    """Refuse a law that contradicts itself in what it says by a LawError with a sentence on each fault."""
     limit: object = law.friction_limit
     if not isinstance(limit, Real) or not float(limit) >= 0.0:
         faults = [f"friction_limit is {shown(limit)}; it must be a number and not negative."]
     elif not isinstance(law.violations, Mapping):
         faults = [f"violations is {shown(law.violations)}; it must give reasons by name."]
     else:
-        faults = misfits(law) if isinstance(law, PenaltyLaw) else []
+        faults = [*misfits(law)] if isinstance(law, PenaltyLaw) else []
     if faults:
         raise LawError(" ".join(f"{law.name}: {words}" for words in faults))
 
 
-def misfits(law: PenaltyLaw) -> list[str]:
+def misfits(law: PenaltyLaw) -> Iterator[str]:
     """Give what a law says of its friction and contradicts, in sentences."""
     kind, kernel, kept = law.friction_kind, law.friction_force, law.internal_variables
-    if kind not in KINDS:
-        known = ", ".join(KINDS.values())
-        return [f"friction_kind is {shown(kind)}; it must be {known} of contactlab.laws.base."]
-    texts = isinstance(kept, tuple) and all(isinstance(one, str) for one in kept)
-    faults = {
-        "it has a kernel of friction, but its friction_kind is SET_VALUED, which has none. Say "
-        "ELASTOPLASTIC or RATE_DEPENDENT, or leave the kernel out.": (
-            kind == SET_VALUED and kernel is not None
-        ),
-        f"its friction_kind is {KINDS[kind]}, but it has no kernel of friction. Give it one, or say "
-        "SET_VALUED.": kind != SET_VALUED and kernel is None,
-        f"internal_variables is {shown(kept)}; it must be a tuple of texts.": not texts,
-        f"it remembers {shown(kept)}; it can remember one quantity at most.": (
-            texts and len(kept) > 1
-        ),
-        f"its friction_kind is {KINDS[kind]} and its internal_variables {shown(kept)}; set-valued "
-        "friction remembers nothing, and a spring its stretch.": (
-            texts and kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(kept)
-        ),
-        f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN.": (
-            law.internal_parity not in (ODD, EVEN)
-        ),
-    }
-    return [words for words, stands in faults.items() if stands]
+    if kind not in (SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT):
+        yield (f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base.")
+        return
+    said = f"its friction_kind is {KINDS[kind]}"
+    if kind == SET_VALUED and kernel is not None:
+        yield (
+            f"it has a kernel of friction, but {said}, which has none. Say ELASTOPLASTIC or "
+            "RATE_DEPENDENT, or leave the kernel out."
+        )
+    if kind != SET_VALUED and kernel is None:
+        yield f"{said}, but it has no kernel of friction. Give it one, or say SET_VALUED."
+    if not isinstance(kept, tuple) or not all(isinstance(one, str) for one in kept):
+        yield f"internal_variables is {shown(kept)}; it must be a tuple of texts."
+    elif len(kept) > 1:
+        yield f"it remembers {shown(kept)}; it can remember one quantity at most."
+    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(kept):
+        yield (
+            f"{said} and its internal_variables {shown(kept)}; set-valued friction remembers nothing, and "
+            "a spring its stretch."
+        )
+    if law.internal_parity not in (base.ODD, base.EVEN):
+        yield f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN."
 
 
 def check_answers(
     law: ContactLaw, parameters: Array, force: Kernel, friction_force: Kernel, solve: Kernel
 ) -> None:
-    """Refuse a law whose kernels answer to a contact what cannot be; idle ones are not asked.
+    """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
-    Raises:
-        LawError: with a sentence on the first such answer; others may follow from it.
+    Kernels that stand for those that a law lacks are not asked.
     """
-    rows = [guarded(parameters, lure) for lure in LURES]
-    ask = partial(_answer, law, rows)
-    if not isinstance(law, PenaltyLaw):
-        for slip, d_nt in product(SPEEDS, COUPLINGS):
-            where = f"in an impact with a gap rate of {SPEEDS[0]:g} m/s and a slip of {slip:g} m/s"
-            approach = (SPEEDS[0], slip) * 2
-            p_n, p_t, mode = ask(where, "solve", solve, 3, *approach, 1e3, d_nt, 2e3)
-            if mode not in (SLIP, STICK):
+    ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
+    if isinstance(law, PenaltyLaw):
+        for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
+            where = f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
+            normal, bound, *_ = ask("force", force, where, -depth, rate, slip, abs(rate))
+            if bound < -ROUND_OFF * abs(normal):
                 raise LawError(
-                    f"{law.name}: the mode is {mode} {where}; it must be SLIP or STICK of "
-                    "contactlab.laws.base."
+                    f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
+                    "the normal force pulls there is no friction."
                 )
-            # Without an impulse there is no answer, of which a run tells.
-            left = SPEEDS[0] + 1e3 * p_n + d_nt * p_t
-            stops = left >= ROUND_OFF * SPEEDS[0] or "kernel_is_consistent" in law.violations
-            if p_n > 0.0 and not stops:
-                raise LawError(
-                    f"{law.name}: its kernel solve leaves an approach of {-left:g} m/s {where}; the impulse "
-                    "must stop it."
-                )
+            if law.friction_kind != SET_VALUED:
+                # Every touch-down begins with a variable of zero; what else it may be, the law alone knows.
+                ask("friction_force", friction_force, where, -depth, rate, slip, normal, 0.0)
         return
-    for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
-        where = f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-        normal, bound, *_ = ask(where, "force", force, 4, -depth, rate, slip, abs(rate))
-        if bound < -ROUND_OFF * abs(normal):
-            raise LawError(
-                f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where the "
-                "normal force pulls there is no friction."
-            )
-        if law.friction_kind != SET_VALUED:
-            # Every touch-down begins with a variable of zero; what else it may be, the law alone knows.
-            ask(where, "friction_force", friction_force, 4, -depth, rate, slip, normal, 0.0)
+    approach = SPEEDS[0]
+    for slip, d_nt in product(SPEEDS, COUPLINGS):
+        where = f"in an impact with a gap rate of {approach:g} m/s and a slip of {slip:g} m/s"
+        p_n, p_t, mode = ask("solve", solve, where, *(approach, slip) * 2, 1e3, d_nt, 2e3)
+        left = approach + 1e3 * p_n + d_nt * p_t
+        if mode not in (base.SLIP, base.STICK):
+            fault = f"the mode is {mode} {where}; it must be SLIP or STICK of contactlab.laws.base."
+            raise LawError(f"{law.name}: {fault}")
+        # Without an impulse there is no answer, of which a run tells.
+        stops = left >= ROUND_OFF * approach or "kernel_is_consistent" in law.violations
+        if p_n > 0.0 and not stops:
+            fault = f"leaves an approach of {-left:g} m/s {where}; the impulse must stop it."
+            raise LawError(f"{law.name}: its kernel solve {fault}")
 
 
-def _answer(
-    law: ContactLaw,
-    rows: list[Array],
-    where: str,
-    name: str,
-    kernel: Kernel,
-    count: int,
-    *state: float,
-) -> Any:
+def _answer(law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Any:
     """Give the answer to one state, or raise a LawError where it cannot be one, whatever it means."""
     given, *others = (kernel(*state, row) for row in rows)
+    count = 3 if name == "solve" else 4
+    said = f"{law}: its kernel {name}"
     if not isinstance(given, tuple) or len(given) != count:
         found = f"{len(given)} numbers" if isinstance(given, tuple) else shown(given)
-        raise LawError(
-            f"{law.name}: its kernel {name} gives {found}; it must give {count} numbers."
-        )
+        raise LawError(f"{said} gives {found}; it must give {count} numbers.")
     # No number is the same as no number.
     if any(repr(given) != repr(other) for other in others):
         raise LawError(
-            f"{law.name}: its kernel {name} reads parameters that there are not: its answer changes "
-            f"with what lies beyond the {rows[0].size} that parameters() gives."
+            f"{said} reads parameters that there are not: its answer changes with what lies beyond the "
+            f"{rows[0].size} that parameters() gives."
         )
     if not all(map(isfinite, given)):
         numbers = ", ".join(f"{number:g}" for number in given)
@@ -196,7 +157,7 @@ def _answer(
         parts = bool(np.isnan(rows[0]).any())
         hint = " A part may have read beyond its own coefficients." if parts else ""
         raise LawError(
-            f"{law.name}: its kernel {name} gives {numbers} {where}; all must be finite, as every "
-            f"contact begins and ends there.{hint}"
+            f"{said} gives {numbers} {where}; all must be finite, as every contact begins and ends "
+            f"there.{hint}"
         )
     return given

@@ -12,31 +12,25 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING
 from functools import cache
-from importlib import import_module
-from importlib.metadata import PackageNotFoundError, entry_points, version
-from operator import attrgetter
+from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Any, NamedTuple
 
-from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import ContactLaw, MultiplierLaw, Part, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.declaration import SHARED, Declared, family_of, fault_of, members_of
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
-from contactlab.laws.impact_process import Poisson, Stronge
-from contactlab.laws.lagrange_slip import LagrangeSlip
-from contactlab.laws.lagrange_stick import LagrangeStick
-from contactlab.laws.newton import MoreauJean, Newton
+from contactlab.laws.impact import MoreauJean, Newton, Poisson, Stronge
+from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
 from contactlab.laws.normal import NORMAL_FORCES
-from contactlab.laws.part import Part
 from contactlab.suggestion import suggestion
+
+GROUP = "contactlab.laws"
 
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
-    for law in (
-        *(Composed, HertzPenalty, LagrangeSlip, LagrangeStick),
-        *(MoreauJean, Newton, Poisson, Stronge),
-    )
+    for law in (Composed, HertzPenalty, LagrangeSlip, LagrangeStick, MoreauJean, Newton, Poisson, Stronge)
 }
 """The package's own laws."""
 
@@ -65,18 +59,15 @@ class Origin(NamedTuple):
 @cache
 def origins() -> tuple[Origin, ...]:
     """Give every entry: the package's own, then the others by name; those that are no law say why."""
-    try:
-        own_version = version("contactlab")
-    except PackageNotFoundError:
-        own_version = "unknown"
-    own = [Origin(name, _entry(law), "contactlab", own_version) for name, law in LAWS.items()]
+    version = next((found.version for found in distributions(name="contactlab")), "unknown")
+    own = [Origin(name, _entry(law), "contactlab", version) for name, law in LAWS.items()]
     given = sorted(
-        (point.name, f"{point.module}:{point.attr}", point.dist.name, str(point.dist.version))
-        for point in entry_points(group="contactlab.laws")
+        Origin(point.name, f"{point.module}:{point.attr}", point.dist.name, point.dist.version)
+        for point in entry_points(group=GROUP)
         if point.dist is not None
     )
-    count = Counter(name for name, *_ in given)
-    return *own, *(Origin(*point, _clash(point[0], point[2], count[point[0]])) for point in given)
+    count = Counter(origin.name for origin in given)
+    return *own, *(each._replace(fault=_clash(each, count[each.name])) for each in given)
 
 
 def law_names() -> list[str]:
@@ -85,41 +76,33 @@ def law_names() -> list[str]:
 
 
 def origin_of(name: str) -> Origin:
-    """Tell where a law comes from.
-
-    Raises:
-        ValueError: there is no such law, or the name is not one law's alone.
-    """
-    sound_first = sorted((o for o in origins() if o.name == name), key=lambda o: o.fault)
-    fault = sound_first[0].fault if sound_first else _unknown("law", name, law_names())
-    if fault:
-        raise ValueError(fault)
-    return sound_first[0]
+    """Tell where a law comes from, or say in a ValueError that no law alone has the name."""
+    found = [origin for origin in origins() if origin.name == name]
+    for origin in found:
+        if not origin.fault:
+            return origin
+    raise ValueError(found[0].fault if found else _unknown("law", name, law_names()))
 
 
 @cache
 def law_class(name: str) -> type[ContactLaw]:
-    """Give a law's class; imports that law alone.
-
-    Raises:
-        ValueError: a sentence on what is wrong with the name, its entry or the class.
-    """
-    origin = origin_of(name)
-    if origin.package == "contactlab" and name in LAWS:
-        return LAWS[name]
-    module, _, attribute = origin.entry.partition(":")
+    """Give a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
+    origin, cause = origin_of(name), None
     try:
-        found: Any = attrgetter(attribute)(import_module(module))
+        found: Any = EntryPoint(name, origin.entry, GROUP).load()
     # Whatever a module of somebody else's does while it is imported, it is that law's fault alone.
     except (Exception, SystemExit) as error:
-        fault = f"cannot be imported ({type(error).__name__}: {error})"
-        raise ValueError(_unusable(origin, fault)) from error
-    if not isinstance(found, type) or not issubclass(found, PenaltyLaw | MultiplierLaw):
-        fault = "is no subclass of contactlab.laws.PenaltyLaw or MultiplierLaw"
-    elif not (fault := fault_of(found)) and found.name != name:
-        fault = f"calls itself {found.name!r}, which must be the name of its entry too"
+        cause, fault = error, f"cannot be imported ({type(error).__name__}: {error})"
+    else:
+        if not isinstance(found, type) or not issubclass(found, PenaltyLaw | MultiplierLaw):
+            fault = "is no subclass of contactlab.laws.PenaltyLaw or MultiplierLaw"
+        elif not (fault := fault_of(found)) and found.name != name:
+            fault = f"calls itself {found.name!r}, which must be the name of its entry too"
     if fault:
-        raise ValueError(_unusable(origin, fault))
+        raise ValueError(
+            f"The law {name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that package or "
+            f"remove it by pip uninstall {origin.package}; other laws run."
+        ) from cause
     return found  # type: ignore[no-any-return]
 
 
@@ -145,20 +128,14 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
             if value not in PARTS[family]:
                 raise ValueError(_unknown(family, value, PARTS[family]))
             parameters[given] = PARTS[family][value]()
-    without = [name for name, member in members.items() if member.default is MISSING]
-    if missing := [name for name in without if name not in parameters]:
-        raise TypeError(
-            f"The law {name} lacks {', '.join(missing)}; without default it must be given."
-        )
+    needed = [own for own, member in members.items() if member.default is MISSING]
+    if lacking := ", ".join(own for own in needed if own not in parameters):
+        raise TypeError(f"The law {name} lacks {lacking}; without default it must be given.")
     return owner(**parameters)
 
 
 def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coefficient: float) -> Any:
-    """Make a law or a part from its section of a configuration.
-
-    Raises:
-        ValueError: a sentence of the law's own.
-    """
+    """Make a law or a part from its section of a configuration, or raise what the law refuses it with."""
     given: dict[str, Any] = {}
     for name, member in members_of(owner).items():
         value: Any = friction_coefficient if name == SHARED else values[name]
@@ -196,24 +173,18 @@ def _unknown(kind: str, name: str, known: Iterable[str]) -> str:
     return f"There is no {kind} {name!r}; it must be one of {', '.join(known)}. {hint}".rstrip()
 
 
-def _unusable(origin: Origin, fault: str) -> str:
-    return (
-        f"The law {origin.name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that "
-        f"package or remove it by pip uninstall {origin.package}; other laws run."
-    )
-
-
-def _clash(name: str, package: str, count: int) -> str:
+def _clash(origin: Origin, count: int) -> str:
     """Say why an entry of another package cannot be a law, whatever it names; empty if it can."""
-    if name in LAWS:
+    if origin.name in LAWS:
         fault = "takes the name of one of contactlab's own, which stays what it is"
     elif count > 1:
         fault = "has the name of a law of another package, so that neither can be told by it"
-    elif not name.isidentifier():
+    elif not origin.name.isidentifier():
         fault = "has a name that is no option"
     else:
         return ""
     return (
-        f"The law {name!r} of {package} {fault}; it must be one word of letters, digits and underscores, "
-        f"and no other law's. Rename it, or remove the package by pip uninstall {package}."
+        f"The law {origin.name!r} of {origin.package} {fault}; it must be one word of letters, digits and "
+        "underscores, and no other law's. Rename it, or remove the package by pip uninstall "
+        f"{origin.package}."
     )

@@ -3,7 +3,7 @@
 The catalogues keep the order of the modules that are imported here, and of the functions in them.
 """
 
-from contactlab.metrics import balances, constraints, convergence, response
+from contactlab.metrics import balances, constraints, response
 from contactlab.metrics.catalogue import (
     FAIL,
     INVARIANTS,
@@ -16,36 +16,6 @@ from contactlab.metrics.catalogue import (
     VERDICTS,
     Metric,
     assess,
-    metric,
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants
-from contactlab.metrics.reading import is_complete, read_run
-from contactlab.metrics.run import NotApplicableError, Run, needed
-from contactlab.results.netcdf import configuration_of
-
-__all__ = [
-    "FAIL",
-    "INVARIANTS",
-    "METRICS",
-    "NOT_APPLICABLE",
-    "PASS",
-    "REPORTED",
-    "SENSITIVITIES",
-    "STEP_METRICS",
-    "VERDICTS",
-    "Metric",
-    "NotApplicableError",
-    "Run",
-    "assess",
-    "assess_steps",
-    "assess_variants",
-    "balances",
-    "configuration_of",
-    "constraints",
-    "convergence",
-    "is_complete",
-    "metric",
-    "needed",
-    "read_run",
-    "response",
-]
+from contactlab.metrics.run import NotApplicableError, Run, is_complete, needed, read_run

@@ -7,18 +7,17 @@ from typing import Final
 
 import numpy as np
 
-from contactlab.arrays import Array
-from contactlab.energy import LEDGER_LIMIT, SCALE, openness
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
 from contactlab.metrics.run import Run, needed, positive
 from contactlab.motor.geometry import contact_frame
+from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 
-RESOLVED: Final = 1e-12
-"""Share of the motor's energy below which a contact is a graze that round-off decides."""
+RESOLVED: Final = 1e-12  # share of the motor's energy below which round-off decides a graze
+CLOCK: Final = 8.0  # units in the last place of the time, within which two instants are one
 
-CLOCK: Final = 8.0
-"""Units in the last place of the time that two instants may differ by and still be one."""
+STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
+SPENT: Final = ("damping_loss", "friction_loss", "contact_loss", "load_work")
 
 
 @invariant(
@@ -26,14 +25,12 @@ CLOCK: Final = 8.0
     "energy that the ledger cannot account for, over the energy turned over",
     bound=LEDGER_LIMIT,
     reason="the contact's share of the drive work, what laws differ in, is a few per cent: a ledger "
-    "open by one per cent could hide it. A first-order law at its default step is open by a tenth of that "
-    "at most, a compliant law by far less",
+    "open by one per cent could hide it. A first-order law at its default step is open by a tenth of that",
     source="first law of thermodynamics",
 )
 def energy_residual(run: Run) -> float:
     # From the terms, not from the recorded residual: the metric judges the numbers that are shown.
-    stored = _sum(run, "kinetic_energy", "strain_energy", "contact_energy")
-    spent = _sum(run, "damping_loss", "friction_loss", "contact_loss", "load_work")
+    stored, spent = (np.sum([run.series(n) for n in names], axis=0) for names in (STORED, SPENT))
     work, load = run.series("drive_work"), run.series("load_work")
     residual = stored - stored[0] - (work - work[0]) + (spent - spent[0])
     by_drive, by_load = (float(np.abs(part - part[0]).max()) for part in (work, load))
@@ -41,37 +38,29 @@ def energy_residual(run: Run) -> float:
     return openness(float(np.abs(residual).max()), by_drive, by_load, float(stored[0]))
 
 
-def _sum(run: Run, *names: str) -> Array:
-    return np.asarray(np.sum([run.series(name) for name in names], axis=0))
-
-
 @invariant(
     "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|)",
     "angular momentum of the rotor that friction impulses, load and damping do not explain",
     bound=ROUND_OFF,
-    reason="action equals reaction at any step: both sides add up the same impulses, only round-off "
-    "(seven digits in single precision) is between them. A rigid law that projects corrects the angle too, "
-    "by a step h of the change of velocity: a damped rotor is judged up to C_r h / J of its impulses, "
-    "where that is less than one",
+    reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
+    "rigid law that projects corrects the angle too, by a step h of the change of velocity: a damped rotor "
+    "is judged up to C_r h / J of its impulses, where that is less than one",
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
-    inertia, radius = run.setting("rotor", "inertia"), run.setting("rotor", "radius")
-    damping, torque = run.setting("rotor", "damping"), run.setting("rotor", "load_torque")
-    velocity, angle = run.series("rotor_velocity"), run.series("rotor_angle")
-    push = run.contacts("friction_impulse")
+    inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
+    damping, torque = run.setting("rotor.damping"), run.setting("rotor.load_torque")
+    fastest, push = np.abs(run.series("rotor_velocity")).max(), run.contacts("friction_impulse")
     given = positive(radius * float(np.abs(push).sum()))
-    load = float(torque * (run.time[-1] - run.time[0]))
-    damped = float(damping * (angle[-1] - angle[0]))
-    missing = float(inertia * (velocity[-1] - velocity[0]) + radius * push.sum() + load + damped)
-    # A rigid law that puts displacements back onto the closed gap at the end of a step h has an angle that
-    # follows the velocity to within h times what friction changes of it, R sum|p_t| / J. What damping
-    # makes of that must stay below what is to be seen.
+    load, damped = torque * run.gain("time"), damping * run.gain("rotor_angle")
+    missing = inertia * run.gain("rotor_velocity") + radius * float(push.sum()) + load + damped
+    # The angle of such a law follows the velocity to within h R sum|p_t| / J: what damping makes of that
+    # must stay below what is to be seen.
     projects = getattr(run.law_classes.get(""), "projects", False)
     corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
     # Where friction is the least of the terms, the others round off more than it weighs.
-    scale = max(given, inertia * float(np.abs(velocity).max()), abs(load), abs(damped))
+    scale = max(given, inertia * float(fastest), abs(load), abs(damped))
     return abs(missing) / max(scale, corrected * given / ROUND_OFF)
 
 
@@ -79,18 +68,16 @@ def rotor_momentum(run: Run) -> float:
     "max over n, t of |sum p - sum F dt| / sum|p_n|",
     "impulses of the contacts against the recorded mean forces",
     bound=ROUND_OFF,
-    reason="a recorded force is the mean of its interval, so that both are the same integral up to "
-    "round-off (seven digits in single precision)",
+    reason="a recorded force is the mean of its interval: both are the same integral but for round-off",
     source="definition of impulse and of mean force",
 )
 def impulse_balance(run: Run) -> float:
     scale = positive(float(np.abs(run.contacts("normal_impulse")).sum()))
-    missing = (
-        float(run.series(f"{way}_force")[1:] @ run.intervals)
-        - float(run.contacts(f"{way}_impulse").sum())
-        for way in ("normal", "friction")
-    )
-    return max(map(abs, missing)) / scale
+    missing = []
+    for way in ("normal", "friction"):
+        forces, impulses = run.series(f"{way}_force")[1:], run.contacts(f"{way}_impulse")
+        missing.append(abs(float(forces @ run.intervals) - float(impulses.sum())))
+    return max(missing) / scale
 
 
 @invariant(
@@ -113,11 +100,9 @@ def phantom_contacts(run: Run) -> float:
 
 @invariant(
     "max(-g_dot_1, g_dot_0, 0) / max|g_dot|",
-    "largest gap rate of the wrong sign: closing at a release, or opening at a touch-down, over the "
-    "fastest rate of the gap",
+    "largest gap rate of the wrong sign: closing at a release or opening at a touch-down, over the fastest",
     bound=1e-3,
-    reason="a gap that opens does not close; a first-order law finds its release within a step, a "
-    "thousandth of a contact",
+    reason="a gap that opens does not close; a first-order law is late by a step, 1e-3 of a contact",
     source="definition of touch-down and release",
 )
 def closing_release(run: Run) -> float:
@@ -133,16 +118,13 @@ def closing_release(run: Run) -> float:
 
 @invariant(
     "max(-g, 0) without contact / A",
-    "deepest overlap of tip and rotor outside of every contact, over half the range of the tip's normal "
-    "motion",
+    "deepest overlap of tip and rotor without contact, over half the range of the tip's normal motion",
     bound=1e-3,
-    reason="where the bodies overlap there is contact; a first-order law's release is off by a step, in "
-    "which the gap changes by less than this",
+    reason="bodies that overlap touch; a first-order release is off by a step, which moves the gap by less",
     source="0 <= g outside of contact",
 )
 def missed_contact(run: Run) -> float:
-    gap, free = run.series("gap"), run.series("contact_mode") == FREE
-    time = run.time
+    gap, free, time = run.series("gap"), run.series("contact_mode") == FREE, run.time
     # A record at the very instant of a touch-down or a release may carry either mode.
     if run.touches("start_time"):
         start = np.sort(run.contacts("start_time"))
@@ -176,8 +158,7 @@ def peak_deficit(run: Run) -> float:
 
 @invariant(
     "max(-min g - max d_max, 0) / A",
-    "recorded overlap beyond the largest penetration that the contacts state, over half the range of the "
-    "tip's normal motion",
+    "recorded overlap beyond the deepest that contacts state, over half the range of the tip's normal motion",
     bound=1e-2,
     reason="no record lies deeper than the deepest point; a rigid law states its depth once a step, and "
     "an impact's step sinks by a part of approach times step, a few thousandths here",
@@ -190,15 +171,14 @@ def depth_deficit(run: Run) -> float:
 
 @invariant(
     "max|g - g(u, theta)| / A",
-    "recorded gap against that of the recorded displacements, over half the range of the tip's normal "
-    "motion",
+    "recorded gap against that of recorded displacements, over half the range of the tip's normal motion",
     bound=ROUND_OFF,
     reason="both are the same geometry, but for round-off",
     source="paper, eqs. 35-37",
 )
 def gap_mismatch(run: Run) -> float:
-    keys = (("contact", "tip_length"), ("rotor", "radius"), ("contact", "clearance"))
-    lengths = [run.setting(*key) for key in keys]
+    keys = ("contact.tip_length", "rotor.radius", "contact.clearance")
+    lengths = [run.setting(key) for key in keys]
     u, slope = run.series("tip_normal_displacement"), run.series("tip_slope")
     pairs = zip(u.tolist(), slope.tolist(), strict=True)
     expected = np.array([contact_frame(rise, turn, *lengths)[0] for rise, turn in pairs])

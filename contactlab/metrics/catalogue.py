@@ -6,19 +6,17 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite, isnan, nan
-from typing import Any, Final, TypeVar, final
+from typing import Any, Final, final
 
 import numpy as np
 import xarray
 
 from contactlab.metrics.run import NotApplicableError, Run
 
-Measure = TypeVar("Measure", bound=Callable[[Any], float])
+Measure = Callable[[Any], float]
 
-VERDICTS: Final = ("n/a", "pass", "fail", "-")
-"""In the order of their flags in a file; a metric without a threshold is only reported."""
-
-NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS
+VERDICTS: Final = ("n/a", "pass", "fail", "-")  # in the order of their flags in a file
+NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS  # a metric without a threshold is only reported
 
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
@@ -28,30 +26,19 @@ digits. A law that breaks an identity misses it by a share of the order of one."
 @final
 @dataclass(frozen=True)
 class Metric:
-    """One number by which a run is judged: what it means, what it must be, and why.
+    """One number by which a run is judged: what it means, what it must be, and why."""
 
-    Args:
-        key: its name everywhere: in files, tables and code.
-        units: SI, in the words of the CF conventions; "1" without.
-        measure: gives the number, or stops with `NotApplicableError`.
-        bound: the largest value that passes, for the reason given; infinite for a number that is only
-            reported.
-        invariant: whether it holds whatever the law: where it fails, the solver or the file is wrong.
-        needs_records: whether it takes any record but the last.
-        usual: whether it is kept where none is named, as one that costs next to nothing.
-    """
-
-    key: str
-    measure: Callable[[Any], float]
+    key: str  # its name everywhere: in files, tables and code
+    measure: Measure  # gives the number, or stops with `NotApplicableError`
     symbol: str
     meaning: str
-    units: str
-    bound: float = inf
-    reason: str = ""
+    units: str  # SI, in the words of the CF conventions; "1" without
+    bound: float = inf  # the largest value that passes; infinite where it is only reported
+    reason: str = ""  # for the bound
     source: str = ""
-    invariant: bool = False
-    needs_records: bool = True
-    usual: bool = False
+    invariant: bool = False  # holds whatever the law: where it fails, the solver or the file is wrong
+    needs_records: bool = True  # takes other records than the last
+    usual: bool = False  # is kept where none is named, as one that costs next to nothing
 
     @property
     def threshold(self) -> str:
@@ -82,17 +69,12 @@ class Metric:
         return PASS if value <= self.bound else FAIL
 
 
-METRICS: Final[dict[str, Metric]] = {}
-"""Metrics of one run."""
+METRICS: Final[dict[str, Metric]] = {}  # of one run
+STEP_METRICS: Final[dict[str, Metric]] = {}  # of a ladder of steps
+SENSITIVITIES: Final[dict[str, Metric]] = {}  # of a run and its variants
 
 INVARIANTS: Final[dict[str, Metric]] = {}
 """Those metrics of one run that hold whatever its law: where one fails, the solver or the file is wrong."""
-
-STEP_METRICS: Final[dict[str, Metric]] = {}
-"""Metrics of a ladder of steps."""
-
-SENSITIVITIES: Final[dict[str, Metric]] = {}
-"""Metrics of a run and its variants."""
 
 
 def metric(
@@ -104,10 +86,7 @@ def metric(
     key: str = "",
     **facts: Any,
 ) -> Callable[[Measure], Measure]:
-    """Declare the function below as a metric of a catalogue, with the facts that `Metric` lists.
-
-    Its key is the function's name where none is given.
-    """
+    """Declare the function below as a metric of a catalogue; its name is the key where none is given."""
 
     def register(measure: Measure) -> Measure:
         entry = Metric(key or measure.__name__, measure, symbol, meaning, units, **facts)
@@ -119,14 +98,9 @@ def metric(
     return register
 
 
-invariant = partial(metric, invariant=True)
-"""Declares a metric that holds whatever the law."""
-
-without_records = partial(metric, needs_records=False)
-"""Declares a metric that takes no record but the last."""
-
+# For metrics that hold whatever the law, that take no record but the last, and of a ladder of steps.
+invariant, without_records = partial(metric, invariant=True), partial(metric, needs_records=False)
 of_steps = partial(metric, catalogue=STEP_METRICS)
-"""Declares a metric of a ladder of steps."""
 
 
 def measured(

@@ -1,26 +1,51 @@
 """What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
 
+from contextlib import suppress
+from math import sqrt
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactlab.laws import hertz_stiffness
 from contactlab.laws.base import ELASTOPLASTIC, STICK
 from contactlab.metrics.catalogue import ROUND_OFF, metric
-from contactlab.metrics.hertz import tip_radius
-from contactlab.metrics.run import Run, needed, positive
+from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+from contactlab.parameter import parameters_of
 
 ONE_STEP: Final = 1e-3
-"""What the one step in which a force or a slip ends may have of the wrong sign: a step is a thousandth of
-a contact at the rigid laws' default, and a compliant law's error is smaller still."""
+"""What the step in which a force or a slip ends, a thousandth of a contact at a rigid law's default, may have
+of the wrong sign; a compliant law's error is smaller still."""
+
+
+def stiffness(run: Run) -> float:
+    """Give K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
+    for family, owner in run.law_classes.items():
+        for name, parameter in parameters_of(owner).items():
+            value = run.law_parameters.get(f"{family}.{name}".removeprefix("."), 0.0)
+            if parameter.units == "N m-1.5" and value > 0.0:
+                return float(value)
+    raise NotApplicableError
+
+
+def tip_radius(run: Run) -> float:
+    """Give the radius of the tip [m]: as configured, or of a spherical steel tip with the law's stiffness.
+
+    K = 4/3 E* sqrt(R_e), R_e = [(1/r) (1/r + 1/R)]^(-1/2), solved for 1/r.
+    """
+    with suppress(NotApplicableError):
+        return run.setting("law.tip_radius")
+    radius = run.setting("rotor.radius")
+    # K goes with sqrt(R_e): a relative radius of one metre gives the constant.
+    flat = hertz_stiffness(1.0, float("inf"))
+    product = (flat / stiffness(run)) ** 4
+    return 1.0 / positive(0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius))
 
 
 @metric(
     "max d_max / r",
     "largest penetration over the tip's radius",
     bound=1e-2,
-    reason="Hertz's half-space holds while the contact is small against the bodies, a/r <= 0.1; with "
-    "d = a^2/r that is d/r <= 0.01",
+    reason="Hertz's half-space holds for small contacts, a/r <= 0.1; with d = a^2/r that is d/r <= 0.01",
     source="Johnson (1985), Contact Mechanics, sec. 4.2",
 )
 def penetration_over_radius(run: Run) -> float:
@@ -36,8 +61,7 @@ def penetration_over_amplitude(run: Run) -> float:
     "max(-N, 0) / (sum p_n / sum t_c)",
     "largest pull over the mean normal force in contact",
     bound=ONE_STEP,
-    reason="dry bodies do not pull; only the one step in which a contact ends may, and it is a thousandth "
-    "of a contact",
+    reason="dry bodies do not pull, but for the one step in which a contact ends, a thousandth of it",
     source="Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def tension(run: Run) -> float:
@@ -49,8 +73,7 @@ def tension(run: Run) -> float:
     "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
     "normal force while the gap is open, over mean force in contact times amplitude",
     bound=ROUND_OFF,
-    reason="0 <= N, 0 <= g, N g = 0: where the gap is open throughout a record interval, there is no "
-    "force but round-off",
+    reason="0 <= N, 0 <= g, N g = 0: no force but round-off where the gap is open throughout an interval",
     source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def force_at_distance(run: Run) -> float:
@@ -72,12 +95,9 @@ def force_at_distance(run: Run) -> float:
 )
 def cone_excess(run: Run) -> float:
     # Static over kinetic coefficient; one where the law knows none.
-    ratios = [
-        value
-        for name, value in run.law_parameters.items()
-        if name.rpartition(".")[2] == "static_ratio" and isinstance(value, int | float)
-    ]
-    limit = run.setting("contact", "friction_coefficient") * float(max(ratios, default=1.0))
+    named = run.law_parameters.items()
+    ratio = max((x for name, x in named if name.endswith("static_ratio")), default=1.0)
+    limit = run.setting("contact.friction_coefficient") * ratio
     normal, friction = run.series("normal_force"), run.series("friction_force")
     # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
     excess = float((np.abs(friction) - limit * (1.0 + ROUND_OFF) * np.abs(normal)).max())
@@ -100,8 +120,7 @@ def friction_gain(run: Run) -> float:
     "sum max(-dW_n, 0) / sum(|dW_f| + |dW_n|)",
     "energy made by normal damping in lasting contact, over all losses in contact",
     bound=ONE_STEP,
-    reason="a material may store and lose energy but not make it; only the one step in which a contact "
-    "ends may show the other sign",
+    reason="a material stores and loses energy, never makes it, but for the step in which a contact ends",
     source="second law of thermodynamics",
 )
 def normal_gain(run: Run) -> float:
@@ -113,40 +132,30 @@ def _falls(run: Run, name: str) -> float:
 
     All falls together, as the largest would depend on the records and on how long the run is.
     """
-    kept = _between_steps(run)
+    step, time = run.contact_step, run.time
+    starts = np.sort(np.asarray(run.rows.get("start_time", ()), dtype=np.float64))
+    since = time - np.append(starts, -np.inf)[np.searchsorted(starts, time, side="right") - 1]
+    # Within a step a rigid law's force is constant while the velocity changes its sign: only between records
+    # that do not cut the step of an impact, in different steps, is there a work that a law answers for. A
+    # record at the end of a step may lie before it by round-off.
+    whole = np.flatnonzero((since >= step - 1e-9 * step) | (since <= 0.0))
+    needed(whole.size > 1)
+    blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
+    kept = whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
     changes = {loss: np.diff(run.series(loss)[kept]) for loss in ("friction_loss", "contact_loss")}
     scale = positive(sum(float(np.abs(change).sum()) for change in changes.values()))
     # What an impact does is judged by the slip and the energy that it leaves.
-    impacts = np.searchsorted(run.time[kept], run.touch_downs(), side="right") - 1
+    impacts = np.searchsorted(time[kept], starts, side="right") - 1
     lasting = np.ones(kept.size - 1, dtype=bool)
     lasting[impacts[(impacts >= 0) & (impacts < lasting.size)]] = False
     return float(np.maximum(-changes[name][lasting], 0.0).sum()) / scale
-
-
-def _between_steps(run: Run) -> NDArray[np.intp]:
-    """Give the records that do not cut the step of an impact, in different contact steps.
-
-    Within a step a rigid law's force is constant while the velocity changes its sign: only whole
-    steps have a work that a law answers for.
-    """
-    step, time = run.contact_step, run.time
-    # A record at the end of a step may lie before it by round-off.
-    slack = 1e-9 * step
-    starts = run.touch_downs()
-    last = np.searchsorted(starts, time, side="right") - 1
-    since = time - np.append(starts, -np.inf)[last]
-    whole = np.flatnonzero((since >= step - slack) | (since <= 0.0))
-    needed(whole.size > 1)
-    blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
-    return whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
 
 
 @metric(
     "sum max(-W, 0) / sum|W|",
     "energy of contacts that as a whole give some, over the losses of all",
     bound=ROUND_OFF,
-    reason="what a contact stores is released when it ends, so that a whole one only loses; no step cuts "
-    "it, and round-off is all that remains",
+    reason="what a contact stores it gives back by its end: a whole one only loses, but for round-off",
     source="second law of thermodynamics; Stronge (2000), Impact Mechanics, ch. 3",
 )
 def contact_gain(run: Run) -> float:
@@ -159,9 +168,8 @@ def contact_gain(run: Run) -> float:
     "largest slip velocity while the contact sticks, over the amplitude of the tip's tangential velocity; "
     "not applicable to friction with a spring, which gives way",
     bound=ONE_STEP,
-    reason="stick is no slip at all; a drift of a thousandth of the vibration's velocity moves the tip by "
-    "about a thousandth of its amplitude over a contact, and the projection of a first-order law at its "
-    "default step leaves less than that",
+    reason="stick is no slip; a drift of a thousandth of the vibration's velocity moves the tip by as much "
+    "of its amplitude over a contact, and the projection of a first-order law at its default step by less",
     source="paper, eqs. 60-66",
 )
 def stick_slip(run: Run) -> float:
@@ -170,20 +178,18 @@ def stick_slip(run: Run) -> float:
     needed(ELASTOPLASTIC not in kinds)
     stuck, slip = run.series("contact_mode") == STICK, run.series("slip_velocity")
     # The slip is the tip's own velocity less that of the rotor's surface.
-    tip = slip + run.setting("rotor", "radius") * run.series("rotor_velocity")
+    tip = slip + run.setting("rotor.radius") * run.series("rotor_velocity")
     # A record next to another mode may lie on the switch itself.
     inside = stuck[1:-1] & stuck[:-2] & stuck[2:]
-    needed(bool(inside.any()))
+    needed(inside.any())
     return float(np.abs(slip[1:-1][inside]).max()) / run.amplitude(tip)
 
 
 @metric(
     "touch-downs with p_t v_0 < 0 and v_1 v_0 < 0, over all with friction",
-    "share of touch-downs whose friction reverses the slip, beyond what the slip changes by itself within "
-    "a record interval",
+    "share of touch-downs whose friction reverses the slip, beyond its own change within a record interval",
     bound=5e-2,
-    reason="friction can stop a slip, never reverse it: none may. One in twenty is left for slips that "
-    "pass zero by themselves between two records",
+    reason="friction stops a slip, never reverses it; one in twenty is left for what turns by itself",
     source="Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635",
 )
 def slip_reversal(run: Run) -> float:
@@ -203,6 +209,6 @@ def slip_reversal(run: Run) -> float:
     rate = (slip[before] - slip[before - 1]) / (time[before] - time[before - 1])
     floor = np.abs(rate * (time[after] - time[before])) + ROUND_OFF * float(np.abs(slip).max())
     work = (push[after] - push[before]) * slip[before]
-    needed(bool(work.any()))
+    needed(work.any())
     turned = (slip[before] * slip[after] < 0.0) & (np.abs(slip[after]) > floor)
     return float(((work < 0.0) & turned).sum()) / float((work != 0.0).sum())

@@ -1,37 +1,46 @@
-"""A run's numbers as metrics and comparison ask for them; what is not there stops the metric that asked."""
+"""A dataset, checked for its layout, and its numbers as metrics and comparison ask for them."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab import variables
 from contactlab.arrays import Array
+from contactlab.config.nesting import flat
 from contactlab.laws.registry import PARTS, law_class
+from contactlab.results.files import damage
 from contactlab.results.netcdf import configuration_of
 from contactlab.trajectory import Trajectory
+from contactlab.variables import Variable
 
 LAST_SHARE: Final = 0.25
 """Share of the run whose whole drive periods stand for its end: after it, what starts a motor from rest
 has mostly died down, and several periods still fit in."""
 
 
+_ROOT: Final = (*variables.SERIES, variables.CONTACT_MODE)
+
+
 class NotApplicableError(Exception):
     """A dataset lacks what a metric needs, or has nothing for it to measure."""
 
 
-def needed(held: bool) -> None:
+def needed(held: object) -> None:
     """Stop a metric by `NotApplicableError` where it has nothing to measure."""
     if not held:
         raise NotApplicableError
 
 
 def positive(scale: float) -> float:
-    """Give a scale to measure by as it is; there is nothing to measure where it is not positive."""
+    """Give a scale to measure by; there is nothing to measure where it is not positive."""
     needed(scale > 0.0)
     return scale
 
@@ -41,29 +50,20 @@ def positive(scale: float) -> float:
 class Run:
     """A run, from its dataset or from memory.
 
-    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns` and
-    `rows` hold what there is, as it is.
-
-    Args:
-        columns: `time`, the series over it and what else stands at the root.
-        rows: the contacts, a number each.
-        contact_step: largest step in contact [s]; zero, as all else is empty, where it is not known.
-        attributes: of the dataset; empty for a run in memory.
-        sound: whether its numbers are known to be finite, as those of a run in memory are that reached
-            its end.
-        source, label: where it is from, and a word for it beside other runs.
+    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns` and `rows`
+    hold what there is, as it is.
     """
 
-    columns: Mapping[str, NDArray[Any]]
-    rows: Mapping[str, NDArray[Any]]
+    columns: Mapping[str, NDArray[Any]]  # of the root
+    rows: Mapping[str, NDArray[Any]]  # a number a contact
     configuration: Mapping[str, Any]
     law: str
     law_parameters: Mapping[str, float]
-    contact_step: float
+    contact_step: float  # largest step in contact [s]; zero where it is not known
     attributes: Mapping[Any, Any] = field(default_factory=dict)
-    sound: bool = False
-    source: str = ""
-    label: str = ""
+    sound: bool = False  # its numbers are known to be finite
+    source: str = ""  # where it is from
+    label: str = ""  # beside other runs
 
     @classmethod
     def of(cls, source: "xarray.DataTree | Run") -> "Run":
@@ -71,16 +71,15 @@ class Run:
         if isinstance(source, Run):
             return source
         said, step = source.attrs, source.attrs.get("contact_step", 0.0)
-        try:
-            parameters = json.loads(str(said.get("law_parameters", "")))
-        except ValueError:
-            parameters = {}
+        parameters: dict[str, Any] = {}
+        with suppress(ValueError, TypeError):
+            parameters = dict(json.loads(str(said.get("law_parameters", ""))))
         return cls(
             columns=_values(source),
             rows=_values(source.children.get("contacts", xarray.DataTree())),
             configuration=configuration_of(source),
             law=str(said.get("law", "")),
-            law_parameters=parameters if isinstance(parameters, dict) else {},
+            law_parameters={k: x for k, x in parameters.items() if isinstance(x, int | float)},
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
             attributes=said,
         )
@@ -110,10 +109,15 @@ class Run:
         return np.diff(self.time)
 
     @cached_property
+    def settings(self) -> dict[str, Any]:
+        """The configuration by full key."""
+        return flat(self.configuration)
+
+    @cached_property
     def period(self) -> float:
         """Period of the drive's first tone [s]; zero where it is not known."""
         try:
-            return 1.0 / self.setting("drive", "frequency")
+            return 1.0 / self.setting("drive.frequency")
         except (NotApplicableError, ZeroDivisionError):
             return 0.0
 
@@ -127,30 +131,27 @@ class Run:
 
     def series(self, name: str) -> Array:
         """Give a series over time, all of it finite."""
-        needed(name in self.columns)
-        values = np.asarray(self.columns[name], dtype=np.float64)
-        needed(self.sound or bool(np.isfinite(values).all()))
-        return values
+        needed(self.holds(name))
+        return self._numbers(self.columns[name])
+
+    def gain(self, name: str, span: slice = slice(None)) -> float:
+        """Give how much a series has grown over all or some of the records."""
+        values = self.series(name)[span]
+        return float(values[-1] - values[0])
 
     def contacts(self, name: str) -> Array:
         """Give a column of the contacts, of which there is at least one; only a separation may be missing."""
         needed(self.touches(name))
-        column = np.asarray(self.rows[name], dtype=np.float64)
-        may_miss = name == "separation_velocity"
-        needed(self.sound or may_miss or bool(np.isfinite(column).all()))
-        return column
+        return self._numbers(self.rows[name], may_miss=name == "separation_velocity")
 
-    def touch_downs(self) -> Array:
-        """Give the start times of the contacts in order [s]; none where none is known."""
-        try:
-            return np.sort(self.contacts("start_time"))
-        except NotApplicableError:
-            return np.empty(0)
+    def _numbers(self, values: NDArray[Any], *, may_miss: bool = False) -> Array:
+        numbers = np.asarray(values, dtype=np.float64)
+        needed(self.sound or may_miss or np.isfinite(numbers).all())
+        return numbers
 
-    def setting(self, section: str, key: str) -> float:
-        """Give a number of the configuration, SI."""
-        found = self.configuration.get(section)
-        value = found.get(key) if isinstance(found, Mapping) else None
+    def setting(self, key: str) -> float:
+        """Give a number of the configuration by its full key, SI."""
+        value = self.settings.get(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise NotApplicableError
         return float(value)
@@ -162,12 +163,8 @@ class Run:
             classes: dict[str, Any] = {"": law_class(self.law)}
         except ValueError:
             return {}
-        section = self.configuration.get("law")
-        for family, parts in PARTS.items():
-            below = section.get(family) if isinstance(section, dict) else None
-            if isinstance(below, dict) and str(below.get("name")) in parts:
-                classes[family] = parts[below["name"]]
-        return classes
+        chosen = {family: str(self.settings.get(f"law.{family}.name")) for family in PARTS}
+        return classes | {f: PARTS[f][name] for f, name in chosen.items() if name in PARTS[f]}
 
     def last_periods(self) -> slice:
         """Give the records of the last whole drive periods that fit into the last quarter of the run.
@@ -203,5 +200,85 @@ class Run:
 
 
 def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
-    variables = tree.to_dataset(inherit=False).variables
-    return {str(name): np.asarray(variable.values) for name, variable in variables.items()}
+    found = tree.to_dataset(inherit=False).variables
+    return {str(name): np.asarray(variable.values) for name, variable in found.items()}
+
+
+def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
+    """Read a run.nc, or a file or a tree of one's own in the same layout; the file is closed again.
+
+    What it lacks makes the metrics that need it not applicable.
+
+    Raises:
+        ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
+    """
+    tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
+    for fault in _faults(tree):
+        words = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
+        raise ValueError(
+            f"{words} has {fault} The layout is that of a run.nc, which `contactlab` writes; a variable may "
+            "be left out, never be misnamed."
+        )
+    return tree
+
+
+def is_complete(tree: xarray.DataTree) -> bool:
+    """Tell whether a dataset is of a run that reached its end; one of one's own need not say so."""
+    return bool(tree.attrs.get("complete", 1))
+
+
+def _opened(path: Path) -> xarray.DataTree:
+    if not path.is_file():
+        raise ValueError(
+            f"'{path}' is not there; it must be a netCDF-4 file in the layout of a run.nc. Check the "
+            "name, or run contactlab to make one."
+        )
+    try:
+        if not (damaged := damage(path)):
+            # Seconds are numbers here, not dates.
+            with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
+                return opened.load()
+    except (OSError, ValueError, LookupError, RuntimeError, AttributeError, TypeError) as fault:
+        raise ValueError(
+            f"'{path}' cannot be read as netCDF-4; it must be a file that may be read, in the layout of a "
+            "run.nc. Check its permissions, and that it is whole: `ncdump -h` shows what is in it "
+            f"({getattr(fault, 'strerror', None) or fault})."
+        ) from fault
+    raise ValueError(damaged)
+
+
+def _faults(tree: xarray.DataTree) -> Iterator[str]:
+    """Say what a layout has that the metrics would misread, the first fault first."""
+    root, names = tree.to_dataset(inherit=False), [variable.name for variable in _ROOT]
+    if "time" not in root.variables or root["time"].dims != ("time",):
+        yield "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds."
+    yield from _misread(root, (variables.TIME, *_ROOT))
+    time = root["time"].values
+    if time.size < 2 or not np.all(np.diff(time) > 0.0):
+        yield (
+            f"{time.size} times that do not all increase; there must be at least two, strictly "
+            "increasing, in seconds. Sort them and drop repeated ones."
+        )
+    if root.variables.keys().isdisjoint(names):
+        yield f"none of the time series; it must have at least one of {', '.join(names)}."
+    said = tree.attrs.get("complete", 1)
+    if np.size(said) != 1 or said not in (0, 1):
+        yield (
+            f"the attribute complete = {said!r}; it must be 1 for a run that reached its end and 0 for "
+            "another. Correct it, or leave it out."
+        )
+    if group := tree.children.get("contacts"):
+        yield from _misread(group.to_dataset(inherit=False), variables.CONTACTS)
+
+
+def _misread(found: xarray.Dataset, known: Iterable[Variable]) -> Iterator[str]:
+    """Say which known variables have other dimensions or units, or are no numbers."""
+    for must in (variable for variable in known if variable.name in found.variables):
+        given = found[must.name]
+        units = given.attrs.get("units", must.units)
+        if given.dims != must.dims:
+            yield f"'{must.name}' over {given.dims}; it must be over {must.dims}."
+        if given.dtype.kind not in "fiu":
+            yield f"'{must.name}' as {given.dtype}; it must be real numbers in {must.units}."
+        if units != must.units:
+            yield f"'{must.name}' in {units!r}; it must be in {must.units!r}. Convert the numbers too."

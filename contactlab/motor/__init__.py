@@ -3,9 +3,8 @@
 from contactlab.motor.drive import Drive, TwoMode
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
 
 __all__ = [

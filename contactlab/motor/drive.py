@@ -12,18 +12,13 @@ from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
 from contactlab.parameter import Parameter
 
-MOST_VOLTAGE = 1e5
-"""Over patches of a millimetre; ceramics break down at some 1e3 V."""
-
-MOST_TIME_SCALES = 1e9
-"""Between the tones, and between a tone and a second, which a double tells apart within a run."""
-
-MOST_PHASE = 1e6
-"""Beyond it, a double has fewer than ten digits of the angle within a turn."""
-
-
-_voltage = partial(Parameter, units="V", at_least=-MOST_VOLTAGE, at_most=MOST_VOLTAGE)
-_scale = partial(Parameter, at_least=1.0 / MOST_TIME_SCALES, at_most=MOST_TIME_SCALES)
+# Over patches of a millimetre; ceramics break down at some 1e3 V.
+_voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5)
+# Between the tones, and between a tone and a second, which a double tells apart within a run.
+_scale = partial(Parameter, at_least=1e-9, at_most=1e9)
+# Beyond it, a double has fewer than ten digits of the angle within a turn.
+_PHASE = Parameter("phi", "rad", "phase of the first tone", at_least=-1e6, at_most=1e6)
+_FIRST = _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency.")
 
 
 @final
@@ -33,17 +28,9 @@ class TwoMode(Checked):
 
     voltage_1: Annotated[float, _voltage("U1", meaning="amplitude of the first tone")] = 100.0
     voltage_2: Annotated[float, _voltage("U2", meaning="amplitude of the second tone")] = 100.0
-    frequency: Annotated[
-        float | None,
-        _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency."),
-    ] = None
+    frequency: Annotated[float | None, _FIRST] = None
     frequency_ratio: Annotated[float, _scale("f2/f1", "1", "second tone over first")] = 2.0
-    phase: Annotated[
-        float,
-        Parameter(
-            "phi", "rad", "phase of the first tone", at_least=-MOST_PHASE, at_most=MOST_PHASE
-        ),
-    ] = -pi / 5.0
+    phase: Annotated[float, _PHASE] = -pi / 5.0
 
 
 @final
@@ -84,17 +71,15 @@ class Drive:
         TwoMode(voltage_1, voltage_2, frequency, frequency_ratio, phase)
         first = -1j * voltage_1 * np.exp(1j * phase)
         second = -1j * voltage_2
-        return cls(
-            frequency=np.array([frequency, frequency_ratio * frequency]),
-            phasors=np.array([[first, second], [first, -second]], dtype=np.complex128),
-        )
+        tones = np.array([frequency, frequency_ratio * frequency])
+        return cls(tones, np.array([[first, second], [first, -second]], dtype=np.complex128))
 
     @property
     def angular_frequency(self) -> Array:
         """omega_k [rad/s], shape (tone,)."""
-        return np.asarray(2.0 * np.pi * self.frequency, dtype=np.float64)
+        return 2.0 * np.pi * self.frequency
 
     def voltage(self, time: Array | float) -> Array:
-        """Voltages of both electrodes [V], shape (electrode, *time.shape)."""
+        """Give the voltages of both electrodes [V], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
         return np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)

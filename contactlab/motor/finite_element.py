@@ -1,9 +1,8 @@
 """The converged resonator: Hermite cubic elements, reduced to normal modes with static correction.
 
-The curvature of the beam jumps at a patch edge and under the tip; with nodes there, cubic elements
-follow it and the frequencies converge with the fourth power of the element. Loads of the tip and
-of the electrodes (moments at the patch edges, eq. 31) act on nodes, where cubic elements are exact
-in statics on any mesh.
+The curvature jumps at a patch edge and under the tip; with nodes there, the frequencies converge with
+the fourth power of the element. Loads of the tip and of the electrodes (moments at the patch edges,
+eq. 31) act on nodes, where cubic elements are exact in statics on any mesh.
 
 Modes that are left out carry flexibility that the contact feels. The static correction keeps it
 (MacNeal 1971, Rubin 1975): the responses K^-1 b to unit loads b of tip force, tip moment and both
@@ -19,8 +18,6 @@ once more. Its at most four pseudo-modes are oscillators like the others, with
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from math import ceil
 from typing import Annotated, NamedTuple, final
 
 import numpy as np
@@ -30,20 +27,20 @@ from contactlab.motor.motor import NormalModes
 from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
 from contactlab.parameter import Parameter
 
-MOST_KEPT_MODES = 40
-"""Kept modes whose frequencies are verified to FREQUENCY_ERROR."""
+FREQUENCY_ERROR = 1.2e-6
+"""Relative error of the highest kept frequency, PHASE^4 / 1440 for a uniform beam; lower ones have less."""
 
 PHASE = 0.2
 """Largest element over the wave length / 2 pi of the highest kept mode in its section [rad]."""
-
-FREQUENCY_ERROR = 1.2e-6
-"""Relative error of the highest kept frequency, PHASE^4 / 1440 for a uniform beam; lower ones have less."""
 
 MOST_ELEMENTS = 2000
 """Elements of the whole beam; its dense matrices then have 4000 rows."""
 
 DEPENDENT = 1e-8
 """A unit vector's distance from the others' span at which it is dropped: it adds nothing but round-off."""
+
+# Of as many, the frequencies are verified to FREQUENCY_ERROR.
+_KEPT = Parameter("n", "1", "number of normal modes", at_least=1, at_most=40)
 
 
 @final
@@ -62,9 +59,8 @@ class HermiteBeam:
 
         K^-1 = T T',    K phi = omega^2 M phi  <=>  (T' M T) y = y / omega^2,  phi = omega T y.
 
-    It is the same space as assembled elements span, without their stiffness matrix, whose condition
-    number grows like the fourth power of length over element: a short element beside a long one costs
-    no digit here, and low frequencies keep all of theirs on fine meshes.
+    It is the space of assembled elements without their stiffness matrix, whose condition number grows
+    like the fourth power of length over element: no short element costs a digit here.
 
     Args:
         size: h of every element from the left clamp on [m], shape (element,).
@@ -78,11 +74,6 @@ class HermiteBeam:
     rigidity: Array
 
     @cached_property
-    def nodes(self) -> Array:
-        """Position of every node [m], both clamps included, shape (element + 1,)."""
-        return np.concatenate([[0.0], np.cumsum(self.size)])
-
-    @cached_property
     def shapes(self) -> Array:
         """T [m J^-1/2 and J^-1/2], shape (dof, 2 element), with K^-1 = T T'."""
         h = self.size
@@ -91,7 +82,8 @@ class HermiteBeam:
         count = h.size
         # Row: node at the end of an element; column: element that bends, at or before it.
         before = np.tril(np.ones((count, count)))
-        arm = self.nodes[1:, None] - self.nodes[None, 1:]
+        nodes = np.cumsum(h)
+        arm = nodes[:, None] - nodes
         free = np.zeros((2 * count, 2 * count))
         free[0::2, 0::2] = before * (0.5 * h**2 + h * arm) * constant
         free[0::2, 1::2] = before * (-(h**2) / 6.0) * linear
@@ -100,73 +92,56 @@ class HermiteBeam:
         return np.asarray(free - (free @ clamp) @ clamp.T, dtype=np.float64)
 
     def mass_matrix(self, mass: Array) -> Array:
-        """M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof)."""
+        """Give M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof)."""
         count = self.size.size
         matrix = np.zeros((2 * count + 2, 2 * count + 2))
         for e, (h, m) in enumerate(zip(self.size, mass, strict=True)):
-            matrix[2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += m * h / 420.0 * _element_mass(h)
+            matrix[2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += (m * h / 420.0) * np.array(
+                [
+                    [156.0, 22.0 * h, 54.0, -13.0 * h],
+                    [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
+                    [54.0, 13.0 * h, 156.0, -22.0 * h],
+                    [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
+                ]
+            )
         return matrix[2:, 2:]
 
     def node_at(self, position: float) -> int:
-        """The degree of freedom of the deflection nearest to a position [m]; its slope is the next one.
-
-        Raises:
-            ValueError: at the left clamp, which has no degree of freedom.
-        """
-        node = int(np.abs(self.nodes - position).argmin())
-        if node == 0:
-            raise ValueError(
-                f"The node at {position} m is the left clamp; it must be another, since the clamp "
-                "does not move. Leave its loads out, they do no work."
-            )
-        return 2 * (node - 1)
-
-
-def _element_mass(h: float) -> Array:
-    """The consistent mass matrix of one element over m h / 420."""
-    return np.array(
-        [
-            [156.0, 22.0 * h, 54.0, -13.0 * h],
-            [22.0 * h, 4.0 * h**2, 13.0 * h, -3.0 * h**2],
-            [54.0, 13.0 * h, 156.0, -22.0 * h],
-            [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
-        ]
-    )
+        """Give the degree of freedom of the deflection nearest to a position [m]; its slope is the next."""
+        return 2 * int(np.abs(np.cumsum(self.size) - position).argmin())
 
 
 class Discretisation(NamedTuple):
     """The beam on a mesh, in coordinates y whose stiffness matrix is the identity.
 
     Args:
-        elements: the mesh.
+        shapes: the nodes at x = T y, shape (dof, 2 element).
         mass: M, tip included, on the nodes, shape (dof, dof).
         spread: int psi psi' dx on the nodes [m], shape (dof, dof).
         loads: unit tip force, unit tip moment and 1 V on either electrode, shape (dof, 4).
     """
 
-    elements: HermiteBeam
+    shapes: Array
     mass: Array
     spread: Array
     loads: Array
 
     def lowest(self, count: int) -> tuple[Array, Array]:
-        """Squares omega^2 [1/s^2] of the lowest modes, shape (count,), and their y, shape (2 element, count).
+        """Give omega^2 [1/s^2] of the lowest modes, shape (count,), and their y, shape (2 element, count).
 
         The largest 1 / omega^2 are computed, so that the low frequencies are the most accurate.
         """
-        shapes = self.elements.shapes
-        inverse = shapes.T @ self.mass @ shapes
+        inverse = self.shapes.T @ self.mass @ self.shapes
         largest = [len(inverse) - count, len(inverse) - 1]
         squares, vectors = resolved_eigenpairs(inverse, subset_by_index=largest)
         return 1.0 / squares[::-1], vectors[:, ::-1]
 
     def static_remainder(self, kept: Array) -> tuple[Array, Array]:
-        """The pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.
+        """Give the pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.
 
         Orthogonal in y is orthogonal in stiffness; against eigenvectors it is so in mass as well.
         """
-        shapes = self.elements.shapes
-        static = shapes.T @ self.loads
+        static = self.shapes.T @ self.loads
         remainder = static - kept @ (kept.T @ static)
         # What is left of a vector that the kept modes contain is their round-off.
         remainder -= kept @ (kept.T @ remainder)
@@ -175,7 +150,7 @@ class Discretisation(NamedTuple):
         remainder /= np.linalg.norm(remainder, axis=0)
         basis, independence, _ = np.linalg.svd(remainder, full_matrices=False)
         basis = basis[:, independence > DEPENDENT]
-        nodal = shapes @ basis
+        nodal = self.shapes @ basis
         inverse, vectors = np.linalg.eigh(nodal.T @ self.mass @ nodal)
         return 1.0 / inverse[::-1], basis @ vectors[:, ::-1]
 
@@ -189,33 +164,31 @@ class FiniteElementResonator(PatchedBeam):
     to int psi^2 dx = L as the paper's beam shapes are; a mode's sign is that of u + L theta at the tip.
     """
 
-    kept_modes: Annotated[
-        int, Parameter("n", "1", "number of normal modes", at_least=1, at_most=MOST_KEPT_MODES)
-    ] = 6
+    kept_modes: Annotated[int, _KEPT] = 6
     static_correction: Annotated[
         bool, Parameter("", "1", "whether up to four pseudo-modes stand for the modes left out")
     ] = True
 
     def _solve(self) -> NormalModes:
         """Compute kept modes and pseudo-modes, in ascending order of frequency."""
-        discretisation = self.discretise(self.mesh)
-        squares, vectors = discretisation.lowest(self.kept_modes)
+        beam = self.discretise(self.mesh)
+        squares, vectors = beam.lowest(self.kept_modes)
         if self.static_correction:
-            pseudo_squares, pseudo_vectors = discretisation.static_remainder(vectors)
+            pseudo_squares, pseudo_vectors = beam.static_remainder(vectors)
             squares = np.concatenate([squares, pseudo_squares])
             vectors = np.hstack([vectors, pseudo_vectors])
-        nodal = discretisation.elements.shapes @ vectors * np.sqrt(squares)
-        modal_loads = nodal.T @ discretisation.loads
-        sign = np.where(modal_loads[:, 0] + self.length * modal_loads[:, 1] < 0.0, -1.0, 1.0)
-        modal_loads *= sign[:, None]
-        spread = np.sum(nodal * (discretisation.spread @ nodal), axis=0)
-        coupling = modal_loads[:, 2:].copy()
+        nodal = beam.shapes @ vectors * np.sqrt(squares)
+        loads = nodal.T @ beam.loads
+        loads *= np.where(loads[:, 0] + self.length * loads[:, 1] < 0.0, -1.0, 1.0)[:, None]
+        spread = np.sum(nodal * (beam.spread @ nodal), axis=0)
+        tip_displacement, tip_slope, *electrodes = loads.T.copy()
+        coupling = np.stack(electrodes, axis=1)
         return NormalModes(
             stiffness=squares,
             damping=self.mass_damping + self.stiffness_damping * squares,
             coupling=coupling,
-            tip_displacement=modal_loads[:, 0].copy(),
-            tip_slope=modal_loads[:, 1].copy(),
+            tip_displacement=tip_displacement,
+            tip_slope=tip_slope,
             shape_coupling=coupling * np.sqrt(self.length / spread)[:, None],
         )
 
@@ -225,39 +198,34 @@ class FiniteElementResonator(PatchedBeam):
 
         A frequency on a coarse mesh lies above the true one, so elements that suit it are small enough.
         """
-        share = 4 * self.kept_modes
-        coarse = tuple(ceil(share * size / self.length) + 1 for size, _, _ in self._sections)
-        highest = self.discretise(coarse).lowest(self.kept_modes)[0][-1]
-        counts = []
-        for size, rigidity, mass in self._sections:
-            wave_number = (highest * mass / rigidity) ** 0.25
-            counts.append(max(1, ceil(wave_number * size / PHASE)))
-        if 2 * sum(counts) > MOST_ELEMENTS:
+        size, rigidity, mass = self._sections
+        coarse = np.ceil(4 * self.kept_modes * size / self.length) + 1.0
+        highest = self.discretise(tuple(map(int, coarse))).lowest(self.kept_modes)[0][-1]
+        fine = np.maximum(1.0, np.ceil((highest * mass / rigidity) ** 0.25 * size / PHASE))
+        if (elements := 2.0 * fine.sum()) > MOST_ELEMENTS:
             raise ValueError(
-                f"{self.kept_modes} kept modes need {2 * sum(counts)} elements; there may be "
+                f"{self.kept_modes} kept modes need {elements:.0f} elements; there may be "
                 f"{MOST_ELEMENTS} at most. The paper's motor needs 610 for forty modes: check the "
                 "orders of magnitude of the materials or keep fewer modes."
             )
-        return tuple(counts)
+        return tuple(map(int, fine))
 
     @property
-    def _sections(self) -> list[tuple[float, float, float]]:
+    def _sections(self) -> tuple[Array, Array, Array]:
         """Length [m], bending rigidity [N m^2] and mass per length [kg/m] from the clamp to the centre."""
-        bare = (self.steel_rigidity, self.steel_mass)
-        patched = (self.steel_rigidity + self.layer_rigidity, self.steel_mass + self.layer_mass)
-        edges = (0.0, self.patch_start, self.patch_end, 0.5 * self.length)
-        sections = zip(pairwise(edges), (bare, patched, bare), strict=True)
-        return [(end - start, *section) for (start, end), section in sections if end > start]
+        size = np.diff([0.0, self.patch_start, self.patch_end, 0.5 * self.length])
+        layers = np.array([0.0, 1.0, 0.0])[size > 0.0]
+        rigidity = self.steel_rigidity + layers * self.layer_rigidity
+        return size[size > 0.0], rigidity, self.steel_mass + layers * self.layer_mass
 
     def discretise(self, mesh: tuple[int, ...]) -> Discretisation:
-        """The beam in `mesh[i]` equal elements in section i of its left half, and their mirror images."""
-        half: list[tuple[float, float, float]] = []
-        for (size, rigidity, mass), count in zip(self._sections, mesh, strict=True):
-            half += [(size / count, rigidity, mass)] * count
-        sizes, rigidities, masses = map(np.array, zip(*half, *half[::-1], strict=True))
-        elements = HermiteBeam(sizes, rigidities)
-        matrix = elements.mass_matrix(masses)
-        tip = elements.node_at(0.5 * self.length)
+        """Mesh the beam by `mesh[i]` equal elements in section i of its left half, and their mirrors."""
+        size, rigidity, mass = self._sections
+        halves = (np.repeat(values, mesh) for values in (size / mesh, rigidity, mass))
+        sizes, rigidities, masses = (np.concatenate([half, half[::-1]]) for half in halves)
+        beam = HermiteBeam(sizes, rigidities)
+        matrix = beam.mass_matrix(masses)
+        tip = beam.node_at(0.5 * self.length)
         matrix[tip, tip] += self.tip_mass
         matrix[tip + 1, tip + 1] += self.tip_inertia
         loads = np.zeros((len(matrix), 2 + len(self.patches)))
@@ -266,5 +234,5 @@ class FiniteElementResonator(PatchedBeam):
             for edge, sign in zip(edges, (-1.0, 1.0), strict=True):
                 # A moment on a clamp does no work.
                 if 0.0 < edge < self.length:
-                    loads[elements.node_at(edge) + 1, column] += sign * self.moment_per_voltage
-        return Discretisation(elements, matrix, elements.mass_matrix(np.ones_like(masses)), loads)
+                    loads[beam.node_at(edge) + 1, column] += sign * self.moment_per_voltage
+        return Discretisation(beam.shapes, matrix, beam.mass_matrix(np.ones_like(masses)), loads)

@@ -54,10 +54,4 @@ def contact_frame(
     gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
     nx = -across / distance
     ny = -(radius + excess) / distance
-    return (
-        gap,
-        ny,
-        -tip_length * (cosine * nx + sine * ny),
-        nx,
-        tip_length * (cosine * ny - sine * nx),
-    )
+    return (gap, ny, -tip_length * (cosine * nx + sine * ny), nx, tip_length * (cosine * ny - sine * nx))

@@ -48,17 +48,16 @@ class NormalModes:
     @property
     def natural_frequency(self) -> Array:
         """Undamped natural frequencies f_j [Hz], shape (mode,)."""
-        return np.asarray(np.sqrt(self.stiffness) / (2.0 * np.pi), dtype=np.float64)
+        return np.sqrt(self.stiffness) / (2.0 * np.pi)
 
     @property
     def damping_ratio(self) -> Array:
         """zeta_j [1], shape (mode,); 1 is critical, more is overdamped."""
-        return np.asarray(0.5 * self.damping / np.sqrt(self.stiffness), dtype=np.float64)
+        return 0.5 * self.damping / np.sqrt(self.stiffness)
 
 
-_LOAD = Parameter(
-    "tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative"
-)
+_LOAD = Parameter("tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative")
+_START = Parameter("Omega(0)", "rad s-1", "velocity at the start")
 
 
 @final
@@ -69,20 +68,13 @@ class Rotor(Checked):
     inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
     damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
     load_torque: Annotated[float, _LOAD] = 0.0
-    initial_velocity: Annotated[
-        float, Parameter("Omega(0)", "rad s-1", "velocity at the start")
-    ] = 0.0
+    initial_velocity: Annotated[float, _START] = 0.0
 
 
 @final
 @dataclass(frozen=True)
 class ModalState:
-    """Normal coordinates at t = 0.
-
-    Args:
-        displacement: q [m kg^1/2], shape (mode,).
-        velocity: qd [m s^-1 kg^1/2], shape (mode,).
-    """
+    """Normal coordinates at t = 0: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (mode,)."""
 
     displacement: Array
     velocity: Array
@@ -97,10 +89,7 @@ class Motor(Checked):
     is a belt: `contactlab.testing.plants` builds point masses, blocks and oscillators so.
 
     Args:
-        modes: normal modes of the resonator, from any basis.
-        drive: electrode voltages.
-        geometry: tip, rotor radius and clearance.
-        rotor: rotor inertia and load.
+        modes, drive, geometry, rotor: the resonator in any basis, and what acts on it.
         preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
         start: state at t = 0; None is at rest without displacement.
     """
@@ -114,7 +103,6 @@ class Motor(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        count = self.modes.stiffness.size
         if not np.all(self.modes.stiffness >= 0.0):
             raise ValueError(
                 f"The modes have stiffnesses {self.modes.stiffness} 1/s^2; none may be negative: a "
@@ -125,4 +113,4 @@ class Motor(Checked):
             given |= {"start.displacement": start.displacement, "start.velocity": start.velocity}
         for name, values in given.items():
             if values is not None:
-                check_shape(name, values, (count,), "one number a mode")
+                check_shape(name, values, self.modes.stiffness.shape, "one number a mode")

@@ -22,7 +22,6 @@ MOST_SHAPES = 40
 
 SHAPES = Parameter("n", "1", "number of beam shapes", at_least=1, at_most=MOST_SHAPES)
 
-
 # Finding the nodes on [-1, 1] takes a hundred times as long as using them.
 _gauss_rule = cache(np.polynomial.legendre.leggauss)
 
@@ -36,9 +35,8 @@ def _characteristic(z: float) -> float:
 class ClampedBeam(Checked):
     """The first eigenshapes of a clamped-clamped Bernoulli-Euler beam, in a form that does not cancel.
 
-    The textbook form psi = cosh z - cos z - s (sinh z - sin z), z = b x, subtracts numbers of size
-    exp(b x) from each other and has lost every digit by the twelfth shape. With the small number 1 - s
-    written as 2 eta exp(-b L),
+    The textbook form psi = cosh z - cos z - s (sinh z - sin z), z = b x, subtracts numbers of size exp(b x)
+    and has lost every digit by the twelfth shape. With the small number 1 - s written as 2 eta exp(-b L),
 
         psi = exp(-z) + eta [exp(-(b L - z)) - exp(-(b L + z))] - cos z + s sin z,
         eta = (cos b L - sin b L - exp(-b L)) / (1 - exp(-2 b L) - 2 exp(-b L) sin b L),
@@ -60,7 +58,7 @@ class ClampedBeam(Checked):
     def evaluate(self, position: Array | float, derivative: int = 0) -> Array:
         """Give the shapes [1] or their first or second derivative [1/m, 1/m^2] at positions x [m].
 
-        The shape is (shapes, *position.shape).
+        Of shape (shapes, *position.shape).
         """
         if derivative not in (0, 1, 2):
             raise ValueError(f"The derivative is {derivative}; it must be 0, 1 or 2.")
@@ -71,16 +69,14 @@ class ClampedBeam(Checked):
         decay = np.exp(-bl)
         eta = (np.cos(bl) - np.sin(bl) - decay) / (1.0 - decay**2 - 2.0 * decay * np.sin(bl))
         s = 1.0 - 2.0 * eta * decay
-        near = np.exp(-z)
-        far = np.exp(z - bl)
-        beyond = np.exp(-(z + bl))
+        near, far, beyond = np.exp(-z), np.exp(z - bl), np.exp(-(z + bl))
         if derivative == 0:
-            value = near + eta * (far - beyond) - np.cos(z) + s * np.sin(z)
+            value: Array = near + eta * (far - beyond) - np.cos(z) + s * np.sin(z)
         elif derivative == 1:
             value = b * (-near + eta * (far + beyond) + np.sin(z) + s * np.cos(z))
         else:
             value = b**2 * (near + eta * (far - beyond) + np.cos(z) - s * np.sin(z))
-        return np.asarray(value, dtype=np.float64)
+        return value
 
     def integrate(self, start: float, end: float, derivative: int = 0) -> Array:
         """Give the Gram matrix of a derivative over [start, end], int psi psi' dx, shape (shapes, shapes).
@@ -90,7 +86,8 @@ class ClampedBeam(Checked):
         points, weights = _gauss_rule(8 * self.shapes + 32)
         half = 0.5 * (end - start)
         values = self.evaluate(start + half * (points + 1.0), derivative)
-        return np.asarray((values * (half * weights)) @ values.T, dtype=np.float64)
+        gram: Array = (values * (half * weights)) @ values.T
+        return gram
 
 
 @final
@@ -121,8 +118,8 @@ class RitzMatrices:
         vectors = vectors * np.sign(vectors[largest, np.arange(vectors.shape[1])])
         damping = np.einsum("ij,ik,kj->j", vectors, self.damping, vectors)
         return NormalModes(
-            stiffness=np.asarray(stiffness, dtype=np.float64),
-            damping=np.asarray(damping, dtype=np.float64),
+            stiffness=stiffness,
+            damping=damping,
             coupling=vectors.T @ self.coupling,
             tip_displacement=vectors.T @ self.tip_displacement,
             tip_slope=vectors.T @ self.tip_slope,
@@ -133,23 +130,17 @@ class RitzMatrices:
 @final
 @dataclass(frozen=True)
 class RitzResonator(PatchedBeam):
-    """The patched beam in the paper's basis: eigenshapes of the bare, clamped beam.
+    """The patched beam in the paper's basis: eigenshapes of the bare, clamped beam, four in the paper.
 
-    Four shapes are the paper's; the frequencies of the patched beam converge slowly because smooth
-    shapes cannot bend sharply at a patch edge.
+    The frequencies converge slowly because smooth shapes cannot bend sharply at a patch edge.
     """
 
     shapes: Annotated[int, SHAPES] = 4
 
     @cached_property
-    def beam(self) -> ClampedBeam:
-        """The beam shapes of the basis."""
-        return ClampedBeam(self.length, self.shapes)
-
-    @cached_property
     def matrices(self) -> RitzMatrices:
         """M, C, K, Gamma and C_p of eqs. 19-34."""
-        beam = self.beam
+        beam = ClampedBeam(self.length, self.shapes)
         displacement, slope = (beam.evaluate(0.5 * self.length, order) for order in (0, 1))
         mass = self.steel_mass * beam.integrate(0.0, self.length)
         stiffness = self.steel_rigidity * beam.integrate(0.0, self.length, 2)
@@ -161,18 +152,17 @@ class RitzResonator(PatchedBeam):
             coupling[:, electrode] = self.moment_per_voltage * turn
         mass += self.tip_mass * np.outer(displacement, displacement)
         mass += self.tip_inertia * np.outer(slope, slope)
-        permittivity, extent = self.piezoceramic.permittivity, self.patch_end - self.patch_start
-        capacitance = 2.0 * self.width * permittivity * extent / self.patch_thickness
+        surface = 2.0 * self.width * (self.patch_end - self.patch_start)
+        permittivity = self.piezoceramic.permittivity
         return RitzMatrices(
             mass=mass,
             damping=self.mass_damping * mass + self.stiffness_damping * stiffness,
             stiffness=stiffness,
             coupling=coupling,
-            capacitance=capacitance * np.eye(len(self.patches)),
+            capacitance=permittivity * surface / self.patch_thickness * np.eye(len(self.patches)),
             tip_displacement=displacement,
             tip_slope=slope,
         )
 
     def _solve(self) -> NormalModes:
-        """Compute the normal modes of `matrices`."""
         return self.matrices.modes()

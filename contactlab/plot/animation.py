@@ -1,7 +1,6 @@
 """The frames of an animation: tip, rotor and force in true geometry, and traces with a cursor.
 
-What stands still is drawn once, and every frame adds to it what moves; the frames are the same
-whatever order they are asked for in. The arrow is the force on the rotor.
+What stands still is drawn once, and every frame adds to it what moves.
 """
 
 from typing import Any, Final, cast
@@ -56,12 +55,7 @@ _HEIGHT: Final = 2.0 * _HALF_WIDTH * _SCENE[3] / _SCENE[2] * PIXELS[1] / PIXELS[
 
 
 class Animation:
-    """Draws the frames of a film.
-
-    Args:
-        film: what they show.
-        film_time: how long the animation lasts [s], to say how slow the motion is.
-    """
+    """Draws the frames of a film that lasts some time [s]."""
 
     def __init__(self, film: Film, film_time: float) -> None:
         self.film = film
@@ -126,9 +120,7 @@ class Animation:
         axes.plot(*path.T, color="0.6", linewidth=0.8, scalex=False, scaley=False, zorder=1.5)
         bar = 10.0 ** np.floor(np.log10(0.1 * size))
         left, low = -0.97 * _HALF_WIDTH * size, (_BOTTOM + 0.03) * size
-        axes.plot(
-            [left, left + bar], [low, low], color="black", linewidth=2.0, solid_capstyle="butt"
-        )
+        axes.plot([left, left + bar], [low, low], color="black", linewidth=2.0, solid_capstyle="butt")
         touches = film.normal.any() or film.friction.any()
         longest = f", longest {film.peak:.3g} N" if touches else ": none"
         words = (
@@ -143,17 +135,13 @@ class Animation:
     def _draw_traces(self) -> list[Axes]:
         """Draw normal force and rotor velocity below the scene, with the contact modes shaded."""
         run, (unit, scale) = self.film.run, self.film.run.unit
-        rows = self.figure.add_gridspec(
-            2, 1, left=0.115, right=0.975, top=0.345, bottom=0.085, hspace=0.2
-        )
+        rows = self.figure.add_gridspec(2, 1, left=0.115, right=0.975, top=0.345, bottom=0.085, hspace=0.2)
         force = self.figure.add_subplot(rows[0])
         velocity = self.figure.add_subplot(rows[1], sharex=force)
         edges = (run.time - run.start) / scale
         _, means = line = steps(edges, run.series["normal_force"].values[1:])
         force.plot(*line, color="black")
-        velocity.plot(
-            *envelope(edges, drawable(run.series["rotor_velocity"].values)), color="black"
-        )
+        velocity.plot(*envelope(edges, drawable(run.series["rotor_velocity"].values)), color="black")
         for axes in (force, velocity):
             shade(axes, run, run.start)
             axes.locator_params(axis="y", nbins=4)
@@ -176,12 +164,9 @@ class Animation:
         self.tip = Polygon(nothing, edgecolor="0.2", linewidth=1.0, zorder=3, **moving)
         self.arrow = Polygon(nothing, edgecolor="black", linewidth=0.6, zorder=4, **moving)
         self.components = [
-            Polygon(nothing, facecolor="black", edgecolor="none", zorder=5, **moving)
-            for _ in range(2)
+            Polygon(nothing, facecolor="black", edgecolor="none", zorder=5, **moving) for _ in range(2)
         ]
-        self.cursors = [
-            axes.axvline(0.0, color=COLOURS["fault"], linewidth=1.5, **moving) for axes in traces
-        ]
+        self.cursors = [axes.axvline(0.0, color=COLOURS["fault"], linewidth=1.5, **moving) for axes in traces]
         self.mode = self.figure.text(
             0.98, 0.975, "", va="top", ha="right", fontsize=12, fontweight="bold", **moving
         )
@@ -239,14 +224,9 @@ def _steady(values: Array, number: int) -> str:
 
 
 def arrow_outline(vector: Array, width: float) -> Array:
-    """Give an arrow from the origin; its apex, the fourth of seven corners, lies at the vector itself.
+    """Give the corners of an arrow from the origin, shape (7, 2); the fourth, its apex, is the vector itself.
 
-    Args:
-        vector: shape (2,).
-        width: of the shaft; an arrow shorter than its head is a smaller head.
-
-    Returns:
-        Corners, shape (7, 2).
+    One that is shorter than its head is a smaller head.
     """
     length = float(np.hypot(*vector))
     if not length > 0.0:

@@ -1,7 +1,7 @@
-"""An animation as a file, GIF or MP4, that stands under its name only when whole.
+"""An animation as a file, GIF or MP4.
 
-matplotlib's own writers are not used: they choose colours for every frame, so that what stands still
-flickers, and they round the time of a frame, so that the film is too short.
+matplotlib's own writers choose colours for every frame, so that what stands still flickers, and round the
+time of a frame, so that the film is too short.
 """
 
 import errno
@@ -26,13 +26,7 @@ class NoEncoderError(RuntimeError):
 
 
 def write_gif(animation: Animation, fps: float, path: Path, watch: Watch = iter) -> None:
-    """Write a GIF that repeats for ever. The same frames give the same bytes.
-
-    Args:
-        animation: what it shows.
-        fps: frames a second, at most 50; viewers slow down shorter ones.
-        path: in a folder that exists.
-        watch: progress.
+    """Write a GIF that repeats for ever, of at most 50 frames a second; the same frames give the same bytes.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -124,8 +118,10 @@ def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter)
 
 
 def _feed(command: list[str], images: Iterator[bytes]) -> None:
-    """Start the encoder and give it the images; it ends with the body, whatever happens."""
-    # Ctrl-C is for us: in a session of its own the encoder does not die first and look like a fault.
+    """Give the images to an encoder that ends with this, whatever happens.
+
+    In a session of its own it does not die of Ctrl-C first and look like a fault.
+    """
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
     ) as process:

@@ -71,10 +71,7 @@ class Film:
         # 1 - cos without cancellation.
         versine = 2.0 * np.sin(0.5 * angle) ** 2
         return np.column_stack(
-            (
-                (self.run.radius + height) * np.sin(angle),
-                self.run.radius * versine - height * np.cos(angle),
-            )
+            ((self.run.radius + height) * np.sin(angle), self.run.radius * versine - height * np.cos(angle))
         )
 
     def axes_of_contact(self, frame: int) -> tuple[Array, Array]:
@@ -110,9 +107,7 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
         # What is larger than the motor itself has diverged.
         values = np.where(np.abs(recorded(name)) < size, recorded(name), np.nan)
         if not np.isfinite(values).any():
-            raise UnfitRunError(
-                f"has diverged between {start:g} s and {end:g} s, there is nothing to draw"
-            )
+            raise UnfitRunError(f"has diverged between {start:g} s and {end:g} s, there is nothing to draw")
         return values
 
     def clock(times: Array) -> Array:

@@ -1,8 +1,6 @@
-"""The overview picture of a run.
+"""The overview of a run: rotor velocity, path of the tip end, and gap and force of the last drive periods.
 
-Four panels: the rotor's velocity over the whole run, the path of the tip end beside the rotor's
-surface, and gap and normal force over the last drive periods with the contact modes shaded. Only
-matplotlib's objects are used, so that nothing of a caller's own figures or settings changes.
+Only matplotlib's objects are used, so that nothing of a caller's own figures or settings changes.
 """
 
 from pathlib import Path
@@ -17,15 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from contactlab.arrays import Array
-from contactlab.plot.recording import (
-    COLUMNS,
-    Recording,
-    drawable,
-    envelope,
-    extent,
-    recording_of,
-    steps,
-)
+from contactlab.plot.recording import COLUMNS, Recording, drawable, envelope, extent, recording_of, steps
 from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end
@@ -58,11 +48,7 @@ _SIZE: Final = (7.1, 5.9)
 
 
 def overview(tree: xarray.DataTree, path: Path) -> None:
-    """Draw a run and write the picture as PNG.
-
-    Args:
-        tree: a run as from `contactlab.results.netcdf.to_datatree`, complete or not.
-        path: of the picture, in a folder that exists.
+    """Draw a run, complete or not, and write the picture as PNG.
 
     Raises:
         OSError: the folder is missing, not writable or full.
@@ -74,11 +60,7 @@ def overview(tree: xarray.DataTree, path: Path) -> None:
 
 
 def draw_overview(tree: xarray.DataTree) -> Figure:
-    """Draw a run, complete or not: `overview` without the file.
-
-    Returns:
-        A figure with the axes velocity, path, gap and force, in this order.
-    """
+    """Draw a run, complete or not, into the axes velocity, path, gap and force."""
     run = recording_of(tree)
     window = run.between(run.end - PERIODS * run.period, run.end)
     with rc_context(DENSE):
@@ -141,17 +123,13 @@ def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
     time, velocity = float(np.ptp(root["time"].values)), float(root["rotor_velocity"][-1])
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
-    text = (
-        f"{root.attrs['law']}: {contacts} in {prefixed(time, 's')}, "
-        f"rotor velocity {speed} rad/s at the end"
-    )
-    complete = bool(root.attrs["complete"])
-    if not complete:
-        ending = root.attrs["ending"]
+    text = f"{root.attrs['law']}: {contacts} in {prefixed(time, 's')}, "
+    text += f"rotor velocity {speed} rad/s at the end"
+    colour = "black"
+    if not root.attrs["complete"]:
+        ending, colour = root.attrs["ending"], COLOURS["fault"]
         text += f" \u2013 {ending if reached_end(root.attrs) else f'incomplete: {ending}'}"
-    figure.text(
-        0.012, 0.985, text, va="top", fontsize=9, color="black" if complete else COLOURS["fault"]
-    )
+    figure.text(0.012, 0.985, text, va="top", fontsize=9, color=colour)
 
 
 def _draw_velocity(axes: Axes, run: Recording) -> None:

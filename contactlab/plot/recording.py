@@ -119,9 +119,7 @@ def recording_of(tree: xarray.DataTree) -> Recording:
             "configuration"
         ) from fault
     if not (0.0 < tip_length < np.inf and 0.0 < radius < np.inf and 0.0 <= frequency < np.inf):
-        raise UnfitRunError(
-            "has a tip length, a rotor radius or a drive frequency that is not positive"
-        )
+        raise UnfitRunError("has a tip length, a rotor radius or a drive frequency that is not positive")
     time = root["time"].values
     return Recording(
         series=root,
@@ -136,17 +134,10 @@ def recording_of(tree: xarray.DataTree) -> Recording:
 
 
 def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str, Array]:
-    """Find the times of slip and stick.
+    """Give starts and ends of slip and of stick in the order of time [s], shape (span, 2).
 
     A contact begins and ends when its row says so; inside, the mode changes half-way between two
     records that differ. A contact without a record inside takes the mode of its larger part.
-
-    Args:
-        series: `time` [s] and `contact_mode`, shape (time,).
-        contacts: `start_time`, `duration` and `stick_duration` [s], shape (contact,).
-
-    Returns:
-        For slip and stick each, starts and ends [s], shape (span, 2), in the order of time.
     """
     starts, duration = contacts["start_time"].values, contacts["duration"].values
     ends = starts + duration
@@ -194,10 +185,6 @@ def envelope(x: Array, y: Array) -> tuple[Array, Array]:
 
     Every column keeps its first and its last point and spans its smallest to its largest value,
     so no peak is lost and no slope is drawn that is not there.
-
-    Args:
-        x: ascending, shape (point,).
-        y: shape (point,), NaN where nothing is drawn.
     """
     if x.size <= 4 * COLUMNS:
         return x, y

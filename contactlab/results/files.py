@@ -27,9 +27,7 @@ FOREIGN_AFTER: Final = 7 * 24 * 3600.0
 """Seconds without a change after which a file of another machine, whose processes cannot be asked, is taken
 for left: what is being written changes all the time."""
 
-_PARTIAL: Final = re.compile(
-    r"\..+\.((?P<machine>[0-9a-f]{8})-(?P<process>\d+)-)?[0-9a-f]{8}\.partial"
-)
+_PARTIAL: Final = re.compile(r"\..+\.((?P<machine>[0-9a-f]{8})-(?P<process>\d+)-)?[0-9a-f]{8}\.partial")
 
 _WITHOUT_LINKS: Final = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
 """How a file system tells that a file cannot have two names."""

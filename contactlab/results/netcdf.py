@@ -38,9 +38,7 @@ TITLE: Final = "Standing-wave piezoelectric motor with the contact law "
 """What the title of a run begins with; that of its law follows."""
 
 
-def to_datatree(
-    trajectory: Trajectory, configuration: Mapping[str, object] | None = None
-) -> xarray.DataTree:
+def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | None = None) -> xarray.DataTree:
     """Give a run as an xarray tree, whose arrays are those of the trajectory.
 
     Args:
@@ -68,9 +66,7 @@ def to_datatree(
     root = xarray.Dataset(
         _columns((*variables.SERIES, variables.CONTACT_MODE, *variables.RESONATOR), values),
         coords=_columns((variables.TIME,), values),
-        attrs=_attributes(
-            trajectory, configuration or settings_of(trajectory.motor, trajectory.law)
-        ),
+        attrs=_attributes(trajectory, configuration or settings_of(trajectory.motor, trajectory.law)),
     )
     contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
     groups = {"/": root, "/contacts": contacts}
@@ -131,9 +127,7 @@ def write_tree(tree: xarray.DataTree, path: Path) -> str:
         OSError: the folder is missing, not writable or full.
     """
     encoding = {
-        node.path: {
-            name: _encoding(v) for name, v in node.to_dataset(inherit=False).variables.items()
-        }
+        node.path: {name: _encoding(v) for name, v in node.to_dataset(inherit=False).variables.items()}
         for node in tree.subtree
     }
     with whole_netcdf(path) as partial:

@@ -50,9 +50,7 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
     lines["ledger residual"] = _residual(root)
     if wall_time is not None:
         pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
-        lines["speed"] = (
-            f"{prefixed(end - start, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
-        )
+        lines["speed"] = f"{prefixed(end - start, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
     if wedged := json.loads(attributes["solver_statistics"]).get("wedged_steps", 0):
         lines["Painleve's paradox"] = (
             f"{wedged} steps in contact with several solutions: what slid was released, what stuck was held"

@@ -17,6 +17,7 @@ MOST_CORRECTIONS: Final = 10
 
 GROWTH: Final = 1.5
 
+
 @final
 @dataclass(frozen=True)
 class Point:
@@ -38,6 +39,7 @@ def continue_branch(
     size = float(np.linalg.norm(first.state))
     scale = abs(end - value)
     smallest = smallest or step * 1e-4
+
     def residual(y: Array) -> Array:
         try:
             z = y[:-1] * size
@@ -46,7 +48,8 @@ def continue_branch(
             return np.full(y.size - 1, np.inf)
 
     def along_parameter(y: Array) -> Array:
-        h = np.zeros_like(y); h[-1] = STEP
+        h = np.zeros_like(y)
+        h[-1] = STEP
         return (residual(y + h) - residual(y - h)) / (2.0 * STEP)
 
     y = np.append(first.state / size, 0.0)
@@ -66,7 +69,9 @@ def continue_branch(
                 break
             B = np.vstack([J, tangent])
             dy = -np.linalg.solve(B, r)
-            if np.linalg.norm(new + dy - guess) > ds: r[0] = np.inf; break
+            if np.linalg.norm(new + dy - guess) > ds:
+                r[0] = np.inf
+                break
             after = np.append(residual(new + dy), tangent @ (new + dy - guess))
             J = J + np.outer(after[:-1] - r[:-1] - J @ dy, dy) / (dy @ dy)
             new, r = new + dy, after
@@ -85,7 +90,8 @@ def continue_branch(
         jac = np.column_stack([jz - np.eye(z.size), along_parameter(y)])
         t = _null(jac)
         tangent = t * (np.sign(t @ tangent) or 1.0)
-        if it <= 3: ds = min(ds * GROWTH, 4 * step)
+        if it <= 3:
+            ds = min(ds * GROWTH, 4 * step)
         if not (min(value, end) <= p <= max(value, end)):
             break
     return found

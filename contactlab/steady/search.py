@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import Any, Final, final
+from typing import Final, final
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.simulation import Solution, setup_of
+from contactlab.simulation import setup_of
 from contactlab.steady.period_map import BrokenOffError, PeriodMap
 from contactlab.steady.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.steady.statistics import chaos_indicator, mean_with_error, repeats_after
@@ -127,7 +127,10 @@ def steady(
         run = clock.run(z, more, RECORDS if more == WARM_UP else 1)
         z, done = clock.end_of(run), done + more
         last = clock.run(z, 1, RECORDS)
-        if not last.contacts["start_time"].size and run.contacts["start_time"][-1:].sum() < 0.5 * run.duration:
+        if (
+            not last.contacts["start_time"].size
+            and run.contacts["start_time"][-1:].sum() < 0.5 * run.duration
+        ):
             return Steady(setup, "without contact", 1, last, None, done, belt)
         phase = _section_of(last)
         if phase is not None:

@@ -40,8 +40,8 @@ class Orbit:
         state: z at the section.
         closure: |P(z) - z| over |z|.
         jacobian: dP/dz there.
-        roughness: |J_1 - J_2| over |J_1| of differences in steps of `STEP` and of ten times that; large where
-            the map is not smooth.
+        roughness: relative change of the derivative along one direction when the step of its difference is a
+            hundred times as long; large where the map is not smooth.
     """
 
     map: PeriodMap
@@ -75,8 +75,8 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
         NoOrbitError: there is none near it.
         KeyboardInterrupt: as it comes.
     """
-    residual = section(z) - z
-    jacobian = section.jacobian(z, STEP)
+    image = section(z)
+    residual, jacobian = image - z, section.rough_jacobian(z, image, STEP)
     fresh, radius = True, 0.5 * float(np.linalg.norm(z))
     for _ in range(MOST_ITERATIONS):
         if np.linalg.norm(residual) <= CLOSED * np.linalg.norm(z):
@@ -99,17 +99,18 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
                 if radius < STEP * np.linalg.norm(z):
                     raise NoOrbitError(f"steps shrink to {radius:.1e} and lead no further")
             else:
-                jacobian, fresh = section.jacobian(z, STEP), True
+                jacobian, fresh = section.rough_jacobian(z, residual + z, STEP), True
     else:
         left = np.linalg.norm(residual) / np.linalg.norm(z)
         raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {left:.1e} of the state")
-    coarse, jacobian = section.jacobian(z, 10.0 * STEP), section.jacobian(z, STEP)
+    jacobian, along = section.jacobian(z, STEP), np.ones(z.size) / np.sqrt(z.size)
+    fine, coarse = jacobian @ along, section.derivative(z, along, 100.0 * STEP)
     return Orbit(
         map=section,
         state=z,
         closure=float(np.linalg.norm(residual) / np.linalg.norm(z)),
         jacobian=jacobian,
-        roughness=float(np.linalg.norm(coarse - jacobian) / np.linalg.norm(jacobian)),
+        roughness=float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine)),
     )
 
 

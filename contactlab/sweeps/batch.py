@@ -1,9 +1,8 @@
 """Many runs in one go, by one process or several: what became of each, and the metrics that were asked for.
 
-One run follows the other and is handed what like motors have in common; its numbers are the same to the
-last bit wherever and after whatever it runs. Workers are processes, since a short run is half Python; they
-are forked where that can be done, with the engine loaded, so that they start at once and take over whatever
-makes the motors.
+The numbers of a run are the same to the last bit wherever and after whatever it runs. Workers are processes,
+since a short run is half Python; they are forked where that can be done, with the engine loaded, so that they
+start at once and take over whatever makes the motors.
 """
 
 import gc
@@ -12,9 +11,11 @@ import os
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from math import ceil
 from typing import Any, Final, final
@@ -23,17 +24,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.engine import prepare, simulate
+from contactlab.engine import prepare
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.engine.propagator import Workspace
 from contactlab.laws import LawError
-from contactlab.metrics import Run, assess
-from contactlab.sweeps.plan import Outputs
+from contactlab.metrics import METRICS, Run, assess
+from contactlab.suggestion import suggestion
+from contactlab.sweeps.dataset import SERIES
 from contactlab.sweeps.state import Status, status_of
+from contactlab.sweeps.values import listed
 
 Answers = dict[str, NDArray[Any]]
-"""What some runs gave, a row each: metrics by key, series as NAME_series, NaN where there is none, `status`
-and `reason`; and `time`, that of the records of the series in all runs."""
+"""What runs gave, a row each: metrics, NAME_series, `status` and `reason`; and the `time` of all series."""
 
 SetupAt = Callable[[int], Setup]
 """What runs in a cell; it may raise a `ConfigurationError`, which makes the cell a refused one."""
@@ -59,6 +60,41 @@ def processors() -> int:
 
 
 @final
+@dataclass(frozen=True)
+class Outputs:
+    """Names what is kept of every run: metrics of `contactlab.metrics.METRICS`, and series kept whole."""
+
+    metrics: tuple[str, ...] = tuple(key for key, metric in METRICS.items() if metric.usual)
+    series: tuple[str, ...] = ()
+
+    @classmethod
+    def named(cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str) -> "Outputs":
+        """Take names, each once; None stands for the usual metrics and 'all' for all of them.
+
+        Raises:
+            ConfigurationError: a name that is no metric or no series, or nothing at all.
+        """
+        chosen = cls.metrics if metrics is None else METRICS if metrics == "all" else metrics
+        asked, faults = [], []
+        for kind, names, known in (("metric", chosen, [*METRICS]), ("series", series, [*SERIES])):
+            asked.append(tuple(dict.fromkeys(listed(names) if isinstance(names, str) else names)))
+            for name in sorted({*asked[-1]} - {*known}):
+                hint = suggestion(name, known, f"One is {known[0]}.")
+                there = ", ".join(known)
+                faults.append(f"There is no {kind} '{name}'; it must be one of {there}. {hint}")
+        if not any(asked):
+            faults.append("Nothing is asked for; there must be one metric or series at least.")
+        if faults:
+            raise ConfigurationError(faults)
+        return cls(*asked)
+
+    @property
+    def sampled(self) -> bool:
+        """Whether more records than the last are needed."""
+        return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics)
+
+
+@final
 class Batch:
     """Runs cells of one sweep, by processes whose number changes no bit. A context manager.
 
@@ -66,11 +102,7 @@ class Batch:
     """
 
     def __init__(
-        self,
-        setup_at: SetupAt,
-        outputs: Outputs,
-        workers: int | None = None,
-        report: Report | None = None,
+        self, setup_at: SetupAt, outputs: Outputs, workers: int | None = None, report: Report | None = None
     ) -> None:
         self._task = (setup_at, outputs)
         self._count = workers or processors()
@@ -83,12 +115,11 @@ class Batch:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        if self._executor is None:
-            return
-        # Whatever they are at is not wanted any more: a run may take minutes.
-        for process in set(multiprocessing.active_children()) - self._others:
-            process.terminate()
-        self._executor.shutdown(cancel_futures=True)
+        if self._executor is not None:
+            # Whatever they are at is not wanted any more: a run may take minutes.
+            for process in set(multiprocessing.active_children()) - self._others:
+                process.terminate()
+            self._executor.shutdown(cancel_futures=True)
 
     def answers(self, cells: Sequence[int]) -> Answers:
         """Run some cells; a WorkerError tells that a worker died."""
@@ -97,16 +128,7 @@ class Batch:
         pieces = [cells[at : at + size] for at in range(0, len(cells), size)]
         parts = []
         try:
-            if count < 2:
-                ended: Iterator[Answers] = map(partial(_answers, *self._task, Workspace()), pieces)
-            else:
-                executor = self._started(cells)
-                # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have:
-                # the workers do not ask for them.
-                with warnings.catch_warnings():
-                    warnings.filterwarnings("ignore", "This process", DeprecationWarning)
-                    ended = executor.map(_work, pieces)
-            for part in ended:
+            for part in self._ended(pieces, count):
                 parts.append(part)
                 self._done += part["status"].size
                 if self._report:
@@ -118,24 +140,26 @@ class Batch:
             ) from error
         return joined(parts)
 
-    def _started(self, cells: Sequence[int]) -> ProcessPoolExecutor:
-        """Give the workers, begun with the engine loaded, so that none has to load it."""
+    def _ended(self, pieces: Sequence[Sequence[int]], count: int) -> Iterable[Answers]:
+        """Give the answers of pieces one by one, from workers where there is to be more than one."""
+        if count < 2:
+            return map(partial(_answers, *self._task), pieces)
         if self._executor is None:
-            for cell in cells:
-                try:
+            # With the engine loaded here none has to load it; a cell's own run tells what is wrong.
+            for cell in pieces[0]:
+                with suppress(Exception):
                     setup = self._task[0](cell)
                     prepare(setup.motor, setup.law)
                     break
-                # The cell's own run tells of it.
-                except Exception:
-                    continue
+            context = multiprocessing.get_context(START_METHOD)
             self._executor = ProcessPoolExecutor(
-                self._count,
-                mp_context=multiprocessing.get_context(START_METHOD),
-                initializer=_begin,
-                initargs=self._task,
+                self._count, mp_context=context, initializer=_begin, initargs=self._task
             )
-        return self._executor
+        # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have:
+        # the workers do not ask for them.
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "This process", DeprecationWarning)
+            return self._executor.map(_work, pieces)
 
 
 _WORKER: Final[list[Callable[[Sequence[int]], Answers]]] = []
@@ -151,7 +175,7 @@ def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     # What is there stays as it is: looking it over would copy the memory that a fork shares.
     gc.freeze()
-    _WORKER[:] = [partial(_answers, setup_at, outputs, Workspace())]
+    _WORKER[:] = [partial(_answers, setup_at, outputs)]
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -166,45 +190,33 @@ def _work(cells: Sequence[int]) -> Answers:
     return _WORKER[0](cells)
 
 
-def _answers(
-    setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cells: Sequence[int]
-) -> Answers:
-    return joined([_run(setup_at, outputs, workspace, cell) for cell in cells])
+def _answers(setup_at: SetupAt, outputs: Outputs, cells: Sequence[int]) -> Answers:
+    return joined([_run(setup_at, outputs, cell) for cell in cells])
 
 
 def joined(parts: Sequence[Answers]) -> Answers:
     """Give the answers of all parts, one after the other; NaN where a part has no records."""
     time = max((part["time"] for part in parts), key=len)
 
-    def rows(part: Answers, name: str) -> NDArray[Any]:
-        found = part[name]
-        return found if found.ndim == 1 or found.size else np.full((len(found), time.size), np.nan)
+    def rows(values: NDArray[Any]) -> NDArray[Any]:
+        # Only series may have no size.
+        return values if values.size else np.full((len(values), time.size), np.nan)
 
     names = [name for name in parts[0] if name != "time"]
-    return {name: np.concatenate([rows(part, name) for part in parts]) for name in names} | {
-        "time": time
-    }
+    found = {name: np.concatenate([rows(part[name]) for part in parts]) for name in names}
+    return {**found, "time": time}
 
 
-def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -> Answers:
+def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
     """Run one cell: what became of it and why, with its numbers where it reached its end."""
-    metrics = dict.fromkeys(outputs.metrics, np.nan)
+    metrics, status = dict.fromkeys(outputs.metrics, np.nan), Status.FAILED
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
     try:
         setup = setup_at(cell)
-        run = simulate(
-            setup.motor,
-            setup.law,
-            duration=setup.duration,
-            record_interval=outputs.interval(setup),
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-            workspace=workspace,
-        )
+        run = setup.run(record_interval=setup.record_interval if outputs.sampled else setup.duration)
         status, reason = status_of(run.ending), run.message
         if run.ending.reached_end:
-            found = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)
-            metrics = {key: found[key] for key in outputs.metrics}
+            metrics = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)
             if outputs.series:
                 # A series alone, not the memory of all that the run has recorded.
                 series = {name: run.series[name].copy() for name in outputs.series}
@@ -212,7 +224,7 @@ def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -
     except ConfigurationError as error:
         status, reason = Status.REFUSED, " ".join(error.faults)
     except LawError as error:
-        status, reason = Status.FAILED, str(error)
+        reason = str(error)
     # The others shall not suffer from what one of ten thousand runs into.
     except Exception as error:
         # That a cluster's time is up is no result of the cell: the chunk is to be made again.
@@ -220,7 +232,7 @@ def _run(setup_at: SetupAt, outputs: Outputs, workspace: Workspace, cell: int) -
             raise
         status, reason = Status.FAILED, f"The run ended in {type(error).__name__}: {error}"
     return {
-        **{key: np.array([value]) for key, value in metrics.items()},
+        **{key: np.array([metrics[key]]) for key in outputs.metrics},
         "status": np.array([status], dtype=np.int8),
         "reason": np.array([reason]),
         **{f"{name}_series": rows[np.newaxis] for name, rows in series.items()},

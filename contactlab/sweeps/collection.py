@@ -3,81 +3,76 @@
 Runs lie over their parameters as a grid where they form one, else one after the other.
 """
 
+import os
 import re
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
+from types import NoneType
 from typing import Any, Final, final
 
 import numpy as np
+import pandas
 import xarray
 import yaml
 from numpy.typing import NDArray
+from xarray.indexes import PandasMultiIndex
 
 from contactlab.config import validate
+from contactlab.config.faults import one_line
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
-from contactlab.metrics import METRICS, read_run
+from contactlab.metrics import assess, is_complete, read_run
 from contactlab.parameter import Parameter
 from contactlab.results import files
+from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import checkout_state
-from contactlab.sweeps.dataset import (
-    DATASET,
-    SERIES,
-    Axis,
-    Slab,
-    counts_of,
-    dataset_of,
-    text_of,
-    write,
-)
-from contactlab.sweeps.discovery import FoundRun, discovered
-from contactlab.sweeps.state import Status, common_of, read_manifest
-from contactlab.sweeps.store import Store
+from contactlab.sweeps.batch import Outputs
+from contactlab.sweeps.dataset import DATASET, REASONS, RUN, Axis, Slab, dataset_of, text_of, write
+from contactlab.sweeps.state import RUNNING, Job, Status, read_state, status_of
+from contactlab.sweeps.store import Store, read_plan
 from contactlab.sweeps.values import SweepError
+from contactlab.trajectory import Ending
 
 NOT_ASKED: Final = "No run was asked for."
 """The reason of a cell of a grid that no run has."""
+
+MOST_EMPTY: Final = 2
+"""Cells of a grid over runs; a sweep that was cut or extended still is one."""
 
 _KEY: Final = re.compile(r"\w+(\.\w+)+")
 _GROUP: Final = re.compile(r"\w+(/\w+)*")
 """What can be a key or a group; a configuration of one's own may be anything."""
 
-MOST_EMPTY: Final = 2
-"""Cells of a grid over runs; a sweep that was cut or extended still is one."""
+_OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
+
+_WITH_NUMBERS: Final = {status_of(ending) for ending in Ending if ending.reached_end}
 
 
 @final
-@dataclass(frozen=True)
-class Layout:
-    """Tells where every run stands."""
+@dataclass
+class FoundRun:
+    """Tells what became of a run in a folder, by its name seen from the folder that is collected.
 
-    axes: Sequence[Axis]
-    """The parameters along the dimensions, or along the one dimension of the runs."""
-    beside: Sequence[Axis]
-    """Parameters that follow from those of the axes, a value a cell."""
-    shape: tuple[int, ...]
-    place: NDArray[np.intp]
-    """Of every run among the cells in C order, shape (run,)."""
-    grid: bool
-    """Whether each axis is a dimension."""
+    What it was asked for may not be known; metrics are empty where it did not reach its end.
+    """
 
-    def spread(self, values: Sequence[Any], empty: Any) -> NDArray[Any]:
-        """Give one value a run, all of the kind of `empty`, in the order of the cells."""
-        kind = object if isinstance(empty, str) else np.asarray(empty).dtype
-        cells = np.full(prod(self.shape), empty, dtype=kind)
-        cells[self.place] = np.asarray(values, dtype=kind)
-        return cells
+    name: str
+    folder: Path
+    asked: bool
+    job: Job
+    status: Status = Status.COMPLETE
+    reason: str = ""
+    metrics: Mapping[str, float] = field(default_factory=dict)
 
 
 def collect(
     directory: str | Path,
     output: str | Path | None = None,
-    series: Sequence[str] = (),
-    metrics: Sequence[str] = (),
+    series: Sequence[str] | str = (),
+    metrics: Sequence[str] | str = (),
 ) -> xarray.Dataset:
     """Collect every run below a folder into one dataset, written to a file, whole or not at all.
 
@@ -86,8 +81,8 @@ def collect(
     Args:
         directory: of a sweep, of several, or of any runs.
         output: the file; without, `sweep.nc` in the directory.
-        series: time series that go into the group `series` of the file, over the cells and `time`.
-        metrics: those of `contactlab.metrics.METRICS` that are wanted; all where none is named.
+        series: those that go into the group `series` of the file, over the cells and `time`.
+        metrics: keys of `contactlab.metrics.METRICS`; all where none is named.
 
     Returns:
         The metrics over the parameters that differ between runs: a dimension each if the runs form a
@@ -96,8 +91,8 @@ def collect(
         the attribute `source` of the dataset's `encoding`.
 
     Raises:
-        SweepError: there is no such folder, no run in it, no such series, or the series of the runs are
-            at different times.
+        ConfigurationError: there is no such metric or series.
+        SweepError: there is no such folder or no run in it, or the series of the runs are at different times.
         OSError: the file cannot be written.
     """
     directory = Path(directory)
@@ -106,144 +101,160 @@ def collect(
             f"'{directory}' is not there; it must be a folder of runs. "
             "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
         )
-    keep = read_manifest(directory).keep
-    if keep == "metrics":
+    plan = read_plan(directory)
+    if plan and plan.keep == "metrics":
         if output or series or metrics:
             raise SweepError(
                 f"'{directory}' is the folder of a sweep that keeps metrics, whose dataset is its {DATASET} "
                 "with the series that it keeps; another file and other series must be left out."
             )
-        return Store.opened(directory).merge()
-    if unknown := [name for name in series if name not in SERIES]:
-        raise SweepError(
-            f"{', '.join(unknown)} is no time series; it must be of {', '.join(SERIES)}."
-        )
-    runs = list(discovered(directory))
-    if not runs:
+        return Store(directory, plan).merge()
+    outputs = Outputs.named(metrics or "all", series)
+    if not (runs := list(discovered(directory))):
         raise SweepError(
             f"'{directory}' holds no run, nor does a folder below it; it must hold one at least. "
             f"A run leaves one: contactlab hydra.run.dir={directory}"
         )
-    layout = _layout_of(runs, samples=keep == "samples")
-    dataset = _dataset(runs, layout, metrics or tuple(METRICS))
+    dataset = _dataset(runs, outputs.metrics)
+    if dims := [] if plan and plan.samples else _dimensions(dataset):
+        texts = {name: "" for name, found in dataset.variables.items() if found.dtype.kind == "O"}
+        empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_ASKED}
+        dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(RUN, fill_value=empty)
+        dataset.attrs["complete"] = int(not dataset["status"].any())
     path = directory / DATASET if output is None else Path(output)
-    names = list(dict.fromkeys(series))
-    write(dataset, path, names, lambda: _slabs(runs, layout, names))
+    with files.whole_netcdf(path) as partial:
+        write(dataset, partial, outputs.series, lambda: _slabs(runs, dataset, outputs.series))
     dataset.encoding["source"] = str(path)
     return dataset
 
 
-def _dataset(runs: Sequence[FoundRun], layout: Layout, metrics: Sequence[str]) -> xarray.Dataset:
-    # Runs whose configuration is not known do not count.
-    known = [run.configuration for run in runs if run.configuration]
-    sections = [configuration.get("law") for configuration in known]
-    laws = {str(section.get("name")) for section in sections if isinstance(section, dict)}
-    common = nested(common_of([*map(flat, known)]))
-    revision, dirty = checkout_state()
-    status = [run.status for run in runs]
-    columns = {
-        **{
-            key: layout.spread([run.metrics.get(key, np.nan) for run in runs], np.nan)
-            for key in metrics
-        },
-        "status": layout.spread(status, np.int8(Status.ABSENT)),
-        "reason": layout.spread([run.reason for run in runs], NOT_ASKED),
-        "job": layout.spread([run.name for run in runs], ""),
+def discovered(directory: Path) -> Iterator[FoundRun]:
+    """Find every run below a folder, the folder itself included; each is read when it is asked for."""
+    names: list[str] = []
+    for place, below, there in os.walk(directory):
+        below[:] = [name for name in below if not name.startswith(".")]
+        files.remove_left(Path(place))
+        if not {files.DATASET, files.STATE}.isdisjoint(there):
+            names.append(Path(place).relative_to(directory).as_posix())
+
+    def in_order(name: str) -> list[tuple[int, str]]:
+        """Sort 10_... after 9_..."""
+        words = re.split(r"(\d+)", name)
+        return [(int(word), "") if word.isdigit() else (-1, word) for word in words]
+
+    for name in sorted(names, key=in_order):
+        yield _found(name, directory / name)
+
+
+def _found(name: str, folder: Path) -> FoundRun:
+    """Take a run that says itself what became of it, or of which there is a dataset alone."""
+    state = read_state(folder)
+    run = FoundRun(name, folder, state is not None, state.job if state else Job())
+    if state:
+        run.status = _OF_STATE.get(state.state, Status.FAILED)
+        run.reason = state.reason or REASONS.get(run.status, f"The run is {state.state}.")
+    elif not (folder / files.DATASET).is_file():
+        run.status = Status.FAILED
+        run.reason = f"{files.STATE} cannot be read, and there is no {files.DATASET}. Run it again."
+    if run.status not in _WITH_NUMBERS:
+        return run
+    # A file can be anything, and the other runs shall not suffer from it.
+    try:
+        tree = read_run(folder / files.DATASET)
+        run.job = run.job if state else Job(configuration=configuration_of(tree))
+        run.status, run.reason = Status.COMPLETE, ""
+        if not is_complete(tree):
+            status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)
+            run.status = Status.FAILED if status is Status.COMPLETE else status
+            said = str(tree.attrs.get("message", ""))
+            run.reason = said or "The dataset says that it is not complete."
+        run.metrics = assess(tree) if run.status in _WITH_NUMBERS else {}
+    except Exception as error:
+        run.status, run.reason = Status.FAILED, one_line(error)
+    return run
+
+
+def _dataset(runs: Sequence[FoundRun], metrics: Sequence[str]) -> xarray.Dataset:
+    """Give the dataset of runs, one after the other; those whose configuration is not known share all."""
+    known = [flat(run.job.configuration) for run in runs if run.job.configuration]
+    common = {
+        key: value
+        for key, value in (known[0] if known else {}).items()
+        if all(key in settings and settings[key] == value for settings in known)
     }
+    columns = {
+        **{key: np.array([run.metrics.get(key, np.nan) for run in runs]) for key in metrics},
+        "status": np.array([run.status for run in runs], dtype=np.int8),
+        "reason": np.array([run.reason for run in runs]),
+        "job": np.array([run.name for run in runs]),
+    }
+    revision, dirty = checkout_state()
     attributes = {
-        "law": " ".join(sorted(laws)),
-        "configuration": yaml.safe_dump(common, sort_keys=False, allow_unicode=True),
+        "law": " ".join(sorted({str(one["law.name"]) for one in known if "law.name" in one})),
+        "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
         "git_revision": revision,
         "git_dirty": dirty,
-        **counts_of(np.array(status, dtype=np.int8)),
     }
-    return dataset_of(
-        layout.axes, columns, attributes, samples=not layout.grid, beside=layout.beside
-    )
+    return dataset_of(_parameters(runs), columns, attributes, samples=True)
 
 
-def _slabs(runs: Sequence[FoundRun], layout: Layout, names: Sequence[str]) -> Iterator[Slab]:
-    """Give the time series of the complete runs.
-
-    Raises:
-        SweepError: no run is complete, or they are not recorded at the same times, or lack a series.
-    """
-    first: tuple[str, np.ndarray] | None = None
-    for place, run in zip(layout.place, runs, strict=True):
-        if run.status is not Status.COMPLETE:
-            continue
+def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, names: Sequence[str]) -> Iterator[Slab]:
+    """Give the time series of the complete runs; a SweepError tells of those that cannot be joined."""
+    places = {job: place for place, job in np.ndenumerate(dataset["job"].values)}
+    complete = [run for run in runs if run.status is Status.COMPLETE]
+    if not complete:
+        raise SweepError("There is no complete run; there must be one for time series. Leave out --series.")
+    first: NDArray[Any] | None = None
+    for run in complete:
         try:
             tree = read_run(run.folder / files.DATASET)
         except ValueError as error:
             raise SweepError(str(error)) from error
         time = np.asarray(tree["time"].values, dtype=np.float64)
-        first = first or (run.name, time)
-        if not np.array_equal(time, first[1]):
+        first = time if first is None else first
+        if not np.array_equal(time, first):
             raise SweepError(
-                f"'{run.name}' is recorded at other times than '{first[0]}'; for time series they must be "
-                "the same. Leave out --series, or run all with one solver.duration and one "
+                f"'{run.name}' is recorded at other times than '{complete[0].name}'; for time series they "
+                "must be the same. Leave out --series, or run all with one solver.duration and one "
                 "record.interval."
             )
         if lacking := [name for name in names if name not in tree.variables]:
             raise SweepError(f"'{run.name}' has no {lacking[0]}; leave it out of --series.")
-        cell = tuple(map(int, np.unravel_index(place, layout.shape)))
-        yield cell, time, {name: np.asarray(tree[name]) for name in names}
-    if first is None:
-        raise SweepError(
-            "There is no complete run; there must be one for time series. Leave out --series."
-        )
+        yield places[run.name], time, {name: np.asarray(tree[name]) for name in names}
 
 
-def _layout_of(runs: Sequence[FoundRun], *, samples: bool = False) -> Layout:
-    """Lay runs out: as a grid if they nearly fill one, share no cell and are no samples."""
-    parameters = _parameters(runs)
-    chosen: list[Axis] = []
-    rest: list[Axis] = []
-    for axis in parameters:
-        more = _different([*chosen, axis]) > _different(chosen)
-        (chosen if more else rest).append(axis)
-    if samples or not _is_grid(chosen, rest, len(runs)):
-        return Layout(parameters, (), (len(runs),), np.arange(len(runs)), grid=False)
-    along = [np.unique(axis.coordinate, return_inverse=True) for axis in chosen]
-    shape = tuple(values.size for values, _ in along)
-    place = np.ravel_multi_index([steps for _, steps in along], shape)
-    axes = [
-        replace(axis, values=tuple(values.tolist()))
-        for axis, (values, _) in zip(chosen, along, strict=True)
-    ]
-    grid = Layout(axes, (), shape, place, grid=True)
-    beside = [
-        replace(a, values=tuple(grid.spread(a.values, np.nan if a.units else ""))) for a in rest
-    ]
-    return replace(grid, beside=beside)
+def _dimensions(dataset: xarray.Dataset) -> list[str]:
+    """Give the parameters over which runs form a grid: they nearly fill it, and share no cell."""
+    table = pandas.DataFrame({name: found.values for name, found in dataset.coords.items()})
+    chosen: list[str] = []
+    for name in table:
+        if _different(table[[*chosen, name]]) > _different(table[chosen]):
+            chosen.append(name)
+    cells, runs = prod(table[chosen].nunique()), dataset.sizes[RUN]
+    if _different(table[chosen]) < runs or cells > MOST_EMPTY * runs:
+        return []
+    # Parameters that follow from an option belong to it; numbers that follow from a number are points
+    # that somebody chose.
+    numbers = [name for name in chosen if "units" in dataset[name].attrs]
+    follow = len(chosen) == len(table.columns) or len(numbers) < len(chosen)
+    return chosen if follow and not table[numbers].isna().any(axis=None) else []
 
 
-def _is_grid(chosen: Sequence[Axis], rest: Sequence[Axis], runs: int) -> bool:
-    cells = prod(len(set(axis.values)) for axis in chosen)
-    if not chosen or _different(chosen) < runs or cells > MOST_EMPTY * runs:
-        return False
-    if any(axis.units and np.isnan(axis.coordinate).any() for axis in chosen):
-        return False
-    # Parameters that follow from an option belong to it; numbers that follow from a number are
-    # points that somebody chose.
-    return not rest or any(not axis.units for axis in chosen)
-
-
-def _different(axes: Sequence[Axis]) -> int:
-    """Count the different values of all axes together; a NaN equals itself here."""
-    return len(set(zip(*(map(repr, axis.values) for axis in axes), strict=True))) or 1
+def _different(table: Any) -> int:
+    """Count the different rows of a table; without columns all are one."""
+    return len(table.drop_duplicates()) if len(table.columns) else 1
 
 
 def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     """Find what differs between runs, of what they were asked for or else of what they recorded."""
     settings = [
-        {key: value for key, value in flat(run.configuration).items() if _KEY.fullmatch(key)}
+        {key: value for key, value in flat(run.job.configuration).items() if _KEY.fullmatch(key)}
         for run in runs
     ]
     keys = list(dict.fromkeys(key for setting in settings for key in setting))
     columns: dict[str, list[Any]] = {}
-    jobs = [run.job for run in runs if run.job]
-    if len(jobs) == len(runs):
+    jobs = [run.job for run in runs]
+    if all(run.asked for run in runs):
         groups = dict.fromkeys(group for job in jobs for group in job.choices)
         given = {line.partition("=")[0].lstrip("+~") for job in jobs for line in job.overrides}
         columns = {
@@ -257,7 +268,7 @@ def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     for key in keys:
         # The choice of the law is named by its group: the key that tells it is the law's name.
         columns[key.removesuffix(".name")] = [setting.get(key) for setting in settings]
-    declared = _declared(runs, {*keys})
+    declared = _declared(jobs, {*keys})
     return [
         _axis(name, values, declared.get(name))
         for name, values in columns.items()
@@ -265,26 +276,22 @@ def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
     ]
 
 
-def _declared(runs: Sequence[FoundRun], keys: set[str]) -> dict[str, Parameter]:
+def _declared(jobs: Sequence[Job], keys: set[str]) -> dict[str, Parameter]:
     """Find what is declared of keys, from the first configurations that have them."""
     declared: dict[str, Parameter] = {}
-    for run in runs:
-        if missing := keys & flat(run.configuration).keys():
+    for job in jobs:
+        if missing := keys & flat(job.configuration).keys():
             # A configuration of one's own may be anything, and a law may no longer be installed.
             with suppress(Exception):
-                declared |= declared_in(validate(run.configuration))
+                declared |= declared_in(validate(job.configuration))
                 keys = keys - missing
     return declared
 
 
 def _axis(name: str, values: Sequence[Any], said: Parameter | None) -> Axis:
-    if all(value is None or _is_number(value) for value in values):
-        numbers = tuple(np.nan if v is None else float(v) for v in values)
-        return Axis(name, numbers, said.units if said else "1", said.meaning if said else "")
+    if all(type(value) in (int, float, NoneType) for value in values):
+        # Of somebody's own a whole number may have any size.
+        with suppress(OverflowError):
+            numbers = tuple(np.nan if value is None else float(value) for value in values)
+            return Axis(name, numbers, said.units if said else "1", said.meaning if said else "")
     return Axis(name, tuple(text_of(value) for value in values))
-
-
-def _is_number(value: Any) -> bool:
-    if isinstance(value, int):
-        return not isinstance(value, bool) and abs(value) < 2**sys.float_info.max_exp
-    return isinstance(value, float)

@@ -14,7 +14,6 @@ from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.nesting import Value
 from contactlab.metrics import METRICS
-from contactlab.results.files import whole_netcdf
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import code_digest, versions
 from contactlab.sweeps.state import Status
@@ -42,10 +41,7 @@ REASONS: Final = {
 """Reasons that need no run to tell them."""
 
 _ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
-    **{
-        k: {"units": m.units, "symbol": m.symbol, "long_name": m.meaning}
-        for k, m in METRICS.items()
-    },
+    **{k: {"units": m.units, "symbol": m.symbol, "long_name": m.meaning} for k, m in METRICS.items()},
     **{f"{name}_series": cf_attributes(variable) for name, variable in SERIES.items()},
     "status": {
         "long_name": "what became of the run",
@@ -56,6 +52,8 @@ _ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
     "job": {"long_name": "folder of the run"},
 }
 """Of the variables, by name."""
+
+_PACKED: Final[dict[str, Any]] = {"zlib": True, "complevel": 1, "shuffle": True}
 
 Slab = tuple[tuple[int, ...], Array, Mapping[str, Array]]
 """The place of a run, the times of its records and its series by name."""
@@ -77,7 +75,7 @@ class Axis:
     def coordinate(self) -> NDArray[Any]:
         """The values as an array of numbers or texts."""
         if any(isinstance(value, str | bool) for value in self.values):
-            return np.array([text_of(value) for value in self.values])
+            return np.array([text_of(value) for value in self.values], dtype=object)
         return np.asarray(self.values, dtype=np.float64)
 
 
@@ -87,7 +85,6 @@ def dataset_of(
     attributes: dict[str, Any] | None = None,
     *,
     samples: bool = False,
-    beside: Sequence[Axis] = (),
 ) -> xarray.Dataset:
     """Give one dataset of many runs.
 
@@ -97,12 +94,9 @@ def dataset_of(
             order over the axes.
         attributes: of the dataset, beside those that every sweep has.
         samples: whether the n-th run has the n-th value of every axis.
-        beside: parameters that follow from those of the axes, a value a run.
     """
-    keys = short_names([axis.key for axis in (*axes, *beside)], TAKEN)
-    names = [keys[axis.key] for axis in axes]
-    dims = [RUN] if samples else names
-    shape = [-1] if samples else [len(axis.values) for axis in axes]
+    names = list(short_names([axis.key for axis in axes], TAKEN).values())
+    dims, shape = ([RUN], [-1]) if samples else (names, [len(axis.values) for axis in axes])
 
     def variable(attributes: Mapping[str, Any], values: NDArray[Any]) -> xarray.Variable:
         cells = values.astype(object) if values.dtype.kind == "U" else values
@@ -110,36 +104,25 @@ def dataset_of(
         return xarray.Variable(along, cells.reshape(*shape, *values.shape[1:]), attributes)
 
     coordinates: dict[str, Any] = {}
-    for axis in (*axes, *beside):
+    for name, axis in zip(names, axes, strict=True):
         said = {"key": axis.key, "units": axis.units, "long_name": axis.long_name}
-        told, values = {name: text for name, text in said.items() if text}, axis.coordinate
-        lies = not samples and axis in axes
-        name = keys[axis.key]
-        coordinates[name] = (name, values, told) if lies else variable(told, values)
-    if (time := columns.get("time")) is not None and time.size:
+        told = {name: text for name, text in said.items() if text}
+        coordinates[name] = ([RUN] if samples else [name], axis.coordinate, told)
+    status, time = columns["status"], columns.get("time", np.empty(0))
+    if time.size:
         coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
-    found = {
-        name: variable(_ATTRIBUTES[name], values)
-        for name, values in columns.items()
-        if name != "time"
-    }
+    found = {name: variable(_ATTRIBUTES[name], values) for name, values in columns.items() if name != "time"}
     every = {
         "Conventions": "CF-1.11",
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
         "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
         **versions(),
         "code_digest": code_digest(),
-        "complete": int(bool(np.all(columns["status"] == Status.COMPLETE))),
+        "complete": int(bool(np.all(status == Status.COMPLETE))),
+        "runs": int(status.size),
+        **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},
     }
-    return xarray.Dataset(
-        found, coordinates, every | counts_of(columns["status"]) | (attributes or {})
-    )
-
-
-def counts_of(status: NDArray[np.int8]) -> dict[str, Any]:
-    """Count the runs, and those of each status, as attributes."""
-    counted = {f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status}
-    return {"runs": int(status.size), **counted}
+    return xarray.Dataset(found, coordinates, every | (attributes or {}))
 
 
 def write(
@@ -147,54 +130,37 @@ def write(
     path: Path,
     series: Sequence[str] = (),
     slabs: Callable[[], Iterable[Slab]] = tuple,
-    finish: Callable[[Path], object] = lambda _: None,
 ) -> None:
-    """Write a dataset of many runs, whole or not at all; the same dataset gives the same bytes.
+    """Write what `dataset_of` gives into a new file; the same dataset gives the same bytes.
 
-    Args:
-        dataset: as `dataset_of` gives it.
-        path: the file, in a folder that exists.
-        series: names of the time series that go into the group `series`, NaN where a run has none.
-        slabs: gives those of each run, so that no more than one need be in memory.
-        finish: looks at the file before it takes its name.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
+    The `series` named go into the group of that name, one of the `slabs` in memory at a time; they are NaN
+    where a run has none.
     """
-    packed = {"zlib": True, "complevel": 1, "shuffle": True}
     encoding = {
-        name: packed
+        name: _PACKED
         for name, variable in dataset.data_vars.items()
         if variable.dtype.kind in "fi" and variable.size
     }
-    with whole_netcdf(path) as partial:
-        dataset.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encoding)
-        if series:
-            with netCDF4.Dataset(partial, "a") as file:
-                group = None
-                for place, time, rows in slabs():
-                    group = group or _series_group(file, dataset["status"].dims, series, time)
-                    for name in series:
-                        group[name][place] = rows[name]
-        finish(partial)
-
-
-def _series_group(
-    file: netCDF4.Dataset, dims: Sequence[Any], names: Sequence[str], time: Array
-) -> netCDF4.Group:
-    """Make the group of time series in a file that has the dimensions of the runs."""
-    group = file.createGroup(GROUP)
-    group.createDimension("time", time.size)
-    # A slab is a chunk, so that a run is read or written without its neighbours.
-    packed: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fill_value": np.nan}
-    chunks = [1] * len(dims) + [max(time.size, 1)]
-    axis = group.createVariable("time", "f8", ["time"])
-    axis.setncatts(cf_attributes(variables.TIME))
-    axis[:] = time
-    for name in names:
-        target = group.createVariable(name, "f8", [*dims, "time"], chunksizes=chunks, **packed)
-        target.setncatts(cf_attributes(SERIES[name]))
-    return group
+    dataset.to_netcdf(path, format="NETCDF4", engine="netcdf4", encoding=encoding)
+    if not series:
+        return
+    dims: Any = dataset["status"].dims
+    with netCDF4.Dataset(path, "a") as file:
+        group = None
+        for place, time, rows in slabs():
+            if group is None:
+                group = file.createGroup(GROUP)
+                group.createDimension("time", time.size)
+                axis = group.createVariable("time", "f8", ["time"])
+                axis.setncatts(cf_attributes(variables.TIME))
+                axis[:] = time
+                # A slab is a chunk, so that a run is read or written without its neighbours.
+                size: Any = {"fill_value": np.nan, "chunksizes": [1] * len(dims) + [time.size]}
+                for name in series:
+                    target = group.createVariable(name, "f8", [*dims, "time"], **_PACKED, **size)
+                    target.setncatts(cf_attributes(SERIES[name]))
+            for name in series:
+                group[name][place] = rows[name]
 
 
 def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
@@ -210,13 +176,9 @@ def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
         cell = dataset.isel(dict(zip(status.dims, place, strict=True)))
         point = ", ".join(f"{key}={text_of(value.item())}" for key, value in cell.coords.items())
         name = cell["job"].item() if "job" in cell else point
-        lines.append(
-            f"{name}: {Status(cell['status'].item()).name.lower()}. {cell['reason'].item()}"
-        )
+        lines.append(f"{name}: {Status(cell['status'].item()).name.lower()}. {cell['reason'].item()}")
     if len(told) > most:
-        lines.append(
-            f"... and {len(told) - most} more: `status` and `reason` in the file tell of each."
-        )
+        lines.append(f"... and {len(told) - most} more: `status` and `reason` in the file tell of each.")
     sizes = " x ".join(f"{name} {size}" for name, size in dataset.sizes.items())
     return "\n".join([*lines, f"Collected in {path}: {sizes}."])
 

@@ -1,84 +1,55 @@
-"""What a sweep runs: a configuration for every combination of swept values, or for every sample."""
+"""The plan of a sweep: a configuration for every combination of swept values, or for every sample.
+
+Every value is checked beforehand, and every fault told.
+"""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from hashlib import sha256
+from itertools import product
 from math import ceil, prod
-from pathlib import Path
-from typing import Any, Final, Literal, final
+from typing import Any, Final, Literal, Protocol, final
 
 import numpy as np
 from pydantic import TypeAdapter
 
-from contactlab import metrics
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.nesting import Value
-from contactlab.laws import law_class
-from contactlab.metrics import METRICS
-from contactlab.results.provenance import digest_of
+from contactlab.config.nesting import Value, flat
+from contactlab.config.quantity import describe
+from contactlab.config.schema import declared_in
 from contactlab.suggestion import suggestion
-from contactlab.sweeps.dataset import SERIES, Axis
-from contactlab.sweeps.state import code_of
-from contactlab.sweeps.values import listed
+from contactlab.sweeps.batch import Outputs
+from contactlab.sweeps.dataset import Axis
+from contactlab.sweeps.state import code_digest_of
+from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, spread
+
+CHUNK: Final = 1000
+"""Runs in a chunk where nothing is said: seconds of work. And chunks: clusters take about so many tasks."""
+
+NOTHING: Final = (
+    f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
+)
+
+MOST_JOBS: Final = 100_000
+"""Runs that leave a folder each, which takes a fifth of a second beside the run."""
+
+_TIMES: Final = ("solver.duration", "record.interval")
 
 Configuration = Mapping[str, Any]
 
-SOURCES: Final = (Path(metrics.__file__).parent, Path(__file__).parent)
-"""Of what `code_of` leaves out, because a single run does not depend on it."""
-
-
-@final
-@dataclass(frozen=True)
-class Outputs:
-    """Names what is kept of every run: metrics of `contactlab.metrics.METRICS`, and series kept whole."""
-
-    metrics: tuple[str, ...] = tuple(key for key, metric in METRICS.items() if metric.usual)
-    series: tuple[str, ...] = ()
-
-    @classmethod
-    def named(cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str) -> "Outputs":
-        """Take names, each once; None stands for the usual metrics and 'all' for all of them.
-
-        Raises:
-            ConfigurationError: a name that is no metric or no series, or nothing at all.
-        """
-        chosen = cls.metrics if metrics is None else METRICS if metrics == "all" else metrics
-        asked = {
-            kind: tuple(dict.fromkeys(listed(names) if isinstance(names, str) else names))
-            for kind, names in {"metric": chosen, "series": series}.items()
-        }
-        for (kind, names), known in zip(asked.items(), ([*METRICS], [*SERIES]), strict=True):
-            for name in {*names} - {*known}:
-                hint = suggestion(name, known, f"One is {known[0]}.")
-                raise ConfigurationError(
-                    [f"There is no {kind} '{name}'; it must be one of {', '.join(known)}. {hint}"]
-                )
-        if not any(asked.values()):
-            raise ConfigurationError(
-                ["Nothing is asked for; there must be one metric or series at least."]
-            )
-        return cls(*asked.values())
-
-    @property
-    def sampled(self) -> bool:
-        """Whether more records than the last are needed."""
-        return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics)
-
-    def interval(self, setup: Setup) -> float:
-        """Give the time between records [s]: as configured where any but the last are needed."""
-        return setup.record_interval if self.sampled else setup.duration
+Columns = Mapping[str, Sequence[Value]]
+"""What is swept: values by key or group, each a number, a text, or a text that stands for several."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Says what a sweep runs.
+    """Says what a sweep runs: every combination of the axes, the last one changing first, or samples.
 
     Args:
-        axes: what is swept, the last one changing first.
-        samples: whether the n-th run has the n-th value of every axis; else every combination runs.
-        outputs: what is kept of every run.
+        samples: whether the n-th run has the n-th value of every axis.
         groups: keys of the axes whose values are options of a group of the configuration.
         choices: the combinations of options that there are, in the order of the groups.
         bases: a configuration for each of them.
@@ -94,7 +65,7 @@ class Plan:
     bases: tuple[Configuration, ...] = field(default=({},))
     chunk: int = 1
     code: str = ""
-    keep: Literal["metrics"] = "metrics"
+    keep: Literal["runs", "metrics"] = "metrics"
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -131,7 +102,7 @@ class Plan:
         point = self.point(cell)
         found = self.bases[self.choices.index(tuple(point.pop(group) for group in self.groups))]
         for key, value in point.items():
-            found = with_key(found, key.split("."), value)
+            found = with_key(found, key, value)
         return found
 
     def setup_at(self, cell: int) -> Setup:
@@ -148,16 +119,166 @@ class Plan:
         return TypeAdapter(cls).validate_json(text)
 
 
-def code_digest_of(bases: Sequence[Configuration]) -> str:
-    """Give the digest of what the numbers depend on beside the plan: laws, metrics and sweeps."""
-    laws = [law_class(base["law"]["name"]) for base in bases]
-    parts = [part for law in laws for part in code_of(law)]
-    return sha256("\0".join([*parts, *map(digest_of, SOURCES)]).encode()).hexdigest()
+class Composer(Protocol):
+    """Gives configurations from the options of groups; a ConfigurationError says why it cannot."""
+
+    def options(self, key: str) -> list[str]:
+        """Give the options of a group; none for what is no group."""
+
+    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
+        """Give the configuration with these options, all else as it is set."""
+
+    def build(self, configuration: Configuration) -> Setup:
+        """Build what a configuration says."""
 
 
-def with_key(configuration: Configuration, path: Sequence[str], value: Value) -> Configuration:
-    """Give a configuration with another value of a key; what the key lies in is copied, the rest shared."""
-    first, *rest = path
+def planned(
+    composer: Composer,
+    columns: Columns,
+    outputs: Outputs,
+    *,
+    samples: bool = False,
+    chunk: int | None = None,
+    keep: Literal["runs", "metrics"] = "metrics",
+) -> Plan:
+    """Plan a sweep over values by full key or group, and check every value, or every row of a table.
+
+    Raises:
+        ConfigurationError: with every fault that was found.
+    """
+    groups = {key: options for key in columns if (options := composer.options(key))}
+    raise_faults(_faults_of(columns, groups, outputs))
+    listing = [columns[group] for group in groups]
+    combined = zip(*listing, strict=True) if samples and groups else product(*listing)
+    choices = tuple(dict.fromkeys(combined))
+    bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
+    values = {key: column for key, column in columns.items() if key not in groups}
+    trials = _trials(bases, values)
+    declared = declared_in(_sound(composer, trials).configuration) if values else {}
+    axes: list[Axis] = []
+    faults: list[str] = []
+    for key, column in columns.items():
+        said = declared.get(key)
+        units, meaning = (said.units, said.meaning) if said else ("", "")
+        found = [in_si(value, units) for value in column]
+        if not samples and key in values:
+            try:
+                found = [one for value in column for one in spread(key, value, units)]
+            except SweepError as error:
+                faults.append(str(error))
+                continue
+            tried = ([with_key(trial, key, value) for trial in trials] for value in found)
+            deque(_built(composer, tried, faults), maxlen=0)
+        if not samples and len({*found}) < len(found):
+            faults.append(f"{key} has a value twice; give every value once.")
+        axes.append(Axis(key, tuple(found), units, meaning))
+    raise_faults(faults)
+    sizes = [len(axis.values) for axis in (axes[:1] if samples else axes)]
+    if prod(sizes) > (most := MOST_JOBS if keep == "runs" else MOST_RUNS):
+        asked = f"{' x '.join(map(str, sizes))} = {prod(sizes):.4g} runs are asked for"
+        way_out = ", or sweep.keep=metrics, which keeps numbers alone" if keep == "runs" else ""
+        words = f"{asked}; a sweep must have at most {most}. Take fewer values{way_out}."
+        raise ConfigurationError([words])
+    plan = Plan(
+        axes=tuple(axes),
+        samples=samples,
+        outputs=outputs,
+        groups=tuple(groups),
+        choices=choices,
+        bases=bases,
+        chunk=chunk or max(CHUNK, ceil(prod(sizes) / CHUNK)),
+        code=code_digest_of(bases),
+        keep=keep,
+    )
+    if samples:
+        deque(setups_of(plan, composer), maxlen=0)
+    return plan
+
+
+def setups_of(plan: Plan, composer: Composer) -> Iterator[Setup]:
+    """Build every run of a plan, cell by cell, and refuse those that are not sound at the end."""
+    faults: list[str] = []
+    tried = ([plan.configuration(cell)] for cell in range(plan.cells))
+    yield from _built(composer, tried, faults)
+    raise_faults(faults)
+
+
+def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
+    """Put full keys in the place of names that are the end of one: 'contact.clearance' for 'clearance'.
+
+    The parts of a name may be joined as in the names of a dataset. A name that is the end of several is
+    refused by a ConfigurationError.
+    """
+    known = flat(composer.compose({}))
+    found: dict[str, Sequence[Value]] = {}
+    for name, column in columns.items():
+        whole = name in known or composer.options(name)
+        ends = [] if whole else [k for k in known if f"_{k.replace('.', '_')}".endswith(f"_{name}")]
+        if len(ends) > 1:
+            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
+        found[ends[0] if ends else name] = column
+    return found
+
+
+def raise_faults(faults: Iterable[str]) -> None:
+    """Raise a ConfigurationError of the faults, each told once; nothing where there is none."""
+    if told := list(dict.fromkeys(faults)):
+        raise ConfigurationError(told)
+
+
+def with_key(configuration: Configuration, key: str, value: Value) -> Configuration:
+    """Give a configuration with another value of a key; what does not hold the key is shared."""
+    first, _, rest = key.partition(".")
     below = configuration.get(first)
     inner = below if isinstance(below, Mapping) else {}
     return {**configuration, first: with_key(inner, rest, value) if rest else value}
+
+
+def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:
+    """Say what can be no sweep at all."""
+    for key, column in columns.items():
+        if not len(column):
+            yield f"{key} has no values; it must have one at least. Name one."
+        for value in column:
+            if not isinstance(value, float | int | str):
+                yield f"{key} has the value {value}; each must be a number, a text or true or false."
+            elif key in groups and value not in groups[key]:
+                hint = suggestion(str(value), groups[key], "Choose from them.")
+                listing = ", ".join(groups[key])
+                yield f"{key} is {describe(value)}; it must be one of {listing}. {hint}"
+        if outputs.series and key in _TIMES:
+            yield (
+                f"{key} is swept and series are kept; they must be at the same times in every run. Keep "
+                "none, or set it."
+            )
+
+
+def _built(
+    composer: Composer, tried: Iterable[Sequence[Configuration]], faults: list[str]
+) -> Iterator[Setup]:
+    """Build the first sound trial of each of many; what is wrong where there is none is added to faults."""
+    for trials in tried:
+        try:
+            yield _sound(composer, trials)
+        except ConfigurationError as error:
+            faults += error.faults
+
+
+def _sound(composer: Composer, trials: Sequence[Configuration]) -> Setup:
+    """Build the first trial that is sound; where none is, raise the faults of the first."""
+    for trial in trials:
+        with suppress(ConfigurationError):
+            return composer.build(trial)
+    return composer.build(trials[0])
+
+
+def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:
+    """Give combinations that values are tried in: every base, and it with the first and the last values."""
+    found = list(bases)
+    for trial, end in product(bases, (0, -1)):
+        for key, column in columns.items():
+            call = call_in(column[end])
+            # Of what is spaced the ends are tried.
+            trial = with_key(trial, key, call[1][:2][end] if call else column[end])
+        found.append(trial)
+    return found

@@ -1,4 +1,4 @@
-"""The folder of a sweep that keeps metrics: its plan, the chunks that are finished, at the end one dataset.
+"""The folder of a sweep: its plan, and of one that keeps metrics the chunks that are finished.
 
     DIR/sweep.json        what runs, and by which code
     DIR/chunks/*.npz      a file for every finished chunk: its arrays, and a digest of them at the end
@@ -6,11 +6,10 @@
     DIR/sweep.nc.sha256   its digest, as `sha256sum -c` takes it
     DIR/unfinished.nc     what is finished of a sweep that is not, where it was asked for
 
-Every file appears whole or not at all, and a chunk's numbers do not depend on when or where it runs. So a
-sweep that is killed at any moment goes on where it was and ends with the same bits. Nor can processes that
-work on one sweep at a time, on one machine or on several, take anything from each other: whoever writes a
-plan, a chunk or a dataset writes the same bytes, nothing but the whole sweep is ever named sweep.nc, and a
-chunk is removed only when it is in there.
+Every file appears whole or not at all, and a chunk's numbers do not depend on when or where it runs: a sweep
+that is killed goes on where it was and ends with the same bits. Nor can processes that work on one sweep take
+anything from each other: whoever writes a file writes the same bytes, nothing but the whole sweep is ever
+named sweep.nc, and a chunk is removed only when it is in there.
 """
 
 import errno
@@ -22,18 +21,18 @@ from io import BytesIO
 from pathlib import Path
 from typing import Final, final
 
-import netCDF4
 import numpy as np
 import xarray
 import yaml
 
-from contactlab.results.files import digest_of_file, whole_file
+from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.sweeps.batch import Answers, Batch, Report
-from contactlab.sweeps.dataset import DATASET, GROUP, REASONS, Slab, dataset_of, write
+from contactlab.sweeps.dataset import DATASET, REASONS, Slab, dataset_of, write
 from contactlab.sweeps.plan import Plan
-from contactlab.sweeps.state import MANIFEST, Status
+from contactlab.sweeps.state import Status
 from contactlab.sweeps.values import SweepError
 
+MANIFEST: Final = "sweep.json"
 CHUNKS: Final = "chunks"
 DIGEST: Final = f"{DATASET}.sha256"
 UNFINISHED: Final = "unfinished.nc"
@@ -57,29 +56,28 @@ class Store:
     @classmethod
     def opened(cls, path: Path) -> "Store":
         """Open a folder that a sweep was begun in; a SweepError tells that it is none."""
-        try:
-            return cls(path, Plan.of_text((path / MANIFEST).read_bytes()))
-        # Somebody else's file of that name may be anything.
-        except (OSError, ValueError) as error:
-            raise SweepError(
-                f"'{path}' holds no {MANIFEST} that can be read; it must be the folder of a sweep with "
-                "sweep.keep=metrics. `contactlab -m KEY=VALUES sweep.keep=metrics` begins one."
-            ) from error
+        if plan := read_plan(path):
+            return cls(path, plan)
+        raise SweepError(
+            f"'{path}' holds no {MANIFEST} that can be read; it must be the folder of a sweep with "
+            "sweep.keep=metrics. `contactlab -m KEY=VALUES sweep.keep=metrics` begins one."
+        )
 
     def begin(self) -> None:
-        """Write the plan, or find that it is there already.
+        """Write the plan, or find that it is there already; a sweep of folders may be extended.
 
         Raises:
             SweepError: the folder holds another sweep, or one by other code.
             OSError: the folder cannot be written to.
         """
         self.path.mkdir(parents=True, exist_ok=True)
-        file = self.path / MANIFEST
+        file, there = self.path / MANIFEST, read_plan(self.path)
+        extends = self.plan.keep == "runs" and (there is None or there.keep == "runs")
         # Of several that begin at once one writes, and the others find what it wrote.
-        if not file.exists():
-            with suppress(FileExistsError), whole_file(file, fresh=True) as partial:
+        if extends or not file.exists():
+            with suppress(FileExistsError), whole_file(file, fresh=not extends) as partial:
                 partial.write_text(self.plan.text(), encoding="utf-8")
-        if file.read_bytes() != self.plan.text().encode():
+        if not extends and file.read_bytes() != self.plan.text().encode():
             raise SweepError(
                 f"'{self.path}' holds another sweep, or one made by other code; a sweep goes on only with "
                 "what it began with. Choose another folder by hydra.sweep.dir=DIR, or remove this one."
@@ -115,22 +113,15 @@ class Store:
                 raise
 
     def run_missing(self, workers: int | None, report: Report | None = None) -> None:
-        """Run all chunks that are not finished.
-
-        Raises:
-            WorkerError: a worker process died.
-            OSError: the answers cannot be written.
-        """
+        """Run all chunks that are not finished; a WorkerError or OSError tells why that cannot be done."""
         with Batch(self.plan.setup_at, self.plan.outputs, workers, report) as batch:
             for chunk in self.missing():
                 self.run(chunk, batch)
 
     def merge(self) -> xarray.Dataset:
-        """Write the dataset of all chunks that are finished; the chunks go when none is missing.
+        """Write and give the dataset of all chunks that are finished; they go when none is missing.
 
-        Returns:
-            The metrics over the axes; series are in the file only, which is the attribute `source` of its
-            `encoding`.
+        Series are in the file only, which is the attribute `source` of its `encoding`.
 
         Raises:
             SweepError: a chunk or the dataset is damaged.
@@ -143,10 +134,8 @@ class Store:
             with suppress(ChunkGoneError):
                 dataset = self._merged(chunks)
                 if missing:
-                    dataset.encoding["source"] = str(self.path / UNFINISHED)
                     return dataset
         dataset = self.dataset()
-        dataset.encoding["source"] = str(self.path / DATASET)
         shutil.rmtree(self.path / CHUNKS, ignore_errors=True)
         (self.path / UNFINISHED).unlink(missing_ok=True)
         return dataset
@@ -160,10 +149,13 @@ class Store:
                 f"changed. Move it away and give the command again: its runs are made anew. If the change "
                 f"is yours, remove {DIGEST}."
             )
-        return _read(file)
+        with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as found:
+            dataset = found.load()
+        dataset.encoding["source"] = str(file)
+        return dataset
 
     def _merged(self, chunks: Sequence[int]) -> xarray.Dataset:
-        """Write the dataset of some chunks, that of all as the sweep's; nothing where one is gone."""
+        """Write the dataset of some chunks, that of all as the sweep's."""
         plan, whole = self.plan, len(chunks) == len(self.plan.chunks)
         columns: Answers = {
             **{key: np.full(plan.cells, np.nan) for key in plan.outputs.metrics},
@@ -176,19 +168,15 @@ class Store:
                 column[cells.start : cells.stop] = answers[name]
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         configuration = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
-        dataset = dataset_of(
-            plan.axes, columns, {"configuration": configuration}, samples=plan.samples
-        )
-
-        def finish(partial: Path) -> None:
+        dataset = dataset_of(plan.axes, columns, {"configuration": configuration}, samples=plan.samples)
+        path = self.path / (DATASET if whole else UNFINISHED)
+        with whole_netcdf(path) as partial:
+            write(dataset, partial, plan.outputs.series, lambda: self._slabs(chunks))
             if whole:
-                self._verify(partial, dataset)
                 # Before the sweep has its name: killed in between, the chunks make the same again.
                 with whole_file(self.path / DIGEST) as told:
                     told.write_text(_digest_line(partial), encoding="utf-8")
-
-        path = self.path / (DATASET if whole else UNFINISHED)
-        write(dataset, path, plan.outputs.series, lambda: self._slabs(chunks), finish)
+        dataset.encoding["source"] = str(path)
         return dataset
 
     def _file(self, chunk: int) -> Path:
@@ -203,27 +191,17 @@ class Store:
                 series = {n: answers[f"{n}_series"][row] for n in self.plan.outputs.series}
                 yield place, answers["time"], series
 
-    def _verify(self, path: Path, dataset: xarray.Dataset) -> None:
-        """Read back what was written, before the chunks that it was made of may go."""
-        same = _read(path).equals(dataset)
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            for place, _, series in self._slabs(
-                self.plan.chunks if self.plan.outputs.series else ()
-            ):
-                same &= all(
-                    np.array_equal(file[GROUP][name][place], values, equal_nan=True)
-                    for name, values in series.items()
-                )
-        if not same:
-            raise OSError(errno.EIO, "what was written is not what is read back")
+
+def read_plan(folder: Path) -> Plan | None:
+    """Read the plan of a sweep; None where there is none that can be read, as somebody else's file."""
+    try:
+        return Plan.of_text((folder / MANIFEST).read_bytes())
+    except (OSError, ValueError):
+        return None
 
 
 def write_chunk(file: Path, answers: Answers) -> None:
-    """Write a chunk, whole or not at all; the same answers give the same bytes.
-
-    NumPy reads the file as any .npz. One that a digest does not end or does not fit is damaged.
-    """
+    """Write a chunk, whole or not at all: an .npz with a digest behind it, the same for the same answers."""
     stream = BytesIO()
     np.savez(stream, **answers)  # type: ignore[arg-type]
     stream.write(sha256(stream.getbuffer()).digest())
@@ -246,11 +224,6 @@ def read_chunk(file: Path) -> Answers:
             f"'{file}' is damaged ({error}); it must be as it was written. Remove it and give the "
             "same command again: its runs are made anew."
         ) from error
-
-
-def _read(file: Path) -> xarray.Dataset:
-    with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as found:
-        return found.load()
 
 
 def _digest_line(file: Path) -> str:

@@ -1,6 +1,5 @@
 """Sweeps from Python: over keys of the configuration, or over arguments of a function that makes motors."""
 
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -18,10 +17,9 @@ from contactlab.config.nesting import Value
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.simulation import KEYS, setup_of
-from contactlab.sweeps.batch import Batch, Report, SetupAt
+from contactlab.sweeps.batch import Batch, Outputs, Report, SetupAt
 from contactlab.sweeps.dataset import Axis, dataset_of
-from contactlab.sweeps.plan import Configuration, Outputs, Plan, with_key
-from contactlab.sweeps.planning import NOTHING, full_keys, planned, setups_of
+from contactlab.sweeps.plan import NOTHING, Configuration, Plan, full_keys, planned, with_key
 from contactlab.sweeps.store import Store
 from contactlab.sweeps.values import listed
 
@@ -52,16 +50,15 @@ def sweep(
     Every number is that of the run alone to the last bit, whatever the number of workers.
 
     Args:
-        over: values by name. Names are keys of the configuration, 'contact.clearance' or 'clearance', or
-            groups of it, 'law'; with `motor` they are the arguments of functions. Values are a list, an
-            array (a DataArray brings its unit), or a text as on the command line. A table, a DataFrame
-            or a list of mappings, has a run in each row.
+        over: values by name: a key of the configuration, 'contact.clearance' or 'clearance', or a group
+            of it, 'law'; with `motor` an argument of functions. Values are a list, an array (a DataArray
+            brings its unit), or a text as on the command line. A table, a DataFrame or a list of mappings,
+            has a run in each row.
         motor: makes the motor; what it raises makes the run a failed one.
-        law: what acts between tip and rotor, or with `motor` a function that makes it; the name of one
-            without.
+        law: its name; with `motor` what acts between tip and rotor, or a function that makes it.
         base: what all runs have, as overrides, as a configuration or as a setup.
-        duration, record_interval: [s]; without `motor` that of `base` where they are not given, with it
-            None keeps but the last record, with which all metrics are content that need no records.
+        duration, record_interval: [s]; those of `base` where they are not given. With `motor` no interval
+            keeps but the last record, with which all metrics are content that need no records.
         contact_step, tolerance: as for `contactlab.engine.simulate`.
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series.
@@ -89,7 +86,11 @@ def sweep(
     outputs = Outputs.named(metrics, series)
     numbers = (duration, record_interval, contact_step, tolerance)
     solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
-    if motor is not None:
+    if motor is None:
+        composer = ScriptComposer(base, law, solver)
+        plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
+        setup_at: SetupAt = plan.setup_at
+    else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
             raise ValueError(
                 "A function makes the motors; there must be a law and a duration beside it, and neither a "
@@ -98,18 +99,12 @@ def sweep(
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
         plan = Plan(axes=axes, samples=samples, outputs=outputs)
         _refuse(plan, law, record_interval)
-        setup_at: SetupAt = partial(_setup, plan, motor, law, solver)
-    else:
-        composer = ScriptComposer(base, law, solver)
-        plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
-        setup_at = plan.setup_at
-        if samples:
-            deque(setups_of(plan, composer), maxlen=0)
-        if folder is not None:
-            store = Store(Path(folder), plan)
-            store.begin()
-            store.run_missing(workers, report)
-            return store.merge()
+        setup_at = partial(_setup, plan, motor, law, solver)
+    if folder is not None:
+        store = Store(Path(folder), plan)
+        store.begin()
+        store.run_missing(workers, report)
+        return store.merge()
     with Batch(setup_at, outputs, workers, report) as batch:
         return dataset_of(plan.axes, batch.answers(range(plan.cells)), samples=samples)
 
@@ -130,9 +125,7 @@ def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
         )
 
 
-def _setup(
-    plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int
-) -> Setup:
+def _setup(plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int) -> Setup:
     """Make what runs in a cell by functions of its values."""
     point = plan.point(cell)
     return setup_of(motor(**point), law(**point) if callable(law) else law, solver)
@@ -149,13 +142,13 @@ def _values(given: Any) -> list[Value]:
 
 @final
 class ScriptComposer:
-    """Composes configurations from what a script gives; see `planning.Composer`.
+    """Composes configurations over a base, with a law by its name and values by `contactlab.simulation.KEYS`.
 
-    Args:
-        base: overrides, a configuration or a setup.
-        law: a name; None for that of the base.
-        solver: values of `contactlab.simulation.KEYS` that all runs have.
+    See `plan.Composer`.
     """
+
+    options = staticmethod(options_of)
+    build = staticmethod(build)
 
     def __init__(
         self,
@@ -177,10 +170,6 @@ class ScriptComposer:
                 "and its parameters keys: base=['law.restitution=0.4']. Or give motor=."
             )
 
-    def options(self, key: str) -> list[str]:
-        """Give the options of a group; none for what is no group."""
-        return options_of(key)
-
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Give the configuration with these options, all else as it is set."""
         options = {**self._chosen, **chosen}
@@ -191,9 +180,5 @@ class ScriptComposer:
         else:
             found = compose([*self._base, *lines])
         for name, value in self._solver.items():
-            found = with_key(found, KEYS[name], value)
+            found = with_key(found, ".".join(KEYS[name]), value)
         return {name: section for name, section in found.items() if name not in NOT_OF_A_RUN}
-
-    def build(self, configuration: Configuration) -> Setup:
-        """Build what a configuration says."""
-        return build(configuration)

@@ -6,7 +6,8 @@ range(0, 1 um, 0.1 um)        in steps, STOP not among them
 """
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
+from contextlib import suppress
 from decimal import Decimal
 from math import ceil, isfinite
 from typing import Final
@@ -45,35 +46,34 @@ def call_in(value: object) -> tuple[str, list[str]] | None:
     return call and (call[1], [part.strip().strip("'\"") for part in call[2].split(",")])
 
 
-def number(key: str, text: str, units: str) -> float:
-    """Give the SI number of a text, a SweepError where it is none of these units."""
-    try:
-        return to_si(text, from_cf(units) if units else "1")
-    except UnitError as error:
-        raise SweepError(f"{key}: {describe(text)}, {error}.") from None
+def in_si(value: Value, units: str) -> Value:
+    """Give a text of a number in SI, in units as CF has them; whatever is no such text as it is."""
+    with suppress(UnitError):
+        return to_si(value, from_cf(units)) if isinstance(value, str) and units else value
+    return value
 
 
 def spread(key: str, value: Value, units: str = "") -> list[Value]:
-    """Give all values that one element of a list stands for.
+    """Give all values that one element of a list stands for, numbers in SI.
 
     Raises:
         SweepError: it cannot be read in the units, has no end or no value, or too many.
     """
     if (call := call_in(value)) is None:
-        return [value]
+        return [in_si(value, units)]
     name, parts = call
     form = "range(START,STOP,STEP)" if name == "range" else f"{name}(FIRST,LAST,COUNT)"
     if len(parts) not in ((1, 2, 3) if name == "range" else (3,)) or not all(parts):
         raise SweepError(f"{key}={value} does not have three arguments; it must be {form}.")
     if name == "range":
-        return _stepped(key, value, parts, units)
+        return _stepped(f"{key}={value}", key, parts, units)
     # A number of very many digits is none that Python reads.
     if not parts[2].isdecimal() or not 1 <= int(parts[2][:20]) <= MOST_RUNS:
         raise SweepError(
             f"{key}={value} has the count '{parts[2]}'; it must be a whole number of at least 1 and at "
             f"most {MOST_RUNS}."
         )
-    first, last = (number(key, end, units) for end in parts[:2])
+    first, last = (_number(key, end, units) for end in parts[:2])
     if not isfinite(last - first):
         raise SweepError(
             f"{key} goes from {first:g} to {last:g}; both ends must be finite numbers, and so must be what "
@@ -88,35 +88,37 @@ def spread(key: str, value: Value, units: str = "") -> list[Value]:
     return list(spaced(first, last, int(parts[2])).tolist())
 
 
-def _stepped(key: str, text: Value, parts: Sequence[str], units: str) -> list[Value]:
+def _number(key: str, text: str, units: str) -> float:
+    try:
+        return to_si(text, from_cf(units) if units else "1")
+    except UnitError as error:
+        raise SweepError(f"{key}: {describe(text)}, {error}.") from None
+
+
+def _stepped(line: str, key: str, parts: list[str], units: str) -> list[Value]:
     """Give the numbers of a range: as decimals, so that no round-off lets one reach STOP."""
-    ends = ["0", *parts] if len(parts) == 1 else [*parts]
-    ends += ["1"] * (3 - len(ends))
-    start, stop, step = (Decimal(repr(number(key, end, units))) for end in ends)
+    ends = [*(["0"] if len(parts) == 1 else []), *parts, "1"][:3]
+    start, stop, step = (Decimal(repr(_number(key, end, units))) for end in ends)
     if not all(end.is_finite() for end in (start, stop, step)) or not step:
-        raise SweepError(
-            f"{key}={text} does not end; START, STOP and STEP must be finite and STEP not 0."
-        )
+        raise SweepError(f"{line} does not end; START, STOP and STEP must be finite and STEP not 0.")
     steps = (stop - start) / step
     # Whoever sorts a range may have added and subtracted floats before.
     whole = abs(steps - round(steps)) < Decimal("1e-9")
     count = max(0, round(steps) if whole else ceil(steps))
     if not count:
-        raise SweepError(f"{key}={text} has no values; a range ends before its STOP.")
+        raise SweepError(f"{line} has no values; a range ends before its STOP.")
     if count > MOST_RUNS:
         raise SweepError(
-            f"{key}={text} has {count:.4g} values; it must have at most {MOST_RUNS}. Choose a larger STEP."
+            f"{line} has {count:.4g} values; it must have at most {MOST_RUNS}. Choose a larger STEP."
         )
     kind = int if all(re.fullmatch(r"[+-]?\d+", end) for end in ends) else float
     return [kind(start + place * step) for place in range(count)]
 
 
 def short_names(keys: Iterable[str], taken: Collection[str] = ()) -> dict[str, str]:
-    """Give each key a name that xarray likes: its last part, or the shortest tail that is its own.
+    """Give each key or group its last part as a name, or the shortest tail that is its own.
 
-    Args:
-        keys: full keys or groups, 'contact.clearance' or 'law/normal'.
-        taken: names that stand for something else.
+    The names in `taken` stand for something else.
     """
     tails = {}
     for key in keys:

@@ -11,13 +11,6 @@ A law that is written elsewhere is put to the same tests as the package's own in
 what is claimed and what is found.
 """
 
-# The modules that fill the catalogues, in the order in which their claims are shown.
-from contactlab.testing import (  # noqa: F401
-    closed_forms,
-    kernel_properties,
-    references,
-    run_properties,
-)
 from contactlab.testing.claim import Claim, at_least, at_most, close
 from contactlab.testing.contract import LawContract, all_claims, invariants_of
 

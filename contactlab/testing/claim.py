@@ -1,13 +1,14 @@
-"""One statement that can be wrong, and the catalogues of functions that make such statements.
+"""One statement that can be wrong, and functions that make such statements.
 
-@proof(CLOSED_FORMS)
 def hertz_impact() -> Claims:
-    '''A ball against a Hertz contact (Johnson 1985, sec. 11.4).'''
-    yield close("Hertz impact: duration", found, expected, 1e-6, "s")
+'''A ball against a Hertz contact (Johnson 1985, sec. 11.4).'''
+yield close("Hertz impact: duration", found, expected, 1e-6, "s")
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from inspect import isfunction
+from types import ModuleType
 from typing import final
 
 
@@ -80,30 +81,21 @@ def at_most(statement: str, found: float, bound: float, units: str = "1") -> Cla
     return Claim(statement, float(bound), float(found), 0.0, "<=", units)
 
 
-def at_least(statement: str, found: float, bound: float, units: str = "1") -> Claim:
-    """Claim a lower bound."""
-    return Claim(statement, float(bound), float(found), 0.0, ">=", units)
+def at_least(statement: str, found: float, bound: float) -> Claim:
+    """Claim a lower bound of a number without unit."""
+    return Claim(statement, float(bound), float(found), 0.0, ">=")
 
 
 Claims = Iterator[Claim]
 Proof = Callable[..., Claims]
 """Yields claims; the first line of its docstring is their heading."""
 
-CLOSED_FORMS: dict[str, Proof] = {}
-"""Small plants against what can be written down, by the function's name."""
 
-REFERENCES: dict[str, Proof] = {}
-"""The paper's motor and random flights against what others found."""
-
-PROPERTIES: dict[str, Proof] = {}
-"""The contract of a law: each takes a `Bench`."""
-
-
-def proof(catalogue: dict[str, Proof]) -> Callable[[Proof], Proof]:
-    """Put the decorated function into a catalogue, in the order of the source."""
-    return lambda function: catalogue.setdefault(function.__name__, function)
-
-
-def heading(function: Proof) -> str:
-    """Give the first line of a proof's docstring."""
-    return (function.__doc__ or "").strip().partition("\n")[0]
+def proofs_of(*modules: ModuleType) -> dict[str, Proof]:
+    """Give the public functions of modules that are annotated with `Claims`, in the order of the source."""
+    return {
+        name: each
+        for module in modules
+        for name, each in vars(module).items()
+        if isfunction(each) and each.__annotations__.get("return") is Claims and name[0] != "_"
+    }

@@ -1,15 +1,13 @@
 """Free flights from rest in closed form, where they first touch the rotor, and flights of a wanted shape.
 
-Every mode is the steady answer to its tones and two exponentials that cancel it at t = 0:
+Every mode is the steady answer to its tones and two exponentials that cancel it at t = 0, unless it is
+exactly critical: q(t) = Re sum_k S_k exp(i w_k t) + A exp(r_1 t) + B exp(r_2 t),  r^2 + c r + k = 0.
 
-    q(t) = Re sum_k S_k exp(i w_k t) + A exp(r_1 t) + B exp(r_2 t),  r^2 + c r + k = 0.
-
-Not valid for a mode that is exactly critical. The first touch-down is searched on a dense grid, without
-any bound on the motion: whether a search that has one is right can be judged by it.
+The first touch-down is searched on a dense grid, without any bound on the motion: whether a search that
+has one is right can be judged by it.
 """
 
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Final
 
 import numpy as np
@@ -23,33 +21,24 @@ from contactlab.motor.motor import Motor
 
 Phasors = NDArray[np.complex128]
 
-POINTS_PER_RADIAN = 16
-"""Grid points while the fastest exponential of a flight turns or decays by one: 100 a period."""
-
-OPERATIONS_PER_STEP = 16
-"""Roundings of a term in one step, about: sines, products and sums of its steady and free part."""
-
 FAR = 1e-4
 """Clearance [m] that no flight bridges."""
 
 DURATION = 1e-3
 """Longest random flight [s]."""
 
+RESONATORS = tuple(RitzResonator(shapes=shapes) for shapes in (2, 4, 6))
+"""Up to six overdamped modes, decays down to a microsecond."""
+
 KINDS: Final = ("any clearance", "graze", "double dip", "double well", "resonance")
 """How the clearance of a random flight is found, see `random_flight`."""
-
-SHAPES = (2, 4, 6)
-"""Beam shapes of their resonators: up to 6 overdamped modes, decays down to a microsecond."""
 
 
 @dataclass(frozen=True)
 class Flight:
-    """Hold the tip of a motor that never touches: u and th are real parts of sums of exponentials.
+    """Hold the tip of a motor that never touches: u [m] and th [rad] are real parts of sums of exponentials.
 
-    Args:
-        motor: modes, drive and geometry.
-        exponents: shape (term,) [1/s].
-        u, th: their amplitudes at the tip, shape (term,) [m], [rad].
+    `exponents` [1/s], `u` and `th` have the shape (term,).
     """
 
     motor: Motor
@@ -57,16 +46,9 @@ class Flight:
     u: Phasors
     th: Phasors
 
-    @property
-    def amplitudes(self) -> Phasors:
-        """Of u, u rate, th and th rate, shape (term, 4)."""
-        rates = self.exponents[:, None] ** np.array([0, 1])
-        return np.hstack([rates * self.u[:, None], rates * self.th[:, None]])
-
     def at(self, time: Array | float) -> tuple[Array, Array]:
         """Give gap [m] and gap rate [m/s], shape of the time, good to their own round-off."""
-        waves = np.exp(np.multiply.outer(np.asarray(time, dtype=np.float64), self.exponents))
-        return self._gap_and_rate((waves @ self.amplitudes).real)
+        return self._gap_and_rate(np.exp(np.multiply.outer(time, self.exponents)))
 
     def round_off(self, time: float, steps: int) -> float:
         """Give what float64 leaves uncertain of the gap [m] at a time [s] that was reached in so many steps.
@@ -82,7 +64,8 @@ class Flight:
         geometry = self.motor.geometry
         lever = geometry.tip_length * slope * (1.0 + geometry.tip_length / geometry.rotor_radius)
         gap = sizes @ np.abs(self.u) + lever * (sizes @ np.abs(self.th))
-        eps = np.finfo(np.float64).eps * np.sqrt(OPERATIONS_PER_STEP * steps)
+        # Sines, products and sums of its steady and free part: 16 roundings of a term in one step, about.
+        eps = np.finfo(np.float64).eps * np.sqrt(16.0 * steps)
         return float(eps * (gap + geometry.clearance))
 
     def with_clearance(self, clearance: float) -> "Flight":
@@ -102,13 +85,14 @@ class Flight:
     def on_grid(self, duration: float) -> tuple[Array, Array, Array]:
         """Give times [s], gaps [m] and gap rates [m/s]; at rest the rate is zero, not its round-off."""
         fastest = float(np.abs(self.exponents).max())
-        side = int(np.ceil(np.sqrt(POINTS_PER_RADIAN * fastest * duration + 1.0)))
+        # 16 points while the fastest exponential turns or decays by one: 100 a period.
+        side = int(np.ceil(np.sqrt(16.0 * fastest * duration + 1.0)))
         step = duration / (side * side - 1)
         # exp(r (i side + j) step) is a product, so that a grid of n points takes 2 sqrt(n) exponentials.
-        coarse = np.exp(np.multiply.outer(step * side * np.arange(side), self.exponents))
-        fine = np.exp(np.multiply.outer(self.exponents, step * np.arange(side)))
-        tip = [((coarse * column) @ fine).real.ravel() for column in self.amplitudes.T]
-        gap, rate = self._gap_and_rate(np.stack(tip, axis=-1))
+        coarse, fine = (
+            np.exp(np.multiply.outer(size * np.arange(side), self.exponents)) for size in (step * side, step)
+        )
+        gap, rate = self._gap_and_rate((coarse[:, None] * fine).reshape(side * side, -1))
         rate[0] = 0.0
         return step * np.arange(side * side, dtype=np.float64), gap, rate
 
@@ -129,17 +113,18 @@ class Flight:
         """Give the time at which the gap first falls to zero [s], between grid points too, or None."""
         time, gap, rate = self.on_grid(duration)
         turns, dips = self._turns(time, rate)
-        closed = np.concatenate([time[gap <= 0.0], turns[dips <= 0.0]])
-        if closed.size == 0:
+        end = min([*time[gap <= 0.0], *turns[dips <= 0.0]], default=None)
+        if end is None:
             return None
-        end = float(closed.min())
-        start = float(time[time < end][-1])
-        return float(brentq(lambda t: float(self.at(t)[0]), start, end, xtol=1e-19, rtol=1e-15))
+        start = time[time < end][-1]
+        return float(brentq(lambda t: self.at(t)[0], start, end, xtol=1e-19, rtol=1e-15))
 
-    def _gap_and_rate(self, tip: Array) -> tuple[Array, Array]:
-        """Gap [m] and its rate [m/s] from u, u rate, th, th rate in the last axis."""
-        geometry = self.motor.geometry
-        u, u_rate, th, th_rate = np.moveaxis(tip, -1, 0)
+    def _gap_and_rate(self, waves: Phasors) -> tuple[Array, Array]:
+        """Gap [m] and its rate [m/s] from the exponentials in the last axis."""
+        geometry, order = self.motor.geometry, self.exponents[:, None] ** [0, 1]
+        u, u_rate, th, th_rate = np.moveaxis(
+            (waves @ np.hstack([self.u[:, None] * order, self.th[:, None] * order])).real, -1, 0
+        )
         arm, radius = geometry.tip_length, geometry.rotor_radius
         sine = np.sin(th)
         across, across_rate = -arm * sine, -arm * np.cos(th) * th_rate
@@ -169,14 +154,11 @@ def flight_of(motor: Motor) -> Flight:
 
 
 def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
-    """Give the weakest drive whose tip, from rest, has these derivatives at an instant.
+    """Give the weakest drive whose tip, from rest, has these derivatives at an instant [s].
 
-    The motion is linear in the phasors, so that they follow from a linear system of least norm.
-
-    Args:
-        modes: the resonator.
-        frequency, when: of the tones [Hz], four real unknowns to each; the instant [s].
-        u, th: derivatives of order 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free.
+    u and th have the orders 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free. The motion is
+    linear in the phasors, four real unknowns to each tone [Hz]: they follow from a linear system of least
+    norm.
     """
     order = np.arange(u.size)
     reals = np.eye(2 * frequency.size)
@@ -198,18 +180,13 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
 def double_well(
     modes: NormalModes, frequency: Array, when: float, half: float, barrier: float, tilt: float
 ) -> Flight:
-    """Give a flight whose gap has two minima, `half` before and after an instant, that stand at zero.
+    """Give a flight whose gap has two minima, `half` before and after an instant [s], that stand at zero.
 
         g(when + x) = barrier ((x/half)^2 - 1)^2 + tilt x / half
 
-    to the fifth order, and the slope th stays zero as long. Between the minima the gap bends down;
-    steps that see only its ends see nothing of it.
-
-    Args:
-        modes: the resonator.
-        frequency, when: of the tones [Hz], three and more; the instant [s].
-        half: a small part of the fastest period [s].
-        barrier, tilt: [m]; the second minimum lies above the first by twice the tilt.
+    to the fifth order, and the slope th stays zero as long: the second minimum is higher by twice the tilt
+    [m]. Steps that see only the ends of what lies between see nothing of it. It takes three tones [Hz] or
+    more, and half of a small part of the fastest period.
     """
     shape = np.array([np.nan, tilt, -4.0 * barrier, 0.0, 24.0 * barrier, 0.0])
     u = -shape / half ** np.arange(6.0)
@@ -232,7 +209,7 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
     """
     rng = np.random.default_rng([seed, number])
     kind = KINDS[int(rng.choice(len(KINDS), p=(0.25, 0.25, 0.17, 0.17, 0.16)))]
-    modes = _modes(int(rng.choice(SHAPES)))
+    modes = RESONATORS[int(rng.choice(len(RESONATORS)))].modes
     if kind == "double well":
         return kind, _well(rng, modes)
     tones = int(rng.integers(1, 5))
@@ -243,10 +220,15 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
         modes = replace(modes, damping=np.full(modes.damping.size, 10.0 ** rng.uniform(-1.0, 1.0)))
         off = rng.choice([-1.0, 0.0, 1.0]) * 10.0 ** rng.uniform(-9.0, -2.0)
         frequency[0] = float(modes.natural_frequency[0]) * (1.0 + off)
-    drive = Drive(frequency, size * phasors)
+    phasors *= size
     if kind == "double dip":
-        drive = _with_fast_tone(rng, modes, drive)
-    flight = flight_of(Motor(modes, drive))
+        # One more tone moves the tip by 1 to 100 nm once it is steady.
+        fast = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
+        volts, tone = rng.normal(size=2) + 1j * rng.normal(size=2), 2j * np.pi * fast
+        steady = modes.coupling @ volts / (modes.stiffness + modes.damping * tone + tone**2)
+        volts *= 10.0 ** rng.uniform(-9.0, -7.0) / abs(modes.tip_displacement @ steady)
+        frequency, phasors = np.append(frequency, fast), np.column_stack([phasors, volts])
+    flight = flight_of(Motor(modes, Drive(frequency, phasors)))
     if kind == "any clearance" or (kind == "resonance" and rng.random() < 0.5):
         return kind, flight.with_clearance(10.0 ** rng.uniform(-8.0, -5.5))
     far = flight.with_clearance(FAR)
@@ -282,19 +264,3 @@ def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
     times, _ = weak.minima(when + 2.0 * half)
     dip, depth = float(times[np.abs(times - when + half).argmin()]), np.log10(share * barrier)
     return _grazing(rng, weak, dip, depth - 3.0, depth - 0.5)
-
-
-def _with_fast_tone(rng: np.random.Generator, modes: NormalModes, drive: Drive) -> Drive:
-    """Give a drive and one more tone, which moves the tip by 1 to 100 nm once it is steady."""
-    frequency = 10.0 ** rng.uniform(np.log10(30e3), np.log10(200e3))
-    tone = 2j * np.pi * frequency
-    phasors = rng.normal(size=2) + 1j * rng.normal(size=2)
-    steady = modes.coupling @ phasors / (modes.stiffness + modes.damping * tone + tone**2)
-    phasors *= 10.0 ** rng.uniform(-9.0, -7.0) / abs(modes.tip_displacement @ steady)
-    both = np.column_stack([drive.phasors, phasors])
-    return Drive(np.append(drive.frequency, frequency), both)
-
-
-@cache
-def _modes(shapes: int) -> NormalModes:
-    return RitzResonator(shapes=shapes).modes

@@ -5,15 +5,17 @@ weight presses it on, a tone pushes it. Tip length and rotor radius are so large
 and the rotor is a belt.
 """
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import pi, sqrt
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
+from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
@@ -35,13 +37,6 @@ def silent_drive() -> Drive:
 def paper_motor() -> Motor:
     """Give the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
     return Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -pi / 5.0))
-
-
-def mirrored(motor: Motor) -> Motor:
-    """Give the same motor seen in a mirror that exchanges left and right."""
-    velocity, torque = -motor.rotor.initial_velocity, -motor.rotor.load_torque
-    rotor = replace(motor.rotor, initial_velocity=velocity, load_torque=torque)
-    return replace(motor, modes=replace(motor.modes, tip_slope=-motor.modes.tip_slope), rotor=rotor)
 
 
 def block(
@@ -88,10 +83,7 @@ def block(
         geometry=ContactGeometry(FLAT, FLAT, 0.0),
         rotor=Rotor(inertia=belt_mass * FLAT**2, initial_velocity=belt_velocity / FLAT),
         preload=np.array([weight, push]) / root,
-        start=ModalState(
-            displacement=root * np.array([-height, way]),
-            velocity=root * np.array([-gap_rate, velocity]),
-        ),
+        start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity])),
     )
 
 
@@ -100,30 +92,16 @@ def way_of(theta: Array) -> Array:
     return np.asarray(-FLAT * np.sin(theta))
 
 
-def coupled_body(seed: int, modes: int = 5, *, approach: float = 0.3) -> Motor:
-    """Draw a body of several coupled modes and a rotor, about to touch at a gap rate of `approach` [m/s]."""
-    rng = np.random.default_rng(seed)
-    tip_displacement = rng.normal(size=modes) * 20.0
-    tip_slope = rng.normal(size=modes) * 1e3
-    velocity = rng.normal(size=modes) * 1e-3
+def coupled_body(seed: int, approach: float = 0.3) -> Motor:
+    """Draw a body whose modes couple both directions, about to touch a rotor at a gap rate [m/s]."""
+    rng, modes = np.random.default_rng(seed), RitzResonator().modes
+    tip, slope, velocity = rng.normal(size=(3, modes.stiffness.size)) * [[20.0], [1e3], [1e-3]]
     # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
-    squared = tip_displacement @ tip_displacement
-    velocity += (approach - tip_displacement @ velocity) * tip_displacement / squared
-    rate = 2.0 * np.pi * np.sort(rng.uniform(1e3, 2e4, modes))
-    return Motor(
-        modes=NormalModes(
-            stiffness=rate**2,
-            damping=2.0 * rng.uniform(0.0, 1.5, modes) * rate,
-            coupling=np.zeros((modes, 2)),
-            tip_displacement=tip_displacement,
-            tip_slope=tip_slope,
-            shape_coupling=np.zeros((modes, 2)),
-        ),
-        drive=silent_drive(),
-        geometry=ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.0),
-        rotor=Rotor(inertia=float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0),
-        start=ModalState(-1e-12 * tip_displacement / squared, velocity),
-    )
+    along = tip / (tip @ tip)
+    start = ModalState(-1e-12 * along, velocity + (approach - tip @ velocity) * along)
+    body = replace(modes, tip_displacement=tip, tip_slope=slope)
+    rotor = Rotor(float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0)
+    return Motor(body, silent_drive(), ContactGeometry(clearance=0.0), rotor, start=start)
 
 
 def attempt(
@@ -135,14 +113,9 @@ def attempt(
     tolerance: float | None = None,
 ) -> Trajectory:
     """Make a run, whatever becomes of it; without a record interval it is recorded at its ends only."""
-    return simulate(
-        motor,
-        law,
-        duration=duration,
-        record_interval=record_interval or duration,
-        contact_step=contact_step,
-        tolerance=tolerance,
-    )
+    steps: dict[str, Any] = {"contact_step": contact_step, "tolerance": tolerance}
+    interval = record_interval or duration
+    return simulate(motor, law, duration=duration, record_interval=interval, **steps)
 
 
 def completed(trajectory: Trajectory) -> Trajectory:
@@ -165,3 +138,61 @@ def first(trajectory: Trajectory, name: str) -> float:
 def last(trajectory: Trajectory, name: str) -> float:
     """Give the last record of a series."""
     return float(trajectory.series[name][-1])
+
+
+MOTOR_DURATION = 1.5e-3
+"""Of the run of a bench's motor [s]: five contacts of the paper's."""
+
+MASS, BELT_MASS, WEIGHT = 2e-3, 1e-2, 5.0
+"""Of the skipping block [kg], [kg], [N]: about a motor's tip, and a rotor as light as to answer."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Hold a law and the runs that its contract is checked on, each made once, even where it fails.
+
+    The motor is one that the law can drive at its default contact step.
+    """
+
+    law: ContactLaw
+    make_motor: Callable[[], Motor] = paper_motor
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the law is a `MultiplierLaw`."""
+        return isinstance(self.law, MultiplierLaw)
+
+    @property
+    def balance(self) -> float:
+        """What energy and momentum may miss at default steps, as a share: the order-one laws more."""
+        return 1e-3 if self.rigid else 1e-6
+
+    @cached_property
+    def motor(self) -> Motor:
+        """The motor that the law drives."""
+        return self.make_motor()
+
+    def attempt_motor(self, motor: Motor) -> Trajectory:
+        """Make a finely recorded run of a motor with the law, whatever becomes of it."""
+        step = self.law.default_contact_step
+        # Finer than the steps of a rigid law, fine against a contact of a compliant one.
+        interval = 0.4 * step if self.rigid else 1e-7
+        return attempt(motor, self.law, MOTOR_DURATION, step, interval)
+
+    @cached_property
+    def motor_run(self) -> Trajectory:
+        """The law in the motor."""
+        return self.attempt_motor(self.motor)
+
+    @cached_property
+    def skipping(self) -> Trajectory:
+        """A block that is thrown onto a moving belt at a slant and pressed on by its weight."""
+        thrown = {"height": 1e-6, "gap_rate": -0.1, "velocity": 0.05, "belt_velocity": -0.02}
+        motor = block(MASS, weight=WEIGHT, belt_mass=BELT_MASS, **thrown)
+        return attempt(motor, self.law, 1e-3, record_interval=1e-6)
+
+    @property
+    def runs(self) -> dict[str, Trajectory]:
+        """Both, once they have reached their ends."""
+        return {"motor": completed(self.motor_run), "block": completed(self.skipping)}

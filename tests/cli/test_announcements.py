@@ -9,7 +9,6 @@ import pytest
 from support.command_line import Command
 from support.synthetic import synthetic_trajectory
 
-from contactlab import engine
 from contactlab.cli import terminal
 from contactlab.cli.checking import announce, announce_series
 
@@ -51,7 +50,9 @@ def test_the_series_of_a_large_sweep_are_announced(capsys: pytest.CaptureFixture
 def test_a_run_and_a_sweep_are_announced_before_they_begin(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "simulate", lambda *_, **__: synthetic_trajectory(duration=1e-3))
+    monkeypatch.setattr(
+        "contactlab.config.setup.simulate", lambda *_, **__: synthetic_trajectory(duration=1e-3)
+    )
     _, _, err = command("solver.duration=2", "record.picture=false")
     assert err.startswith("The run leaves about 120 MB: 2e+06 records")
     _, _, err = command("solver.duration=2e-3", "record.picture=false")
@@ -83,11 +84,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
     ],
 )
 def test_work_that_will_take_long_says_so_once(
-    clock: Callable[[float], None],
-    capsys: pytest.CaptureFixture[str],
-    spent: float,
-    done: float,
-    words: str,
+    clock: Callable[[float], None], capsys: pytest.CaptureFixture[str], spent: float, done: float, words: str
 ) -> None:
     with terminal.progress(10.0, "s", "The run") as show:
         # Before the first of it there is the compiler, whose time is no measure.

@@ -17,7 +17,6 @@ from support.command_line import Command, left_behind
 from support.configurations import CONF, options
 from support.synthetic import synthetic_trajectory
 
-from contactlab import engine
 from contactlab.cli import app
 from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
@@ -35,7 +34,7 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Ending | BaseException]
             message = "" if how is Ending.COMPLETE else "It ended too early."
             return dataclasses.replace(trajectory, ending=how, message=message)
 
-        monkeypatch.setattr(engine, "simulate", simulate)
+        monkeypatch.setattr("contactlab.config.setup.simulate", simulate)
 
     return replace
 
@@ -114,9 +113,7 @@ def test_a_composed_law_runs_with_any_part_and_says_which(command: Command) -> N
 
 def test_a_sweep_runs_over_parts(command: Command, ending: Callable[[Ending], None]) -> None:
     ending(Ending.COMPLETE)
-    status, _, err = command(
-        "-m", "law=composed", "law/normal=linear,hertz_point", "hydra.sweep.dir=here"
-    )
+    status, _, err = command("-m", "law=composed", "law/normal=linear,hertz_point", "hydra.sweep.dir=here")
     assert status == 0, err
     laws = [configuration_of(path)["law"] for path in sorted(Path("here").glob("*/run.nc"))]
     assert [law["normal"] for law in laws] == [
@@ -196,9 +193,7 @@ def test_experiment_is_a_change_of_the_default_that_arguments_override(
     assert configuration["solver"]["duration"] == 5e-3
 
 
-def test_configuration_may_ask_for_a_sweep_itself(
-    command: Command, ending: Callable[[Ending], None]
-) -> None:
+def test_configuration_may_ask_for_a_sweep_itself(command: Command, ending: Callable[[Ending], None]) -> None:
     ending(Ending.COMPLETE)
     status, _, err = command("hydra.mode=MULTIRUN", "contact.clearance=1 um,2 um")
     assert status == 0, err
@@ -212,9 +207,7 @@ def test_task_can_be_sent_to_another_process() -> None:
 # How it ends
 
 
-@pytest.mark.parametrize(
-    "how", [Ending.DIVERGED, Ending.CHATTERED, Ending.UNBALANCED, Ending.STALLED]
-)
+@pytest.mark.parametrize("how", [Ending.DIVERGED, Ending.CHATTERED, Ending.UNBALANCED, Ending.STALLED])
 def test_run_that_is_not_complete_is_written_as_such_with_status_1(
     command: Command, ending: Callable[[Ending], None], how: Ending
 ) -> None:
@@ -255,9 +248,7 @@ def test_interrupted_run_leaves_nothing_that_looks_whole(
         assert root.attrs["complete"] == 0
 
 
-def test_interrupt_stops_a_sweep(
-    command: Command, ending: Callable[[Ending | BaseException], None]
-) -> None:
+def test_interrupt_stops_a_sweep(command: Command, ending: Callable[[Ending | BaseException], None]) -> None:
     ending(Ending.INTERRUPTED)
     status, _, _ = command("-m", "contact.clearance=1 um,2 um")
     assert status == 130
@@ -282,10 +273,7 @@ def test_disk_that_fails_is_told_in_a_sentence(
 def test_ctrl_c_ends_the_real_command_with_status_130(tmp_path: Path) -> None:
     long_run = ["solver.duration=1e4", "record.interval=1e-2", "hydra.run.dir=here"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "contactlab", *long_run],
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        text=True,
+        [sys.executable, "-m", "contactlab", *long_run], cwd=tmp_path, stderr=subprocess.PIPE, text=True
     )
     patience = time.monotonic() + 60.0
     while not (tmp_path / "here/.hydra/overrides.yaml").exists() and process.poll() is None:

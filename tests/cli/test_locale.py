@@ -7,12 +7,7 @@ from pathlib import Path
 
 import pytest
 
-PLAIN = {
-    "LC_ALL": "C",
-    "PYTHONUTF8": "0",
-    "PYTHONCOERCECLOCALE": "0",
-    "PYTHONIOENCODING": "ascii",
-}
+PLAIN = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"}
 """A locale in which Python takes bytes beyond ASCII for none of its characters."""
 
 ONE_AFTER_ANOTHER = """
@@ -28,10 +23,7 @@ for line in sys.stdin.buffer.read().splitlines():
 SIGNS = ("\u00b5", "\u03bc")
 MICRO = {sign: f"contact.clearance='-1 {sign}m'" for sign in SIGNS}
 SWEEP = {sign: f"contact.clearance=linspace(-1 {sign}m,1 {sign}m,2)" for sign in SIGNS}
-UNSPELLED = [
-    ("hydra.run.dir='\u00b5'",),
-    *((v, "\u00b5") for v in ("collect", "compare", "animate")),
-]
+UNSPELLED = [("hydra.run.dir='\u00b5'",), *((v, "\u00b5") for v in ("collect", "compare", "animate"))]
 
 Refusals = dict[tuple[str, ...], tuple[str, str]]
 

@@ -18,12 +18,8 @@ STREAMS = ("2>&-", ">&-", "<&- >&- 2>&-", "> /dev/full", "| true")
 
 
 def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = (
-        f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {words}"
-    )
-    return subprocess.run(
-        ["/bin/sh", "-c", command], cwd=folder, capture_output=True, text=True, check=False
-    )
+    command = f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {words}"
+    return subprocess.run(["/bin/sh", "-c", command], cwd=folder, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.parametrize("words", cases(STREAMS, ("<&- >&- 2>&-", "> /dev/full")), ids=str)

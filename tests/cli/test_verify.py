@@ -9,14 +9,13 @@ from support.command_line import Command
 from contactlab.cli import verify
 from contactlab.cli.arguments import VERBS
 from contactlab.testing import Claim, at_most, close
-from contactlab.testing.claim import REFERENCES
+from contactlab.testing.contract import REFERENCES
 
 GROUPS = "contactlab.cli.verify.all_claims"
 
 
-def test_an_installed_copy_verifies_itself(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.long
+def test_an_installed_copy_verifies_itself(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     few_flights = partial(REFERENCES["random_touchdowns"], 100)
     monkeypatch.setitem(REFERENCES, "random_touchdowns", few_flights)
     status, out, _ = command("verify")
@@ -78,8 +77,6 @@ def test_long_claims_are_cut_to_the_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr(
-        GROUPS, lambda: iter([("One", lambda: [at_most("very " * 40 + "long", 0.0, 1.0)])])
-    )
+    monkeypatch.setattr(GROUPS, lambda: iter([("One", lambda: [at_most("very " * 40 + "long", 0.0, 1.0)])]))
     assert verify.main([]) == 0
     assert max(map(len, capsys.readouterr().out.splitlines()[:4])) <= 100

@@ -1,10 +1,13 @@
 """Configurations come from overrides wherever one is: in a script, in a notebook, inside a Hydra job."""
 
+import re
 from pathlib import Path
 
 import hydra
 import pytest
+import yaml
 from hydra.core.global_hydra import GlobalHydra
+from support.command_line import Command
 from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
@@ -14,9 +17,7 @@ from contactlab.laws import law_class
 
 def test_overrides_compose_what_the_files_and_declarations_say() -> None:
     assert compose() == composed()
-    assert compose(["law=newton", "placement=placement_1"]) == composed(
-        law="newton", placement="placement_1"
-    )
+    assert compose(["law=newton", "placement=placement_1"]) == composed(law="newton", placement="placement_1")
 
 
 def test_a_setup_is_built_from_overrides_from_a_mapping_or_from_nothing() -> None:
@@ -33,11 +34,24 @@ def test_a_text_is_no_list_of_overrides() -> None:
         build("law=newton")
 
 
-def test_faults_of_composition_are_sentences() -> None:
-    with pytest.raises(ConfigurationError, match="Could not find 'law/rubber'"):
-        build(["law=rubber"])
-    with pytest.raises(ConfigurationError, match="nowhere', which is not a directory"):
-        compose(config_dir="nowhere")
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("law=rubber", "law is 'rubber'; it must be one of composed, "),
+        ("law=newtn", "Did you mean newton?"),
+        ("rotor.inertai=1", "rotor.inertai is not a known key. Did you mean rotor.inertia?"),
+        ("law.stifness=1", "law.stifness is not a known key. Did you mean law.stiffness?"),
+        ("um", "um cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."),
+        ("solver.duration=[1", "solver.duration=[1 cannot be read; "),
+        ("solver.duration=1,2", "solver.duration=1,2 gives several values; a single run takes one."),
+        ("law=null", "law=null names no option; it must have the form GROUP=OPTION."),
+        ("rotor.inertia=${nothing}", "Correct the reference in ${...}."),
+    ],
+)
+def test_faults_of_composition_are_sentences(override: str, words: str) -> None:
+    with pytest.raises(ConfigurationError, match=re.escape(words)) as caught:
+        build([override])
+    assert len(caught.value.faults) == 1
 
 
 def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
@@ -55,13 +69,16 @@ def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
     assert not GlobalHydra.instance().is_initialized()
 
 
-def test_a_file_has_precedence_over_what_is_declared(tmp_path: Path) -> None:
+def test_a_file_has_precedence_over_what_is_declared(command: Command, tmp_path: Path) -> None:
     for option in ("rotor/default", "law/mine"):
         (tmp_path / option).parent.mkdir()
     (tmp_path / "rotor/default.yaml").write_text("radius: 0.05\ninertia: 2e-5\n", encoding="utf-8")
     (tmp_path / "law/mine.yaml").write_text("name: newton\nrestitution: 0.4\n", encoding="utf-8")
-    assert compose(config_dir=tmp_path)["rotor"] == {"radius": 0.05, "inertia": 2e-5}
-    assert compose(["law=mine"], tmp_path)["law"] == {"name": "newton", "restitution": 0.4}
+    status, out, err = command("--config-dir", str(tmp_path), "law=mine", "--cfg", "job")
+    assert status == 0, err
+    found = yaml.safe_load(out)
+    assert found["rotor"] == {"radius": 0.05, "inertia": 2e-5}
+    assert found["law"] == {"name": "newton", "restitution": 0.4}
     assert compose()["rotor"] == composed()["rotor"]
 
 

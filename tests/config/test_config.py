@@ -9,12 +9,11 @@ import pytest
 from support.configurations import CONF, altered, composed, options
 
 from contactlab.config import ConfigurationError, build, groups, validate
-from contactlab.config.groups import keys_of_law, known_keys
-from contactlab.config.rules import MOST_RECORDS
+from contactlab.config.groups import Record, Solver, keys_of_law, known_keys
+from contactlab.config.schema import MOST_RECORDS
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
 from contactlab.motor import RitzResonator, Rotor, Steel
-from contactlab.settings import Record, Solver
 
 
 def faults(changes: dict[str, object], **choices: str) -> list[str]:
@@ -46,11 +45,7 @@ def test_resolved_configuration_holds_the_numbers_that_run() -> None:
 
 
 def test_resolved_configuration_builds_itself_again() -> None:
-    changes: dict[str, object] = {
-        "law.stiffness": None,
-        "law.tip_radius": "5 mm",
-        "drive.phase": "-36 deg",
-    }
+    changes: dict[str, object] = {"law.stiffness": None, "law.tip_radius": "5 mm", "drive.phase": "-36 deg"}
     first = build(altered(changes))
     again = build(first.configuration)
     assert again.configuration == first.configuration
@@ -63,9 +58,7 @@ def test_resolved_configuration_builds_itself_again() -> None:
     list(product(*(options(g) for g in ("law", "resonator", "placement", "piezoceramic")))),
 )
 def test_every_choice_builds(law: str, resonator: str, placement: str, piezoceramic: str) -> None:
-    setup = build(
-        composed(law=law, resonator=resonator, placement=placement, piezoceramic=piezoceramic)
-    )
+    setup = build(composed(law=law, resonator=resonator, placement=placement, piezoceramic=piezoceramic))
     assert setup.law.name == law
     assert setup.configuration["resonator"]["basis"] == resonator
     assert setup.configuration["placement"] == composed(placement=placement)["placement"]
@@ -162,17 +155,9 @@ def test_class_refuses_in_the_words_of_the_configuration() -> None:
         ("rotor.damping", -1, "must be at least 0 N m s/rad"),
         ("rotor.load_torque", "strong", "it must be a number in N m, for example '2 mN m'"),
         ("law.stiffness", 0, "must be greater than 0 N/m^1.5"),
-        (
-            "law.stiffness",
-            None,
-            "law.stiffness is None and tip_radius is None; exactly one of them must",
-        ),
+        ("law.stiffness", None, "law.stiffness is None and tip_radius is None; exactly one of them must"),
         ("law.tip_radius", -1, "must be greater than 0 m"),
-        (
-            "law.name",
-            "lagrange_glue",
-            "must be one of 'composed', 'hertz_penalty', 'lagrange_slip'",
-        ),
+        ("law.name", "lagrange_glue", "must be one of 'composed', 'hertz_penalty', 'lagrange_slip'"),
         ("resonator.shapes", 0, "must be at least 1 and at most 40"),
         ("resonator.shapes", 41, "must be at least 1 and at most 40"),
         ("resonator.shapes", 4.5, "which is not a whole number"),
@@ -275,10 +260,7 @@ def test_as_many_records_as_fit_are_admitted() -> None:
 
 
 def test_undamped_resonator_runs_off_resonance_only() -> None:
-    undamped: dict[str, object] = {
-        "resonator.mass_damping": 0,
-        "resonator.stiffness_damping": 0,
-    }
+    undamped: dict[str, object] = {"resonator.mass_damping": 0, "resonator.stiffness_damping": 0}
     assert build(altered(undamped | {"drive.frequency": 3210.0}))
     (fault,) = faults(undamped)
     assert fault.startswith("drive.frequency is null, that is the first natural frequency")

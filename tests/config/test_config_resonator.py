@@ -27,8 +27,7 @@ def test_finite_elements_build_the_converged_motor() -> None:
     assert np.array_equal(setup.motor.modes.stiffness, modes.stiffness)
     assert setup.configuration["drive"]["frequency"] == modes.natural_frequency[0]
     bare = altered(
-        {"resonator.kept_modes": 2, "resonator.static_correction": False},
-        resonator="finite_element",
+        {"resonator.kept_modes": 2, "resonator.static_correction": False}, resonator="finite_element"
     )
     assert build(bare).motor.modes.stiffness.size == 2
 
@@ -52,10 +51,6 @@ def test_fault_of_finite_elements_is_told_likewise(key: str, value: object, word
 
 @pytest.mark.parametrize("resonator", options("resonator"))
 def test_numbers_beyond_double_precision_are_refused(resonator: str) -> None:
-    tiny: dict[str, object] = {
-        "resonator.length": 1e-200,
-        "placement.start": 0,
-        "placement.end": 1e-201,
-    }
+    tiny: dict[str, object] = {"resonator.length": 1e-200, "placement.start": 0, "placement.end": 1e-201}
     (fault,) = faults(tiny, resonator)
     assert "modes that double precision does not resolve" in fault

@@ -34,9 +34,7 @@ from contactlab.parameter import from_cf
         ("-3", "N m", -3.0),
     ],
 )
-def test_a_text_with_a_unit_becomes_the_nearest_number_in_si(
-    text: str, unit: str, expected: float
-) -> None:
+def test_a_text_with_a_unit_becomes_the_nearest_number_in_si(text: str, unit: str, expected: float) -> None:
     assert to_si(text, unit) == pytest.approx(expected, rel=4e-16, abs=0.0)
 
 
@@ -70,8 +68,7 @@ def test_an_unknown_unit_is_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "abc", "um", "1 2 m", "3 2 m", "1 um 3", "one um", "1,5 mm", "1 m; 2", "0x10", "1 'm'"],
+    "text", ["", "abc", "um", "1 2 m", "3 2 m", "1 um 3", "one um", "1,5 mm", "1 m; 2", "0x10", "1 'm'"]
 )
 def test_a_text_that_is_no_number_is_refused(text: str) -> None:
     with pytest.raises(UnitError):
@@ -89,7 +86,5 @@ def test_a_text_that_is_no_number_is_refused(text: str) -> None:
         ("m", "m"),
     ],
 )
-def test_units_of_the_cf_conventions_are_written_as_in_a_configuration(
-    units: str, text: str
-) -> None:
+def test_units_of_the_cf_conventions_are_written_as_in_a_configuration(units: str, text: str) -> None:
     assert from_cf(units) == text

@@ -25,11 +25,7 @@ MOTORS: dict[str, dict[str, float]] = {
         "rotor_damping": 1e-4,
         "initial_velocity": -0.9,
     },
-    "high voltages and friction": {
-        "voltage_1": 400.0,
-        "voltage_2": 300.0,
-        "friction_coefficient": 0.8,
-    },
+    "high voltages and friction": {"voltage_1": 400.0, "voltage_2": 300.0, "friction_coefficient": 0.8},
     "ratio three to two, six shapes, slippery": {
         "frequency": 3000.0,
         "frequency_ratio": 1.5,
@@ -119,11 +115,7 @@ def assert_contacts_agree(trajectory: Trajectory, reference: OracleRun, toleranc
     assert len(contacts["start_time"]) == len(reference.start_time)
     if not len(reference.start_time):
         return
-    for name in (
-        "normal_impulse",
-        "friction_impulse",
-        "peak_normal_force",
-    ):
+    for name in ("normal_impulse", "friction_impulse", "peak_normal_force"):
         expected = getattr(reference, name)
         largest = np.abs(expected).max()
         assert contacts[name] == pytest.approx(expected, abs=tolerance * largest), name

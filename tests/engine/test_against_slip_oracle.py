@@ -46,11 +46,7 @@ MOTORS: dict[str, dict[str, float]] = {
         "rotor_damping": 1e-4,
         "initial_velocity": -0.9,
     },
-    "high voltages and friction": {
-        "voltage_1": 400.0,
-        "voltage_2": 300.0,
-        "friction_coefficient": 0.8,
-    },
+    "high voltages and friction": {"voltage_1": 400.0, "voltage_2": 300.0, "friction_coefficient": 0.8},
     "ratio three to two, six shapes, slippery": {
         "frequency": 3000.0,
         "frequency_ratio": 1.5,
@@ -140,9 +136,7 @@ def test_case_a_tends_to_the_known_rotor_velocity_and_impact() -> None:
     # The paper's stepping as others programmed it: -0.4836 rad/s at 1e-8 s, peaks of 15459 N there.
     expected, scatter = limit([oracle_ends(r) for r in oracle_runs(CASE_A)])
     assert expected[0] == pytest.approx(-0.4836, abs=3.0 * scatter[0] + 1e-4)
-    impacts = [
-        [r.peak_normal_force.max() * h] for r, h in zip(oracle_runs(CASE_A), STEPS, strict=True)
-    ]
+    impacts = [[r.peak_normal_force.max() * h] for r, h in zip(oracle_runs(CASE_A), STEPS, strict=True)]
     assert limit(impacts)[0] == pytest.approx([15459.0 * 1e-8], rel=2e-4)
 
 

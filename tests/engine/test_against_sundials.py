@@ -79,9 +79,7 @@ def test_most_motors_stick_and_slip_so_that_the_switch_is_judged() -> None:
 @motors
 def test_cvode_tends_to_us_as_its_tolerance_falls(name: str) -> None:
     ours = our_run(name, False)
-    coarse, fine = (
-        max(shares(cvode_run(name, False, rtol), ours).values()) for rtol in (1e-7, RTOL)
-    )
+    coarse, fine = (max(shares(cvode_run(name, False, rtol), ours).values()) for rtol in (1e-7, RTOL))
     assert fine < 0.05 * coarse, (coarse, fine)
 
 

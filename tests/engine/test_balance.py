@@ -7,7 +7,6 @@ import pytest
 from support.faulty_laws import NoLoss, Sound, Unledgered
 from support.motors import case_a, default_motor, every_law, hertz
 
-from contactlab.energy import LEDGER_LIMIT, openness
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
@@ -16,7 +15,7 @@ from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import reached_end, to_datatree
 from contactlab.sweeps.state import Status, status_of
 from contactlab.testing.plants import block
-from contactlab.trajectory import Ending, Trajectory
+from contactlab.trajectory import LEDGER_LIMIT, Ending, Trajectory, openness
 
 
 def ran(motor: Motor, law: ContactLaw, interval: float = 1e-5, **given: float) -> Trajectory:
@@ -24,9 +23,7 @@ def ran(motor: Motor, law: ContactLaw, interval: float = 1e-5, **given: float) -
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-5, 5e-3], ids=["fine", "usual", "none"])
-def test_a_law_that_keeps_a_loss_to_itself_is_unbalanced_at_any_record_interval(
-    interval: float,
-) -> None:
+def test_a_law_that_keeps_a_loss_to_itself_is_unbalanced_at_any_record_interval(interval: float) -> None:
     trajectory = ran(case_a(), Unledgered(), interval)
     assert trajectory.ending is Ending.UNBALANCED
     assert trajectory.ending.reached_end
@@ -54,9 +51,7 @@ def test_ending_and_metric_judge_by_the_same_scale(law: ContactLaw) -> None:
         energy = sum(series[f"{kind}_energy"][0] for kind in ("kinetic", "strain", "contact"))
         works = [float(np.abs(series[f"{kind}_work"]).max()) for kind in ("drive", "load")]
         share = openness(float(np.abs(series["energy_residual"]).max()), *works, float(energy))
-        assert assess(to_datatree(trajectory, {}))["energy_residual"] == pytest.approx(
-            share, rel=1e-6
-        )
+        assert assess(to_datatree(trajectory, {}))["energy_residual"] == pytest.approx(share, rel=1e-6)
         assert trajectory.complete == (share <= LEDGER_LIMIT)
 
 

@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from oracle import solve_hertz
-from support.motors import (
-    default_motor,
-    final as last,
-    hertz,
-    oracle_motor,
-    random_motor,
-    run,
-    total,
-)
+from support.motors import default_motor, final as last, hertz, oracle_motor, random_motor, run, total
 from support.stribeck_belt import Belt, Stribeck, number
 
 from contactlab.compiled import kernel
@@ -61,9 +53,7 @@ def test_error_of_a_bound_that_varies_within_a_step_falls_with_the_tolerance(nam
         velocity = series["slip_velocity"][-1] + belt.belt_velocity
         found = np.array([way_of(series["tip_slope"])[-1], velocity])
         errors.append(np.abs((found - expected) / [1e-4, 0.1]).max())
-        excess = (
-            np.abs(series["friction_force"]) - belt.law.static_friction * series["normal_force"]
-        )
+        excess = np.abs(series["friction_force"]) - belt.law.static_friction * series["normal_force"]
         assert excess.max() <= 1e-9 * series["normal_force"].max()
     assert errors[0] < 1e-5, errors
     assert errors[1] < 2e-8, errors
@@ -77,9 +67,7 @@ def dashpot_motor(seed: int) -> tuple[dict[str, float], Composed]:
     mu = changes.pop("friction_coefficient")
     soft = rng.random() < 0.5
     normal = Linear(10 ** rng.uniform(6, 9.5)) if soft else HertzPoint(10 ** rng.uniform(8, 11))
-    damping = LinearDamping(
-        rng.uniform(0.02, 0.3), 10 ** rng.uniform(-3, -1), 10 ** rng.uniform(-2, -0.3)
-    )
+    damping = LinearDamping(rng.uniform(0.02, 0.3), 10 ** rng.uniform(-3, -1), 10 ** rng.uniform(-2, -0.3))
     return changes, Composed(normal, damping, Coulomb(mu, float(rng.choice([1.0, 1.3]))))
 
 
@@ -104,11 +92,7 @@ def test_no_contact_ends_while_it_approaches_at_any_tolerance(seed: int) -> None
 
 @pytest.mark.parametrize(
     "law",
-    [
-        Composed(Linear(1e7)),
-        Composed(HertzPoint(1e10)),
-        Composed(Linear(1e7), LinearDamping(0.9)),
-    ],
+    [Composed(Linear(1e7)), Composed(HertzPoint(1e10)), Composed(Linear(1e7), LinearDamping(0.9))],
     ids=lambda law: law.title,
 )
 def test_a_start_that_is_pressed_in_and_opens_keeps_its_first_force(law: Composed) -> None:
@@ -145,9 +129,7 @@ def test_a_soft_contact_is_as_accurate_for_its_own_size(stiffness: float, cleara
     motor, law = default_motor(clearance=clearance), Composed(Linear(stiffness))
     impulses = []
     for tolerance in (1e-7, 1e-10):
-        contacts = simulate(
-            motor, law, duration=2e-3, record_interval=1e-5, tolerance=tolerance
-        ).contacts
+        contacts = simulate(motor, law, duration=2e-3, record_interval=1e-5, tolerance=tolerance).contacts
         impulses.append([contacts[k].sum() for k in ("normal_impulse", "friction_impulse")])
     # Measured 2e-9; 1e-5 with the momentum of the whole tip for a scale.
     assert impulses[0] == pytest.approx(impulses[1], rel=2e-8, abs=0.0)
@@ -219,9 +201,7 @@ def test_rate_and_state_friction_does_not_crawl(direct_effect: float) -> None:
     law = RateAndState(direct_effect)
     velocities = []
     for tolerance in (1e-7, 1e-9):
-        trajectory = simulate(
-            default_motor(), law, duration=1e-3, record_interval=1e-5, tolerance=tolerance
-        )
+        trajectory = simulate(default_motor(), law, duration=1e-3, record_interval=1e-5, tolerance=tolerance)
         assert trajectory.complete, trajectory.message
         assert attempts(trajectory) < 5000
         velocities.append(last(trajectory, "rotor_velocity"))
@@ -237,6 +217,4 @@ def test_a_slip_that_friction_is_far_too_weak_to_hold_turns() -> None:
     assert contacts["duration"][0] > 1e-4
     slip = found.series["slip_velocity"][found.contact_mode != FREE]
     assert (slip[1:] * slip[:-1] < 0.0).any()
-    assert np.abs(found.series["energy_residual"]).max() < (
-        1e-9 * np.abs(found.series["drive_work"]).max()
-    )
+    assert np.abs(found.series["energy_residual"]).max() < (1e-9 * np.abs(found.series["drive_work"]).max())

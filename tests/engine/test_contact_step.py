@@ -10,7 +10,7 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
 from contactlab.engine.arguments import LARGEST_TURN, default_contact_step
 from contactlab.engine.plant import plant_of
-from contactlab.engine.propagator import ROOM, propagator_for
+from contactlab.engine.propagator import ROOM, Workspace
 from contactlab.laws import (
     ContactLaw,
     LagrangeSlip,
@@ -57,13 +57,7 @@ def ringing_setup(law: str, step: float | None = None) -> Setup:
 
 
 def run_of(setup: Setup) -> Trajectory:
-    found = simulate(
-        setup.motor,
-        setup.law,
-        duration=setup.duration,
-        record_interval=1e-5,
-        contact_step=setup.contact_step,
-    )
+    found = setup.run(record_interval=1e-5)
     assert found.ending.reached_end, found.message
     return found
 
@@ -95,9 +89,7 @@ def test_the_step_is_a_share_of_the_mean_rate_of_the_tips_modes() -> None:
         shape_coupling=np.zeros((3, 2)),
     )
     mean = np.sqrt((row**2 @ np.array([1e6, 3e6, 1e6]) ** 2) / (row @ row))
-    assert default_contact_step(modes, LagrangeStick()) == pytest.approx(
-        LARGEST_TURN / mean, rel=1e-12
-    )
+    assert default_contact_step(modes, LagrangeStick()) == pytest.approx(LARGEST_TURN / mean, rel=1e-12)
 
 
 def test_no_step_but_that_of_a_law_that_projects_follows_the_motor() -> None:
@@ -135,7 +127,7 @@ def test_what_opens_the_ledger_is_the_way_that_is_put_back() -> None:
 def test_the_ladder_has_room_below_the_step_in_contact(step: float, exact: bool) -> None:
     for duration in (step, 1e3 * step, step / SMALLEST_STEP):
         for motor in (case_a(), block()):
-            propagator = propagator_for(plant_of(motor), step, duration, exact)
+            propagator = Workspace().propagator(plant_of(motor), step, duration, exact)
             assert propagator.rule.contact_level + ROOM <= propagator.rule.level_count <= 70
             assert propagator.rule.fresh_level < propagator.rule.level_count
             assert propagator.rule.longest * 0.5**propagator.rule.contact_level <= step
@@ -147,11 +139,7 @@ def test_however_short_a_step_the_contact_closes_and_turns(law: ContactLaw, step
     # Of a hundred steps; a belt without friction, and hardly a force yet where the law is compliant.
     duration = 100.0 * step
     found = simulate(
-        block(1e-3, gap_rate=-0.1),
-        law,
-        duration=duration,
-        record_interval=duration,
-        contact_step=step,
+        block(1e-3, gap_rate=-0.1), law, duration=duration, record_interval=duration, contact_step=step
     )
     assert found.complete, found.message
     assert found.contacts["start_time"].tolist()[:1] == [0.0]
@@ -177,9 +165,7 @@ def test_a_motor_too_fast_for_the_clock_is_refused_and_does_not_hang() -> None:
     slow = block(1e-3, gap_rate=-0.1)
     drive = Drive(np.array([1e18]), np.ones((2, 1), dtype=np.complex128))
     fast = Motor(slow.modes, drive, slow.geometry, slow.rotor, slow.preload, slow.start)
-    with pytest.raises(
-        ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"
-    ):
+    with pytest.raises(ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"):
         simulate(fast, hertz(), duration=1e-3, record_interval=1e-3)
 
 

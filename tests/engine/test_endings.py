@@ -29,9 +29,7 @@ def overdriven() -> Motor:
 
 
 @laws
-def test_interrupting_keeps_what_the_run_had(
-    law: ContactLaw, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_interrupting_keeps_what_the_run_had(law: ContactLaw, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(STEPS_PER_CALL, 50)
 
     def interrupt(time: float) -> None:
@@ -115,9 +113,7 @@ def test_absurd_voltages_and_stiffnesses_end_with_a_sentence_and_never_hang() ->
     ],
     ids=["compliant", "bound", "rigid"],
 )
-def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(
-    law: ContactLaw, words: str
-) -> None:
+def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(law: ContactLaw, words: str) -> None:
     result = simulate(case_a(), law, duration=1e-3, record_interval=1e-5)
     assert result.ending is Ending.DIVERGED
     assert words in result.message
@@ -140,12 +136,7 @@ def test_a_run_that_drowns_is_told_by_where_the_tip_is() -> None:
 
 def test_a_diverged_run_holds_what_it_had() -> None:
     with np.errstate(all="ignore"):
-        result = simulate(
-            overdriven(),
-            hertz(),
-            duration=1e-3,
-            record_interval=1e-6,
-        )
+        result = simulate(overdriven(), hertz(), duration=1e-3, record_interval=1e-6)
     assert result.ending is Ending.DIVERGED
     assert not result.complete
     assert 0.0 < result.time[-1] < 1e-3

@@ -7,13 +7,18 @@ import pytest
 from support.motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
+from contactlab.engine.plant import MODES, TONES
+from contactlab.engine.propagator import Workspace
 from contactlab.laws import ContactLaw
+from contactlab.motor import NormalModes
 from contactlab.motor.drive import Drive
+from contactlab.motor.motor import Motor
 from contactlab.testing.flights import flight_of
 from contactlab.trajectory import Trajectory
 from contactlab.variables import CONTACTS, SERIES
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
+WORKSPACE = "contactlab.engine.simulation._workspace"
 
 laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 
@@ -90,9 +95,7 @@ def test_a_shorter_run_is_the_beginning_of_a_longer_one(law: ContactLaw) -> None
         assert np.array_equal(short.series[name][:-1], long.series[name][:100]), name
     count = len(short.contacts["start_time"]) - 1
     assert count > 0
-    assert np.array_equal(
-        short.contacts["normal_impulse"][:count], long.contacts["normal_impulse"][:count]
-    )
+    assert np.array_equal(short.contacts["normal_impulse"][:count], long.contacts["normal_impulse"][:count])
 
 
 @laws
@@ -173,9 +176,7 @@ def test_load_torque_turns_the_free_rotor_with_constant_acceleration() -> None:
 @pytest.mark.parametrize("damping", [1e-6, 1e-3, 5.0])
 def test_damping_slows_the_free_rotor_exponentially(damping: float) -> None:
     torque, start, inertia = 1e-3, -0.7, 4.8e-5
-    motor = default_motor(
-        clearance=1e-3, rotor_damping=damping, load_torque=torque, initial_velocity=start
-    )
+    motor = default_motor(clearance=1e-3, rotor_damping=damping, load_torque=torque, initial_velocity=start)
     trajectory = run(motor, hertz(), 5e-3)
     settled = -torque / damping
     decayed = np.expm1(-damping / inertia * trajectory.time)
@@ -204,3 +205,61 @@ def test_any_number_of_shapes_runs_and_keeps_its_ledger(
     residual = np.abs(trajectory.series["energy_residual"]).max()
     allowed = 1e-8 if law.name == "hertz_penalty" else 1e-3
     assert residual <= allowed * abs(final(trajectory, "drive_work"))
+
+
+def crowded(clearance: float) -> Motor:
+    """A motor of 70 coordinates and six tones: 65 weak modes, none of them still, and the usual four."""
+    motor = default_motor(clearance=clearance)
+    few, rates = motor.modes, 2.0 * np.pi * np.linspace(2e3, 4e4, 65)
+    weak = np.full(65, 0.1)
+    modes = NormalModes(
+        stiffness=np.append(few.stiffness, rates**2),
+        damping=np.append(few.damping, 0.02 * rates),
+        coupling=np.vstack([few.coupling, np.outer(weak, few.coupling[0])]),
+        tip_displacement=np.append(few.tip_displacement, few.tip_displacement[0] * weak),
+        tip_slope=np.append(few.tip_slope, few.tip_slope[1] * weak),
+        shape_coupling=few.shape_coupling,
+    )
+    phasors = np.array([60.0, 60.0, 20.0, 20.0, 20.0, 20.0]) * np.exp(1j * np.arange(12.0).reshape(2, 6))
+    frequencies = 3210.0 * np.array([1.0, 2.0, 0.5, 1.5, 3.0, 2.5])
+    return replace(motor, modes=modes, drive=Drive(frequencies, phasors))
+
+
+@pytest.mark.long
+@laws
+def test_a_motor_beyond_the_usual_room_for_modes_and_tones_runs(law: ContactLaw) -> None:
+    motor = crowded(1e-6)
+    assert motor.modes.stiffness.size + 1 == 70 > MODES
+    assert motor.drive.frequency.size == 6 > TONES
+    trajectory = run(motor, law, 5e-4)
+    assert trajectory.contacts["start_time"].size > 0
+    residual = np.abs(trajectory.series["energy_residual"]).max()
+    allowed = 1e-8 if law.name == "hertz_penalty" else 1e-3
+    assert residual <= allowed * abs(final(trajectory, "drive_work"))
+    flight = crowded(1e-4)
+    gap, _ = flight_of(flight).at((free := run(flight, law, 5e-4)).time)
+    assert np.abs(free.series["gap"] - gap).max() < 1e-11 * np.abs(gap - 1e-4).max()
+
+
+def test_what_ran_before_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Runs share the responses of the last motor: each of these differs in what those depend on.
+    changes: list[dict[str, float]] = [
+        {},
+        {"rotor_inertia": 1e-5},
+        {"frequency": 3000.0},
+        {"shapes": 3},
+        {"stiffness_damping": 1e-5},
+        {"rotor_radius": 20e-3},
+        {"rotor_damping": 1e-4},
+        {},
+    ]
+
+    def angle(law: ContactLaw, step: float, change: dict[str, float]) -> float:
+        given = {"duration": 1e-3, "record_interval": 1e-3, "contact_step": step}
+        return final(simulate(default_motor(**change), law, **given), "rotor_angle")
+
+    cases = [(law, step, change) for law in every_law() for step in (1e-7, 2e-7) for change in changes]
+    shared = [angle(*case) for case in cases]
+    for case, expected in zip(cases, shared, strict=True):
+        monkeypatch.setattr(WORKSPACE, Workspace())
+        assert angle(*case) == expected, case

@@ -28,9 +28,7 @@ FAMILIES = [
 laws = pytest.mark.parametrize("law", FAMILIES, ids=lambda law: law.title)
 
 
-def run(
-    law: ContactLaw, duration: float, motor: Motor | None = None, **given: object
-) -> Trajectory:
+def run(law: ContactLaw, duration: float, motor: Motor | None = None, **given: object) -> Trajectory:
     given.setdefault("record_interval", INTERVAL)
     return simulate(motor or case_a(), law, duration=duration, **given)  # type: ignore[arg-type]
 
@@ -44,9 +42,7 @@ def cuts(law: ContactLaw) -> dict[str, int]:
     """Records at which the run is in flight, in contact, and in stick where the law sticks."""
     modes = uncut(law).contact_mode
     # Not the first of its kind: much has happened before.
-    found = {
-        name: np.flatnonzero(modes == mode) for mode, name in enumerate(("flight", "slip", "stick"))
-    }
+    found = {name: np.flatnonzero(modes == mode) for mode, name in enumerate(("flight", "slip", "stick"))}
     return {name: int(at[2 * at.size // 3]) for name, at in found.items() if at.size}
 
 
@@ -109,9 +105,7 @@ def test_states_that_cannot_go_on_are_refused() -> None:
         run(law, 1e-5, start=state | {"q": np.zeros(2), "v": np.zeros(2)})
     with pytest.raises(ValueError, match="it cannot go on"):
         run(law, 1e-5, start=state | {"ending": 1})
-    other = next(
-        each for each in every_law() if each.__class__.__bases__ != law.__class__.__bases__
-    )
+    other = next(each for each in every_law() if each.__class__.__bases__ != law.__class__.__bases__)
     touching = run(law, cuts(law).get("slip", cuts(law).get("stick", 0)) * INTERVAL).state
     with pytest.raises(ValueError, match="under a law of another kind"):
         run(other, 1e-5, start=touching)

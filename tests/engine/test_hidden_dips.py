@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from support.motors import default_resonator, every_law, hertz, run
 
 from contactlab.engine.plant import plant_of
-from contactlab.engine.propagator import Propagator, propagator_for
+from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.motor.motor import Motor
 from contactlab.testing.flights import Flight, double_well, drive_through, flight_of
@@ -23,7 +23,7 @@ laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 
 
 def ladder(motor: Motor, law: ContactLaw) -> Propagator:
-    return propagator_for(
+    return Workspace().propagator(
         plant_of(motor), law.default_contact_step, 1.0, exact=isinstance(law, MultiplierLaw)
     )
 

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 from contactlab.laws import LagrangeStick, MoreauJean, Newton, Poisson, Stronge
-from contactlab.testing.contract import MOTOR_DURATION
-from contactlab.testing.plants import block, first, paper_motor, run
+from contactlab.testing.plants import MOTOR_DURATION, block, first, paper_motor, run
 from contactlab.trajectory import Trajectory
 
 Law = type[Newton] | type[Poisson] | type[Stronge] | type[MoreauJean]
 
-all_laws = pytest.mark.parametrize(
-    "law", [Newton, Poisson, Stronge, MoreauJean], ids=lambda law: law.name
-)
+all_laws = pytest.mark.parametrize("law", [Newton, Poisson, Stronge, MoreauJean], ids=lambda law: law.name)
 
 
 @pytest.mark.parametrize("law", [Newton, Poisson, Stronge], ids=lambda law: law.name)

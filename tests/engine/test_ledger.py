@@ -9,12 +9,7 @@ from support.motors import PLACEMENT_1, case_a, default_motor, every_law, final,
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
 from contactlab.trajectory import Trajectory
 
-LOADED = {
-    "load_torque": 2e-3,
-    "rotor_damping": 1e-4,
-    "initial_velocity": -0.9,
-    "clearance": 0.0,
-}
+LOADED = {"load_torque": 2e-3, "rotor_damping": 1e-4, "initial_velocity": -0.9, "clearance": 0.0}
 STRONG = {"voltage_1": 400.0, "voltage_2": 300.0, "friction_coefficient": 0.8}
 MOTORS = {
     "case A": {},
@@ -55,9 +50,7 @@ def test_ledger_of_hertz_closes_to_a_billionth_of_the_drive_work_after_20_ms(
 
 
 @motors
-def test_ledger_of_every_law_closes_to_a_thousandth_at_its_default_step(
-    changes: dict[str, float],
-) -> None:
+def test_ledger_of_every_law_closes_to_a_thousandth_at_its_default_step(changes: dict[str, float]) -> None:
     for law in laws_of(changes):
         assert largest_residual(ran(changes, law)) <= 1e-3, law.name
 
@@ -168,16 +161,11 @@ def test_undamped_frictionless_hertz_contact_conserves_the_work_of_its_drive() -
 
 @pytest.mark.parametrize("interval", [0.5e-6, 1e-6, 1e-5])
 @pytest.mark.parametrize("changes", [{}, LOADED, STRONG], ids=["case A", "loaded", "strong"])
-def test_recorded_mean_forces_carry_the_contacts_impulses(
-    changes: dict[str, float], interval: float
-) -> None:
+def test_recorded_mean_forces_carry_the_contacts_impulses(changes: dict[str, float], interval: float) -> None:
     for law in laws_of(changes):
         trajectory = run(default_motor(**changes), law, 5e-3, interval)
         lengths = np.diff(trajectory.time)
-        for force, impulse in (
-            ("normal_force", "normal_impulse"),
-            ("friction_force", "friction_impulse"),
-        ):
+        for force, impulse in (("normal_force", "normal_impulse"), ("friction_force", "friction_impulse")):
             recorded = float((trajectory.series[force][1:] * lengths).sum())
             # A friction impulse is a difference of pushes to both sides.
             scale = np.abs(trajectory.contacts[impulse]).sum()

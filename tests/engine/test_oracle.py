@@ -127,11 +127,7 @@ def test_case_a_sticks_and_peaks_as_the_reference() -> None:
 
 @pytest.mark.parametrize(
     ("solve", "motor", "impulse"),
-    [
-        (hertz, CASE_A, 4.532969e-3),
-        (hertz, CASE_A_SMOOTH, 4.532533e-3),
-        (rigid, CASE_A, 3.381372e-3),
-    ],
+    [(hertz, CASE_A, 4.532969e-3), (hertz, CASE_A_SMOOTH, 4.532533e-3), (rigid, CASE_A, 3.381372e-3)],
 )
 def test_case_a_normal_impulse_is_the_reference_within_its_quadrature(
     solve: Solver, motor: OracleMotor, impulse: float

@@ -48,10 +48,7 @@ def by_roots(k: Decimal, c: Decimal, s: Decimal, top: int) -> list[Decimal]:
     root = (c * c / 4 - k).sqrt()
     slow, fast = -k / (c / 2 + root), -c / 2 - root
     decays = ((slow * s).exp(), (fast * s).exp())
-    result = [
-        (slow * decays[0] - fast * decays[1]) / (slow - fast),
-        (decays[0] - decays[1]) / (slow - fast),
-    ]
+    result = [(slow * decays[0] - fast * decays[1]) / (slow - fast), (decays[0] - decays[1]) / (slow - fast)]
     for m in range(1, top + 1):
         if k == 0:
             result.append((s**m / factorial(m) - result[-1]) / c)

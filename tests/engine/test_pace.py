@@ -15,7 +15,7 @@ from contactlab.testing.plants import block
 from contactlab.trajectory import Ending, Trajectory
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
-STEP_LIMIT = "contactlab.engine.recorder.STEP_LIMIT"
+STEP_LIMIT = "contactlab.engine.plant.STEP_LIMIT"
 EVENT_LIMIT = 1000
 
 

@@ -98,9 +98,7 @@ def test_no_contact_of_a_point_mass_with_strong_friction_makes_energy(law: str) 
     sections["drive"] |= {"voltage_1": 600.0, "voltage_2": 600.0}
     sections["solver"] |= {"duration": 3e-3}
     setup = build(sections)
-    found = simulate(
-        setup.motor, setup.law, duration=3e-3, record_interval=1e-5, contact_step=setup.contact_step
-    )
+    found = setup.run(record_interval=1e-5)
     assert found.complete, found.message
     loss = found.contacts["energy_loss"]
     assert loss.size > 5
@@ -121,9 +119,7 @@ def test_slip_alone_has_no_answer_to_an_approach_and_the_run_says_so() -> None:
 
 
 @pytest.mark.parametrize(("spin", "mu"), [(40.0, 1.0), (-40.0, 0.3)])
-def test_the_other_direction_and_less_friction_are_answered_by_slip_alone(
-    spin: float, mu: float
-) -> None:
+def test_the_other_direction_and_less_friction_are_answered_by_slip_alone(spin: float, mu: float) -> None:
     found = run(leaning_strut(0.1, spin), LagrangeSlip(mu))
     assert found.complete, found.message
     assert found.series["gap"].min() > -0.1 * STEP
@@ -149,9 +145,7 @@ def test_a_strut_that_jams_holds_a_rotor_and_the_run_counts_its_steps() -> None:
     assert held.contact_mode[-1] == 2
     assert abs(held.series["rotor_velocity"][-1]) < 1e-12
     assert held.statistics["wedged_steps"] > 90
-    assert f"{held.statistics['wedged_steps']} steps in contact" in summarise(
-        to_datatree(held), 1.0
-    )
+    assert f"{held.statistics['wedged_steps']} steps in contact" in summarise(to_datatree(held), 1.0)
     # With too little friction it opens, and there is nothing to tell.
     released = run(wedged, LagrangeStick(0.3))
     assert released.contact_mode[-1] == 0

@@ -77,9 +77,7 @@ def neighbours(changes: dict[str, float], motion: float) -> list[dict[str, float
     """
     names = ("voltage_1", "voltage_2", "friction_coefficient", "frequency")
     scaled = [
-        changes | {name: changes[name] * (1.0 + sign * BACKWARD)}
-        for name in names
-        for sign in (-1.0, 1.0)
+        changes | {name: changes[name] * (1.0 + sign * BACKWARD)} for name in names for sign in (-1.0, 1.0)
     ]
     clearances = (changes["clearance"] + sign * BACKWARD * motion for sign in (-1.0, 1.0))
     return scaled + [changes | {"clearance": gap} for gap in clearances if gap >= 0.0]

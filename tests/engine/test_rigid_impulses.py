@@ -68,13 +68,7 @@ class Step:
 
     def round_off(self, p_n: float, p_t: float) -> float:
         """Of a rate behind impulses [m/s]: of the largest term, as often as D is near to singular."""
-        terms = (
-            *self.arguments[:4],
-            self.d_nn * p_n,
-            self.d_nt * p_t,
-            self.d_nt * p_n,
-            self.d_tt * p_t,
-        )
+        terms = (*self.arguments[:4], self.d_nn * p_n, self.d_nt * p_t, self.d_nt * p_n, self.d_tt * p_t)
         return 1e-12 * max(map(abs, terms)) / (1.0 - self.d_nt**2 / (self.d_nn * self.d_tt))
 
 
@@ -88,9 +82,7 @@ def steps(draw: st.DrawFn) -> Step:
     return Step(
         normal_rate=normal_rate,
         tangential_rate=tangential_rate,
-        gap_rate=draw(
-            st.one_of(st.just(min(normal_rate, 0.0)), st.just(0.0), rate.map(lambda x: -abs(x)))
-        ),
+        gap_rate=draw(st.one_of(st.just(min(normal_rate, 0.0)), st.just(0.0), rate.map(lambda x: -abs(x)))),
         slip=draw(st.one_of(st.just(tangential_rate), st.just(0.0), rate)),
         d_nn=d_nn,
         d_nt=share * sqrt(d_nn * d_tt),
@@ -172,8 +164,7 @@ def broken(law: Law, step: Step) -> list[str]:
         "penetrates": normal < -error and not (law is LagrangeSlip and jams),
         "pushes along the slip": p_t * slip > abs(p_t) * error
         and (lasts or "friction_opposes_slip" not in declared),
-        "makes energy": work > (abs(p_n) + abs(p_t)) * error
-        and (lasts or "dissipates" not in declared),
+        "makes energy": work > (abs(p_n) + abs(p_t)) * error and (lasts or "dissipates" not in declared),
         "holds what must open": p_n > 0.0
         and min(step.normal_rate, step.gap_rate) >= 0.0
         and step.mu * abs(step.d_nt) < step.d_nn,

@@ -69,9 +69,7 @@ class Body:
         count = self.stiffness.size
         parts = []
         for j in range(count):
-            rate = np.array(
-                [[0.0, 1.0, 0.0], [-self.stiffness[j], -self.damping[j], 1.0], [0.0, 0.0, 0.0]]
-            )
+            rate = np.array([[0.0, 1.0, 0.0], [-self.stiffness[j], -self.damping[j], 1.0], [0.0, 0.0, 0.0]])
             parts.append(expm(rate * h))
         whole = block_diag(*parts)
         state = np.column_stack([self.q, self.v, self.constant]).ravel()
@@ -175,9 +173,7 @@ def test_every_step_is_predicted_projected_and_corrected(law: Law, spin: float, 
 
 @laws
 @spins
-def test_a_release_is_where_the_force_that_falls_from_the_last_step_ends(
-    law: Law, spin: float
-) -> None:
+def test_a_release_is_where_the_force_that_falls_from_the_last_step_ends(law: Law, spin: float) -> None:
     course = expected_course(spin, law)
     end = touch_of(spin) + course.duration + 10.0 * STEP
     found = run(thrown_resonator(spin), law, end, STEP)

@@ -35,7 +35,5 @@ def test_a_damped_rotor_fails_no_sound_law(law: ContactLaw, damping: float, torq
 
 
 @pytest.mark.parametrize("damping", [0.0, 1.0, 20.0])
-def test_impulses_that_do_not_reach_the_rotor_fail_at_any_damping_that_is_judged(
-    damping: float,
-) -> None:
+def test_impulses_that_do_not_reach_the_rotor_fail_at_any_damping_that_is_judged(damping: float) -> None:
     assert momentum(LagrangeStick(), damping, 0.0, passed_on=0.5) > 1e-6

@@ -65,16 +65,11 @@ def edits(elsewhere: Elsewhere) -> list[Callable[[], object]]:
         file = elsewhere.packages / name
         return lambda: file.write_text(file.read_text().replace(old, new))
 
-    return [
-        edit("far.py", "1e7", "2e7"),
-        edit("nearby.py", "pressed(-gap)", "2.0 * pressed(-gap)"),
-    ]
+    return [edit("far.py", "1e7", "2e7"), edit("nearby.py", "pressed(-gap)", "2.0 * pressed(-gap)")]
 
 
 @pytest.mark.parametrize("count", cases((1, 2), (1,)))
-def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(
-    count: int, elsewhere: Elsewhere
-) -> None:
+def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(count: int, elsewhere: Elsewhere) -> None:
     line = ("-m", "law=borrowed,hertz_penalty", "solver.duration=0.2 ms", *QUICK)
 
     def peak() -> float:
@@ -98,7 +93,7 @@ def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(
 
 KEPT = """
 from borrowed import Borrowed
-from contactlab.engine.compilation import kernels_of
+from contactlab.engine.loop import kernels_of
 kernels, _ = kernels_of(Borrowed())
 print(sum(kernels[0].stats.cache_hits.values()))
 """

@@ -82,18 +82,14 @@ def test_a_dip_is_found_however_shallow(depth: float) -> None:
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 @pytest.mark.parametrize("contact_step", [1e-8, 1e-6, 2e-5])
-def test_first_touch_down_does_not_depend_on_law_or_step(
-    law: ContactLaw, contact_step: float
-) -> None:
+def test_first_touch_down_does_not_depend_on_law_or_step(law: ContactLaw, contact_step: float) -> None:
     expected = flight_of(case_a()).first_touch(2e-4)
     trajectory = run(case_a(), law, 2e-4, 1e-6, contact_step)
     assert trajectory.contacts["start_time"][0] == pytest.approx(expected, abs=TIME_DIGIT)
 
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
-def test_a_gap_that_closes_from_the_first_instant_is_touched_where_it_closes(
-    law: ContactLaw,
-) -> None:
+def test_a_gap_that_closes_from_the_first_instant_is_touched_where_it_closes(law: ContactLaw) -> None:
     # The phase is such that the tip rises at once and never first opens the gap.
     motor = default_motor(phase=np.pi / 2.0, clearance=2e-7)
     if float(flight_of(motor).at(1e-6)[1]) > 0.0:

@@ -22,11 +22,7 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     # A tip that is ahead of the rotor is pushed to the left.
     "table2_friction_signs": (lambda d: float(np.sign(d.friction_impulse[0])), -1.0, 0.0),
     # The curvature of a clamped beam's first shape at the clamp, 2 b^2.
-    "fig3_mode_curvature": (
-        lambda d: float(d.curvature[0, 0]) * 0.057**2,
-        2.0 * 4.730040744862704**2,
-        1e-6,
-    ),
+    "fig3_mode_curvature": (lambda d: float(d.curvature[0, 0]) * 0.057**2, 2.0 * 4.730040744862704**2, 1e-6),
     # Placement 1 keeps 30 % of its height away from the first resonance.
     "fig4_trajectories": (
         lambda d: float(np.ptp(d.height[0, 0].values) / np.ptp(d.height[0, 1].values)),
@@ -45,9 +41,7 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     "fig9_normal_force": (lambda d: float(d.peak[1] / d.peak[0]), 4.0, 0.1),
     # What sticks has no slip [m/s].
     "fig10_sticking": (
-        lambda d: float(
-            np.abs((d.tip_velocity - d.rim_velocity)[2][d.contact_mode[2] == 2]).median()
-        ),
+        lambda d: float(np.abs((d.tip_velocity - d.rim_velocity)[2][d.contact_mode[2] == 2]).median()),
         0.0,
         1e-6,
     ),
@@ -114,11 +108,7 @@ def test_the_page_holds_its_pictures_and_says_what_does_not_hold(tmp_path: Path)
 
 @pytest.mark.parametrize(
     ("override", "words"),
-    [
-        ("contact.clearance=-1", "contact.clearance"),
-        ("no.such=1", "no.such"),
-        ("nonsense", "nonsense"),
-    ],
+    [("contact.clearance=-1", "contact.clearance"), ("no.such=1", "no.such"), ("nonsense", "nonsense")],
 )
 def test_a_fault_is_a_sentence_and_leaves_nothing(
     override: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -43,9 +43,7 @@ def test_a_motor_under_its_stall_torque_is_held_and_turns_only_below() -> None:
     # The motor turns backwards, so that a load that brakes it is negative.
     for share, turns in ((0.98, -1.0), (1.02, 1.0)):
         loaded = replace(setup.motor.rotor, load_torque=-share * torque, inertia=4.8e-3)
-        run = simulate(
-            replace(setup.motor, rotor=loaded), setup.law, duration=0.04, record_interval=0.01
-        )
+        run = simulate(replace(setup.motor, rotor=loaded), setup.law, duration=0.04, record_interval=0.01)
         assert np.sign(run.series["rotor_velocity"][-1] - run.series["rotor_velocity"][1]) == turns
 
 

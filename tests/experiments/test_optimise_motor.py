@@ -52,9 +52,7 @@ def test_every_variable_in_its_range_is_a_motor_of_the_schema() -> None:
         values = {name: bounds[name][end] for name, end in zip(bounds, ends, strict=True)}
         made = motor_search.designed(setup_of(), values)
         natural = made.motor.modes.natural_frequency[0]
-        assert made.motor.drive.frequency[0] / natural == pytest.approx(
-            values["relative_frequency"]
-        )
+        assert made.motor.drive.frequency[0] / natural == pytest.approx(values["relative_frequency"])
 
 
 def test_a_key_that_is_given_is_held() -> None:
@@ -94,9 +92,7 @@ def test_the_same_seed_is_the_same_search_and_another_is_not(objective: str) -> 
 def test_interrupted_anywhere_and_resumed_it_is_the_uninterrupted_search(
     objective: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    search = motor_search.Search(
-        trials=TRIALS, objective=objective, file=tmp_path / "new" / "study.db"
-    )
+    search = motor_search.Search(trials=TRIALS, objective=objective, file=tmp_path / "new" / "study.db")
     measured = motor_search.performance
 
     def cut_at(trial: int) -> Callable[..., object]:
@@ -140,9 +136,7 @@ def test_killed_and_started_again_it_leaves_the_same_bytes(tmp_path: Path) -> No
         script = optimise_motor.__file__
         return [sys.executable, script, "trials=8", f"output={tmp_path / folder}"]
 
-    with subprocess.Popen(
-        command("killed"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as search:
+    with subprocess.Popen(command("killed"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as search:
         try:
             # As soon as something is finished, while the rest is on its way.
             while finished(tmp_path / "killed", tmp_path) < 2:
@@ -172,11 +166,7 @@ def test_a_study_of_other_settings_is_refused_and_says_what_differs(tmp_path: Pa
     before = fingerprint(motor_search.searched(setup_of(), search))
     for setup, other, words in (
         (setup_of("law=lagrange_stick"), search, "law.name = hertz_penalty, not lagrange_stick"),
-        (
-            setup_of("contact.friction_coefficient=0.2"),
-            search,
-            "friction_coefficient = 0.3, not 0.2",
-        ),
+        (setup_of("contact.friction_coefficient=0.2"), search, "friction_coefficient = 0.3, not 0.2"),
         (setup_of(), replace(search, seed=1), "seed = 0, not 1"),
         (setup_of(), replace(search, objective="velocity"), "objective = all, not velocity"),
         (setup_of(), replace(search, held=frozenset({"contact.clearance"})), "range.clearance"),
@@ -233,12 +223,7 @@ def test_a_fault_is_a_sentence_and_leaves_nothing(
 
 
 def test_a_search_of_nothing_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    given = [
-        "placement=placement_1",
-        "drive.phase=0",
-        "drive.frequency=3000",
-        "contact.clearance=0",
-    ]
+    given = ["placement=placement_1", "drive.phase=0", "drive.frequency=3000", "contact.clearance=0"]
     assert optimise_motor.run([f"output={tmp_path / 'out'}", *given]) == 2
     assert "at least one must be left to be searched" in capsys.readouterr().err
 

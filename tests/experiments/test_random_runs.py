@@ -38,20 +38,14 @@ def test_the_command_line_that_is_printed_is_that_run(command: Command) -> None:
     assert command("verify", "here")[0] == 0
 
 
-def test_the_table_has_every_law_and_says_what_is_broken(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_table_has_every_law_and_says_what_is_broken(capsys: pytest.CaptureFixture[str]) -> None:
     outcomes = script.outcomes_of([0, 3, 5])
     assert list(script.table(outcomes).index) == ["hertz_penalty", "moreau_jean", "poisson"]
     page = script.page(outcomes, "a test")
     assert all(key in page for key in INVARIANTS)
     assert "Complete runs that break an invariant: 0." in page
     wrong = outcomes.assign(phantom_contacts=[0.5, 0.0, 0.0])
-    assert [script.broken(row) for row in wrong.to_dict("records")] == [
-        ["phantom_contacts"],
-        [],
-        [],
-    ]
+    assert [script.broken(row) for row in wrong.to_dict("records")] == [["phantom_contacts"], [], []]
     assert "Complete runs that break an invariant: 1." in script.page(wrong, "a test")
     script.show(wrong, 0)
     assert "Broken: 0 hertz_penalty: phantom_contacts 0.5" in capsys.readouterr().out

@@ -96,9 +96,7 @@ def solve(problem: dict[str, Any]) -> dict[str, Any]:
     drive = drive_forces(problem, np.linspace(0.0, duration, steps + 1))
     body, touch = oscillators(problem), Touch(problem)
     force = body.fExt()
-    law = sk.NewtonImpactFrictionNSL(
-        problem["restitution"], 0.0, problem["friction_coefficient"], 2
-    )
+    law = sk.NewtonImpactFrictionNSL(problem["restitution"], 0.0, problem["friction_coefficient"], 2)
     contact = sk.Interaction(law, touch.relation)
     system = sk.NonSmoothDynamicalSystem(0.0, duration)
     system.insertDynamicalSystem(body)

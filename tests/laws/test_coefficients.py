@@ -8,17 +8,11 @@ import pytest
 
 from contactlab.compiled import kernel
 from contactlab.engine.simulation import take_in
-from contactlab.laws import (
-    FRICTION_COEFFICIENT,
-    Composed,
-    Friction,
-    LawError,
-    NormalForce,
-    Parameter,
-)
+from contactlab.laws import FRICTION_COEFFICIENT, Composed, Friction, LawError, NormalForce, Parameter
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
-from contactlab.testing.contract import Bench, check
+from contactlab.testing.contract import check
+from contactlab.testing.plants import Bench
 
 Array = np.ndarray
 Forces = tuple[float, float, float, float]

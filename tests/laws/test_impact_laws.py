@@ -98,9 +98,7 @@ def test_where_slip_reverses_the_restitutions_differ_and_newtons_creates_energy(
     before = (
         0.5
         * np.array([normal, slip])
-        @ np.linalg.solve(
-            [[REVERSING[0], REVERSING[1]], [REVERSING[1], REVERSING[2]]], [normal, slip]
-        )
+        @ np.linalg.solve([[REVERSING[0], REVERSING[1]], [REVERSING[1], REVERSING[2]]], [normal, slip])
     )
     for law in (Newton, Poisson, Stronge):
         answer = answer_of(law(mu, e), normal, slip, REVERSING)
@@ -160,9 +158,7 @@ def _normal_work(normal: float, slip: float, mu: float, d: Delassus, p_n: float)
     return float(0.5 * (normal + middle) * end + 0.5 * (middle + last) * (p_n - end))
 
 
-def _brute(
-    law: MultiplierLaw, normal: float, slip: float, d: Delassus, dp: float
-) -> tuple[float, float]:
+def _brute(law: MultiplierLaw, normal: float, slip: float, d: Delassus, dp: float) -> tuple[float, float]:
     """Impulses of the process in small equal steps of the normal impulse, each with implicit friction."""
     mu, e = law.parameters()
     p_n = p_t = work = compressed = taken = 0.0
@@ -181,9 +177,7 @@ def _brute(
 
 
 @processes
-def test_the_closed_form_is_the_process_in_small_steps(
-    law: type[Poisson] | type[Stronge],
-) -> None:
+def test_the_closed_form_is_the_process_in_small_steps(law: type[Poisson] | type[Stronge]) -> None:
     rng = np.random.default_rng(3)
     counts = (200, 600, 1800)
     errors = np.zeros(len(counts))

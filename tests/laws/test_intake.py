@@ -17,8 +17,8 @@ from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.parameter import Parameter
-from contactlab.testing.contract import Bench, check
-from contactlab.testing.plants import block, paper_motor
+from contactlab.testing.contract import check
+from contactlab.testing.plants import Bench, block, paper_motor
 
 Array = np.ndarray
 Forces = tuple[float, float, float, float]
@@ -126,32 +126,21 @@ def boundless(gap, gap_rate, slip, normal, z, p):
     ("law", "words"),
     [
         (made(honest, friction=spring), "its friction_kind is SET_VALUED, which has none"),
-        (
-            made(honest, friction_kind=RATE_DEPENDENT),
-            "RATE_DEPENDENT, but it has no kernel of friction",
-        ),
+        (made(honest, friction_kind=RATE_DEPENDENT), "RATE_DEPENDENT, but it has no kernel of friction"),
         (
             made(honest, friction_kind=ELASTOPLASTIC, internal_variables=STRETCH),
             "ELASTOPLASTIC, but it has no kernel of friction",
         ),
         (made(honest, friction_kind=7, friction=spring), "friction_kind is 7; it must be"),
         (made(honest, internal_variables=STRETCH), "set-valued friction remembers nothing"),
+        (made(honest, friction_kind=ELASTOPLASTIC, friction=spring), "and a spring its stretch"),
         (
-            made(honest, friction_kind=ELASTOPLASTIC, friction=spring),
-            "and a spring its stretch",
-        ),
-        (
-            made(
-                honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables="stretch"
-            ),
+            made(honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables="stretch"),
             "internal_variables is 'stretch'; it must be a tuple of texts",
         ),
         (
             made(
-                honest,
-                friction_kind=RATE_DEPENDENT,
-                friction=spring,
-                internal_variables=("a [m]", "b [m]"),
+                honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables=("a [m]", "b [m]")
             ),
             "it can remember one quantity at most",
         ),

@@ -99,9 +99,7 @@ def test_hertz_force_is_minus_the_slope_of_the_stored_energy(depth: float) -> No
     assert -(ahead - behind) / (2.0 * h) == pytest.approx(normal, rel=1e-8)
 
 
-def test_hertz_stiffness_of_a_ball_on_a_plane_is_four_thirds_of_modulus_and_root_of_radius() -> (
-    None
-):
+def test_hertz_stiffness_of_a_ball_on_a_plane_is_four_thirds_of_modulus_and_root_of_radius() -> None:
     modulus = 210e9 / (2.0 * (1.0 - 0.3**2))
     expected = 4.0 / 3.0 * modulus * sqrt(5e-3)
     assert hertz_stiffness(5e-3, inf) == pytest.approx(expected, rel=1e-14)
@@ -160,9 +158,7 @@ def test_stick_law_ends_the_approach_inside_the_cone(
 
 @settings(deadline=None)
 @given(approach, rate, friction, delassus())
-def test_stick_law_never_gains_energy(
-    normal: float, tangential: float, mu: float, d: Delassus
-) -> None:
+def test_stick_law_never_gains_energy(normal: float, tangential: float, mu: float, d: Delassus) -> None:
     answer = stick_law(mu, normal, tangential, d)
     p_n, p_t, _ = answer
     round_off = 1e-12 * size(normal, tangential, d, answer) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
@@ -235,9 +231,7 @@ def test_slip_law_reverses_a_small_slip_where_the_stick_law_stops_it() -> None:
     reversed_slip = after(normal, slip, d, slip_law(mu, normal, slip, slip, d))[1]
     # The impulse v_n/d_nn times mu d_tt is 0.03 m/s whatever it does.
     assert reversed_slip == pytest.approx(0.01 - 0.03, rel=1e-12)
-    assert after(normal, slip, d, stick_law(mu, normal, slip, d))[1] == pytest.approx(
-        0.0, abs=1e-17
-    )
+    assert after(normal, slip, d, stick_law(mu, normal, slip, d))[1] == pytest.approx(0.0, abs=1e-17)
 
 
 def test_slip_law_creates_energy_when_it_reverses_a_slip_with_strong_friction() -> None:
@@ -256,9 +250,7 @@ def test_slip_law_without_slip_has_no_friction() -> None:
 
 @settings(deadline=None)
 @given(approach, rate, delassus())
-def test_without_friction_both_multiplier_laws_are_one(
-    normal: float, tangential: float, d: Delassus
-) -> None:
+def test_without_friction_both_multiplier_laws_are_one(normal: float, tangential: float, d: Delassus) -> None:
     p_n, p_t, _ = stick_law(0.0, normal, tangential, d)
     assert p_t == 0.0
     # A contact that would stick by itself solves the same line by another route.

@@ -9,15 +9,13 @@ from numpy.testing import assert_allclose
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import ELASTOPLASTIC
+from contactlab.laws.base import ELASTOPLASTIC, Friction
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
 from contactlab.laws.normal import Linear
-from contactlab.laws.part import Friction
-from contactlab.testing.claim import PROPERTIES
-from contactlab.testing.contract import Bench, check
-from contactlab.testing.plants import block, paper_motor, run
+from contactlab.testing.contract import PROPERTIES, check
+from contactlab.testing.plants import Bench, block, paper_motor, run
 
 WEIGHT, STIFFNESS, MU = 10.0, 1e7, 0.3
 
@@ -53,12 +51,7 @@ def test_every_touch_down_begins_without_memory(friction: Friction) -> None:
     rate = 2.0 * np.pi * 40.0
 
     def thrown(velocity: float) -> dict[str, np.ndarray]:
-        motor = block(
-            mass,
-            gap_rate=-speed,
-            velocity=velocity,
-            normal_stiffness=mass * rate**2,
-        )
+        motor = block(mass, gap_rate=-speed, velocity=velocity, normal_stiffness=mass * rate**2)
         return run(motor, law, 0.03, 1e-6).contacts
 
     contacts = thrown(0.02)

@@ -54,10 +54,7 @@ def body(text: str) -> Callable[..., Any]:
     [
         ("n = 1.0\nreturn n, missing, 0.0, 0.0", "line 3, `{}`: name 'missing' is not defined"),
         ("n = lost(gap)\nreturn n, 0.0, 0.0, 0.0", "name 'nowhere' is not defined"),
-        (
-            "n = undecorated(gap)",
-            "line 2, `{}`: undecorated is a Python function; decorate it with",
-        ),
+        ("n = undecorated(gap)", "line 2, `{}`: undecorated is a Python function; decorate it with"),
         ("return special.ellipk(gap), 0.0, 0.0, 0.0", "scipy.special.ellipk has no compiled form"),
         ("return gap, 0.0", "line 2, `{}`: it gives 2 numbers and not 4 numbers"),
         ("return gap", "line 2, `{}`: it gives 1 number and not 4 numbers"),
@@ -68,14 +65,8 @@ def body(text: str) -> Callable[..., Any]:
         ("return WORDS['a'], 0.0, 0.0, 0.0", "WORDS is a Python object (dict), where only"),
         ("n = {'a': gap}\nreturn n['a'], 0.0, 0.0, 0.0", obstacle.ALLOCATES),
         ("n = [f'{gap}']\nreturn gap * len(n), 0.0, 0.0, 0.0", obstacle.ALLOCATES),
-        (
-            "n = np.zeros(3)\nreturn n[0], 0.0, 0.0, 0.0",
-            f"line 2, `n = np.zeros(3)`: {obstacle.ALLOCATES}",
-        ),
-        (
-            "parameters[0] = 2.0\nreturn gap, 0.0, 0.0, 0.0",
-            "`parameters[0] = 2.0`: it writes to an array",
-        ),
+        ("n = np.zeros(3)\nreturn n[0], 0.0, 0.0, 0.0", f"line 2, `n = np.zeros(3)`: {obstacle.ALLOCATES}"),
+        ("parameters[0] = 2.0\nreturn gap, 0.0, 0.0, 0.0", "`parameters[0] = 2.0`: it writes to an array"),
         ("import math\nreturn gap, 0.0, 0.0, 0.0", "line 2, `import math`: it imports a module"),
         ("with open('x') as f:\n    pass\nreturn gap, 0.0, 0.0, 0.0", "construct is not supported"),
     ],
@@ -91,9 +82,7 @@ def test_the_reason_why_a_kernel_is_not_compiled_is_its_cause(text: str, reason:
 def test_what_is_no_function_of_five_arguments_is_told() -> None:
     assert obstacle_of(undecorated) == "it is called with 5 arguments and names 1"
     assert obstacle_of(partial(plain, 1.0)) == "it is a partial and no function of its own"
-    assert (
-        obstacle_of(Thing().force) == "it is a method of an object; decorate it with @staticmethod"
-    )
+    assert obstacle_of(Thing().force) == "it is a method of an object; decorate it with @staticmethod"
 
 
 def obstacle_of(function: Any) -> str:

@@ -95,9 +95,7 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
     made.install_example()
     entries = {name: entry for name, (entry, _) in BROKEN.items()}
     classes = ("Smooth", "Contradicting", "NegativeBound", "PastTheEnd", "Raising", "Leaving")
-    entries |= {
-        re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower(): f"various:{name}" for name in classes
-    }
+    entries |= {re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower(): f"various:{name}" for name in classes}
     more = {"without_default": "various:WithoutDefault", "twice": "various:Law"}
     modules = {"various": VARIOUS, "failing": "1 / 0"}
     made.install("broken-laws", "0.1", entries | more, modules)
@@ -120,12 +118,9 @@ def test_it_is_listed_with_all_that_it_declares_and_its_origin(elsewhere: Elsewh
 
 
 @pytest.mark.parametrize(
-    ("line", "completion"),
-    [("law=pow", "law=power_law"), ("law=power_law law.exp", "law.exponent=")],
+    ("line", "completion"), [("law=pow", "law=power_law"), ("law=power_law law.exp", "law.exponent=")]
 )
-def test_tab_completes_it_and_help_lists_it(
-    elsewhere: Elsewhere, line: str, completion: str
-) -> None:
+def test_tab_completes_it_and_help_lists_it(elsewhere: Elsewhere, line: str, completion: str) -> None:
     status, out, _ = elsewhere.command("-sc", "query=bash", COMP_LINE=f"contactlab {line}")
     assert status == 0
     assert out.strip() == completion
@@ -166,9 +161,7 @@ def test_it_has_the_keys_that_it_declares_and_no_others(
 
 
 def test_a_sweep_runs_over_it_and_the_packages_own(elsewhere: Elsewhere) -> None:
-    status, _, err = elsewhere.command(
-        "-m", "law=power_law,hertz_penalty", SHORT, "hydra.sweep.dir=sweep"
-    )
+    status, _, err = elsewhere.command("-m", "law=power_law,hertz_penalty", SHORT, "hydra.sweep.dir=sweep")
     assert status == 0, err
     runs = sorted((elsewhere.folder / "sweep").glob("*/run.nc"))
     assert [law_of(run)[0] for run in runs] == ["hertz_penalty", "power_law"]
@@ -179,7 +172,7 @@ def test_its_contract_holds_in_three_lines(elsewhere: Elsewhere) -> None:
     (elsewhere.folder / test.name).write_text(test.read_text(encoding="utf-8"), encoding="utf-8")
     status, out, _ = elsewhere.python("-m", "pytest", "-q", "-p", "no:cacheprovider", test.name)
     assert status == 0, out
-    assert "16 passed" in out
+    assert "17 passed" in out
 
 
 def test_broken_laws_are_listed_with_the_reason(elsewhere: Elsewhere) -> None:
@@ -225,9 +218,7 @@ def test_a_friction_coefficient_on_which_nothing_depends_is_refused(
     assert err == f"{IDLE}; it must be left out. Set the keys of the law, or choose another one.\n"
 
 
-def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(
-    elsewhere: Elsewhere,
-) -> None:
+def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(elsewhere: Elsewhere) -> None:
     arguments = ("-m", "law=smooth,hertz_penalty", f"{FRICTION}=0.1,0.2", SHORT)
     status, _, err = elsewhere.command(*arguments, "hydra.sweep.dir=friction")
     assert status == 0, err
@@ -273,21 +264,13 @@ def test_broken_laws_harm_no_other(elsewhere: Elsewhere) -> None:
 def test_a_parameter_without_default_has_to_be_given(elsewhere: Elsewhere) -> None:
     status, _, err = elsewhere.command("law=without_default")
     assert status == 2
-    assert err.startswith(
-        "law.stiffness is missing; it must be a number that is greater than 0 N/m"
-    )
+    assert err.startswith("law.stiffness is missing; it must be a number that is greater than 0 N/m")
     arguments = ("law=without_default", "law.stiffness=1e7", "law.name=another")
     assert "law.name=another would hand the parameters of" in elsewhere.command(*arguments)[2]
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [
-        ["--help"],
-        ["-sc", "query=bash"],
-        ["law=hertz"],
-        ["law.stiffness=-1"],
-    ],
+    "arguments", [["--help"], ["-sc", "query=bash"], ["law=hertz"], ["law.stiffness=-1"]]
 )
 def test_no_law_of_another_package_is_imported_to_list_the_laws(
     elsewhere: Elsewhere, arguments: list[str]

@@ -14,7 +14,7 @@ from numba import njit
 
 from contactlab.engine import law_kernels, simulate
 from contactlab.laws import FRICTION_COEFFICIENT, ContactLaw, HertzPenalty, LagrangeStick, LawError
-from contactlab.laws.base import PENALTY_SIGNATURE, MultiplierLaw, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import MultiplierLaw, PenaltyKernel, PenaltyLaw
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
 from contactlab.testing.plants import paper_motor
@@ -78,18 +78,13 @@ def forget() -> None:
     law_kernels._made.cache_clear()
     law_kernels._say_once.cache_clear()
     law_kernels._made_from.clear()
-    law_kernels._compilations.clear()
 
 
 def same(first: Trajectory, second: Trajectory) -> bool:
-    return all(
-        np.array_equal(first.series[k], second.series[k], equal_nan=True) for k in first.series
-    )
+    return all(np.array_equal(first.series[k], second.series[k], equal_nan=True) for k in first.series)
 
 
-def test_a_plain_function_is_compiled_without_a_word(
-    run_of: Runs, motor: Motor, capsys: Told
-) -> None:
+def test_a_plain_function_is_compiled_without_a_word(run_of: Runs, motor: Motor, capsys: Told) -> None:
     run(motor, HertzPenalty())
     capsys.readouterr()
     found = run_of(plain)
@@ -98,9 +93,7 @@ def test_a_plain_function_is_compiled_without_a_word(
     assert capsys.readouterr().err == ""
 
 
-def test_what_cannot_be_compiled_runs_the_same_and_says_once_how_slowly(
-    run_of: Runs, capsys: Told
-) -> None:
+def test_what_cannot_be_compiled_runs_the_same_and_says_once_how_slowly(run_of: Runs, capsys: Told) -> None:
     forget()
     compiled = run_of(plain)
     capsys.readouterr()
@@ -232,15 +225,6 @@ def test_a_kernel_that_is_made_anew_every_time_is_compiled_once(
     assert compilations.count("around") == 1
 
 
-def test_a_kernel_that_is_made_around_ever_other_values_is_told_once(capsys: Told) -> None:
-    forget()
-    for number in range(law_kernels.OFTEN + 1):
-        law_kernels.compiled(compiled_around(1e7 + number), PENALTY_SIGNATURE)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "has been compiled 8 times" in line
-    assert "let it read what varies from the law's parameters" in line
-
-
 SLOPE = 1e7
 
 
@@ -270,9 +254,7 @@ def test_a_constant_that_is_changed_while_the_program_runs_counts(
     assert 1.5 < peaks[1] / peaks[0] < 2.5
 
 
-def test_a_kernel_with_signatures_of_its_own_is_compiled_for_the_engine(
-    run_of: Runs, capsys: Told
-) -> None:
+def test_a_kernel_with_signatures_of_its_own_is_compiled_for_the_engine(run_of: Runs, capsys: Told) -> None:
     run_of(plain)
     capsys.readouterr()
     eager = njit("UniTuple(f8, 4)(f8, f8, f8, f8, f8[::1])", error_model="numpy")(plain)

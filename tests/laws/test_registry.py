@@ -37,26 +37,23 @@ def test_every_law_of_the_package_is_found_by_its_name() -> None:
 
 def test_every_law_and_part_that_is_written_is_in_a_table() -> None:
     home = Path(laws.__file__).parent
-    tables = {".": LAWS} | dict(PARTS.items())
-    for folder, table in tables.items():
-        written = {
-            found
-            for path in (home / folder).glob("*.py")
-            for found in re.findall(
-                r"^@final\n@dataclass\(frozen=True\)\nclass (\w+)\(",
-                path.read_text(encoding="utf-8"),
-                re.MULTILINE,
-            )
-        }
-        assert written == {found.__name__ for found in table.values()}
+    written = {
+        found
+        for path in home.glob("*.py")
+        for found in re.findall(
+            r"^@final\n@dataclass\(frozen=True\)\nclass (\w+)\(",
+            path.read_text(encoding="utf-8"),
+            re.MULTILINE,
+        )
+    }
+    tables = LAWS, *PARTS.values()
+    assert written == {found.__name__ for table in tables for found in table.values()}
     for family, table in PARTS.items():
         assert all(part.name == name and part.family == family for name, part in table.items())
 
 
 def test_an_unknown_law_is_told_with_those_there_are() -> None:
-    with pytest.raises(
-        ValueError, match="There is no law 'glue'; it must be one of composed, hertz"
-    ):
+    with pytest.raises(ValueError, match="There is no law 'glue'; it must be one of composed, hertz"):
         law_class("glue")
     with pytest.raises(AttributeError):
         _ = laws.Glue
@@ -64,9 +61,7 @@ def test_an_unknown_law_is_told_with_those_there_are() -> None:
 
 def test_a_law_is_made_by_name_and_its_parts_too() -> None:
     assert law("newton", restitution=0.4) == Newton(restitution=0.4)
-    assert law("composed", normal="linear", friction=LuGre(0.2)) == Composed(
-        Linear(), friction=LuGre(0.2)
-    )
+    assert law("composed", normal="linear", friction=LuGre(0.2)) == Composed(Linear(), friction=LuGre(0.2))
 
 
 @pytest.mark.parametrize(
@@ -74,21 +69,11 @@ def test_a_law_is_made_by_name_and_its_parts_too() -> None:
     [
         ("newto", {}, ValueError, "There is no law 'newto'; it must be .* Did you mean newton?"),
         (3, {}, TypeError, "The name of the law is 3; it must be a text"),
-        (
-            "newton",
-            {"restituton": 1.0},
-            TypeError,
-            "no parameter 'restituton'. Did you mean restit",
-        ),
+        ("newton", {"restituton": 1.0}, TypeError, "no parameter 'restituton'. Did you mean restit"),
         ("lagrange_slip", {"e": 1.0}, TypeError, "no parameter 'e'. It has friction_coefficient."),
         ("newton", {"restitution": 2.0}, ValueError, "restitution is 2.0; it must be at least 0"),
         ("newton", {"restitution": "a"}, TypeError, "restitution is 'a'; it must be a number"),
-        (
-            "composed",
-            {"friction": "lugr"},
-            ValueError,
-            "no friction 'lugr'; .* Did you mean lugre?",
-        ),
+        ("composed", {"friction": "lugr"}, ValueError, "no friction 'lugr'; .* Did you mean lugre?"),
         ("composed", {"friction": Linear()}, TypeError, "it must be a Friction"),
     ],
 )

@@ -11,7 +11,7 @@ from support.motors import hertz
 from contactlab.compiled import kernel
 from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
-from contactlab.laws.lagrange_stick import stick_or_slip_impulse
+from contactlab.laws.lagrange import stick_or_slip_impulse
 from contactlab.metrics import FAIL, METRICS, PASS, assess
 
 STIFFNESS = 1e10
@@ -111,12 +111,7 @@ class Drifting(MultiplierLaw):
         )
 
 
-CHEATS = {
-    "normal_gain": Pump(),
-    "tension": Pulling(),
-    "cone_excess": Reaching(),
-    "stick_slip": Drifting(),
-}
+CHEATS = {"normal_gain": Pump(), "tension": Pulling(), "cone_excess": Reaching(), "stick_slip": Drifting()}
 
 
 STICKING = {"rotor": {"initial_velocity": -2.0, "load_torque": -5e-3}}

@@ -7,13 +7,7 @@ import pytest
 import xarray
 from support.configurations import case_a_tree
 
-from contactlab.metrics import (
-    NOT_APPLICABLE,
-    SENSITIVITIES,
-    STEP_METRICS,
-    assess_steps,
-    assess_variants,
-)
+from contactlab.metrics import NOT_APPLICABLE, SENSITIVITIES, STEP_METRICS, assess_steps, assess_variants
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
 
@@ -73,7 +67,7 @@ def test_an_order_too_low_to_be_trusted_is_told_but_not_extrapolated() -> None:
 
 def test_sensitivities_are_relative_changes() -> None:
     base = turning(2.0)
-    found = assess_variants(base, basis=turning(1.5), friction=(0.1, turning(2.1)))
+    found = assess_variants(base, basis=(1.0, turning(1.5)), friction=(0.1, turning(2.1)))
     assert list(found) == list(SENSITIVITIES)
     assert found["rotor_velocity_by_basis"] == pytest.approx(-0.25)
     assert found["rotor_velocity_by_friction"] == pytest.approx(0.5)

@@ -11,21 +11,10 @@ from support.configurations import DURATION, case_a_tree, composed, configured, 
 from support.motors import oracle_motor
 
 from contactlab.laws.registry import PARTS
-from contactlab.metrics import (
-    FAIL,
-    METRICS,
-    STEP_METRICS,
-    assess,
-    assess_steps,
-    read_run,
-)
+from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps, read_run
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
-STEPS = {
-    "lagrange_slip": RIGID_STEPS,
-    "lagrange_stick": RIGID_STEPS,
-    "hertz_penalty": (8e-6, 4e-6, 2e-6),
-}
+STEPS = {"lagrange_slip": RIGID_STEPS, "lagrange_stick": RIGID_STEPS, "hertz_penalty": (8e-6, 4e-6, 2e-6)}
 EXPECTED = {
     "lagrange_slip": {"slip_reversal", "peak_force_step_dependence"},
     "lagrange_stick": {"peak_force_step_dependence"},
@@ -56,9 +45,7 @@ def ladder(law: str, interval: float) -> dict[str, float]:
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
 @pytest.mark.parametrize("law", STEPS)
-def test_the_scorecard_tells_the_papers_laws_apart_as_the_paper_does(
-    law: str, interval: float
-) -> None:
+def test_the_scorecard_tells_the_papers_laws_apart_as_the_paper_does(law: str, interval: float) -> None:
     one = assess(case_a_tree(law, None, interval))
     assert failed(one | ladder(law, interval)) == EXPECTED[law]
 
@@ -83,9 +70,7 @@ def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
 @pytest.mark.parametrize("law", STEPS)
 def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> None:
     # All but the time, whose differences would not survive.
-    single = case_a_tree(law, None, interval).map_over_datasets(
-        lambda node: node.astype(np.float32)
-    )
+    single = case_a_tree(law, None, interval).map_over_datasets(lambda node: node.astype(np.float32))
     assert failed(assess(read_run(single))) == EXPECTED[law] - {"peak_force_step_dependence"}
 
 
@@ -217,9 +202,7 @@ def test_a_tip_radius_of_five_millimetres_is_found_again_from_the_stiffness_it_g
 
 
 def test_the_bandwidth_of_a_smooth_force_does_not_depend_on_the_records() -> None:
-    smooth = [
-        assess(case_a_tree("hertz_penalty", None, i))["force_bandwidth"] for i in (1e-6, 1e-7)
-    ]
+    smooth = [assess(case_a_tree("hertz_penalty", None, i))["force_bandwidth"] for i in (1e-6, 1e-7)]
     # The lines of the spectrum are 200 Hz apart.
     assert smooth[0] == pytest.approx(smooth[1], abs=200.0)
     # Three to four times the reciprocal of a contact's 62 us hold a pulse's energy; a jump has no end.

@@ -81,9 +81,7 @@ def test_a_file_without_contacts_still_judges_the_work_of_friction() -> None:
         {"configuration": "drive: {frequency: 0.0}"},
     ],
 )
-def test_attributes_that_say_nothing_make_metrics_not_applicable(
-    attributes: dict[str, object],
-) -> None:
+def test_attributes_that_say_nothing_make_metrics_not_applicable(attributes: dict[str, object]) -> None:
     assert list(assess(read_run(tree(**attributes)))) == list(METRICS)  # type: ignore[arg-type]
 
 
@@ -154,9 +152,7 @@ def test_contacts_of_another_layout_are_told_what_they_must_be() -> None:
     wrong = tree(without=("contacts",))
     group = xarray.Dataset({"duration": ("row", np.ones(2))})
     wrong["contacts"] = xarray.DataTree(group)
-    with pytest.raises(
-        ValueError, match=r"'duration' over \('row',\); it must be over \('contact',\)"
-    ):
+    with pytest.raises(ValueError, match=r"'duration' over \('row',\); it must be over \('contact',\)"):
         read_run(wrong)
 
 

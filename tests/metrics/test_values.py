@@ -127,10 +127,7 @@ DAMPED = {"configuration": configured("rotor", damping=0.75)}
 PULL = with_records("normal_force", FIRST + LONG, -3.0)
 IN_STEP = series()["friction_loss"] - 0.125 * (TIME[FIRST] < TIME)
 ITS_OWN = {"slip_velocity": TIME[FIRST] + 0.5 / INTERVALS - TIME}
-SHORT_GAP = {
-    "gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS),
-    "normal_force": one_peak(),
-}
+SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force": one_peak()}
 """The gap falls and rises as fast as it may close within an interval."""
 
 
@@ -182,12 +179,7 @@ SHORT_GAP = {
         # A fall within the step of an impact is left to the slip that it leaves.
         ({"changes": {"friction_loss": IN_STEP}}, "friction_gain", 0.0, None),
         # Energy from contacts is a share of the energy that all exchange.
-        (
-            {"table": {"energy_loss": np.array([3.0, -1.0])}},
-            "contact_gain",
-            0.25,
-            ["contact_gain"],
-        ),
+        ({"table": {"energy_loss": np.array([3.0, -1.0])}}, "contact_gain", 0.25, ["contact_gain"]),
         # Slip while sticking counts where the neighbours stick too: the first record is on the switch.
         ({"changes": sticking(0.0, 0.0)}, "stick_slip", 0.0, []),
         ({"changes": sticking(0.5, 0.0)}, "stick_slip", 0.0, []),
@@ -208,12 +200,7 @@ SHORT_GAP = {
         # A load that drives has no efficiency.
         ({"changes": {"load_work": -2.0 * TIME}}, "efficiency", nan, None),
         # The bandwidth of a sine is its frequency; 1 + 2 k of 128 equal shares of a peak lie up to line k.
-        (
-            {"changes": {"normal_force": np.cos(2.0 * np.pi * 16.0 * TIME)}},
-            "force_bandwidth",
-            16.0,
-            None,
-        ),
+        ({"changes": {"normal_force": np.cos(2.0 * np.pi * 16.0 * TIME)}}, "force_bandwidth", 16.0, None),
         ({"changes": {"normal_force": one_peak()}}, "force_bandwidth", 63.0, None),
     ],
 )

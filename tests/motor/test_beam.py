@@ -165,9 +165,7 @@ def test_results_have_the_shape_of_the_position() -> None:
 
 @pytest.mark.parametrize("count", [0, -1, MOST_SHAPES + 1])
 def test_a_number_of_shapes_out_of_range_is_refused_with_the_range(count: int) -> None:
-    with pytest.raises(
-        ValueError, match=rf"{count}; it must be at least 1 and at most {MOST_SHAPES}"
-    ):
+    with pytest.raises(ValueError, match=rf"{count}; it must be at least 1 and at most {MOST_SHAPES}"):
         ClampedBeam(LENGTH, count)
 
 

@@ -86,11 +86,7 @@ def test_a_tone_that_is_not_positive_is_refused_with_its_value(frequency: float)
 
 
 def test_phasors_that_do_not_fit_the_tones_are_refused_with_both_shapes() -> None:
-    with pytest.raises(
-        ValueError, match=r"phasors has shape \(2, 1\); it must have shape \(2, 2\)"
-    ):
+    with pytest.raises(ValueError, match=r"phasors has shape \(2, 1\); it must have shape \(2, 2\)"):
         Drive(np.array([1.0, 2.0]), np.ones((2, 1), dtype=np.complex128))
-    with pytest.raises(
-        ValueError, match=r"must have shape \(2, 1\), a row for each of two electrodes"
-    ):
+    with pytest.raises(ValueError, match=r"must have shape \(2, 1\), a row for each of two electrodes"):
         Drive(np.array([1.0]), np.ones((3, 1), dtype=np.complex128))

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator
 from contactlab.motor.finite_element import FREQUENCY_ERROR
-from contactlab.motor.materials import Piezoceramic
+from contactlab.motor.patched_beam import Piezoceramic
 
 PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]
 
@@ -56,9 +56,7 @@ def test_stepped_frequencies_converge_with_the_fourth_power_of_the_element(
 
 
 @pytest.mark.parametrize("placement", PLACEMENTS)
-def test_the_papers_basis_comes_down_towards_the_finite_elements(
-    placement: dict[str, float],
-) -> None:
+def test_the_papers_basis_comes_down_towards_the_finite_elements(placement: dict[str, float]) -> None:
     converged = FiniteElementResonator(**placement).modes.natural_frequency[:4]
     gaps = [
         default_resonator(shapes=n, **placement).modes.natural_frequency[:4] - converged
@@ -143,11 +141,7 @@ def test_a_mesh_beyond_measure_is_refused() -> None:
         # lowest one's, of either sign.
         (
             FiniteElementResonator(kept_modes=40),
-            {
-                "piezoceramic": Piezoceramic(density=1e30),
-                "patch_start": 10e-3,
-                "patch_end": 10.1e-3,
-            },
+            {"piezoceramic": Piezoceramic(density=1e30), "patch_start": 10e-3, "patch_end": 10.1e-3},
         ),
         (FiniteElementResonator(kept_modes=40), {"tip_inertia": 1e6}),
         (RitzResonator(shapes=40), {"tip_inertia": 1e6}),
@@ -157,9 +151,7 @@ def test_a_mesh_beyond_measure_is_refused() -> None:
         (RitzResonator(), {"length": 1e-200, "patch_start": 0.0, "patch_end": 1e-201}),
     ],
 )
-def test_modes_that_round_off_makes_are_refused(
-    basis: PatchedBeam, changes: dict[str, object]
-) -> None:
+def test_modes_that_round_off_makes_are_refused(basis: PatchedBeam, changes: dict[str, object]) -> None:
     with pytest.raises(ValueError, match="modes that double precision does not resolve"):
         _ = replace(basis, **changes).modes
 

@@ -34,9 +34,7 @@ def test_defaults_are_the_dimensions_of_table_3() -> None:
 
 
 @pytest.mark.parametrize("open_by", [0.0, 1e-6, 1e-3])
-def test_at_rest_the_normal_points_away_from_the_rotor_and_the_tangent_to_the_right(
-    open_by: float,
-) -> None:
+def test_at_rest_the_normal_points_away_from_the_rotor_and_the_tangent_to_the_right(open_by: float) -> None:
     gap, n_u, n_th, t_u, t_th = frame(0.0, 0.0, open_by)
     # Exactly the clearance up to its last bit.
     assert gap == pytest.approx(open_by, rel=1e-15)
@@ -91,9 +89,7 @@ def test_normal_row_is_the_gradient_of_the_gap(u: float, th: float, open_by: flo
     h = 1e-5
 
     def central(step_u: float, step_th: float) -> float:
-        ahead, behind = (
-            frame(u + sign * step_u, th + sign * step_th, open_by)[0] for sign in (1.0, -1.0)
-        )
+        ahead, behind = (frame(u + sign * step_u, th + sign * step_th, open_by)[0] for sign in (1.0, -1.0))
         return (ahead - behind) / (2.0 * h)
 
     # Truncation h^2/6 over R^2 for the displacement; round-off 1e-17 over h.
@@ -103,8 +99,6 @@ def test_normal_row_is_the_gradient_of_the_gap(u: float, th: float, open_by: flo
 
 @settings(deadline=None)
 @given(displacement, slope, clearance)
-def test_the_mirrored_tip_has_the_same_gap_and_the_mirrored_rows(
-    u: float, th: float, open_by: float
-) -> None:
+def test_the_mirrored_tip_has_the_same_gap_and_the_mirrored_rows(u: float, th: float, open_by: float) -> None:
     gap, n_u, n_th, t_u, t_th = frame(u, th, open_by)
     assert frame(u, -th, open_by) == (gap, n_u, -n_th, -t_u, t_th)

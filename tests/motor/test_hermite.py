@@ -108,8 +108,3 @@ def test_mass_matrix_weighs_the_free_beam() -> None:
     lift = np.tile([1.0, 0.0], 50)
     missing = MASS * LENGTH / 50 / 420.0 * (156.0 + 2.0 * 54.0)
     assert lift @ mass @ lift + missing == pytest.approx(MASS * LENGTH, rel=1e-12)
-
-
-def test_left_clamp_has_no_degree_of_freedom() -> None:
-    with pytest.raises(ValueError, match="left clamp; it must be another"):
-        uniform(4).node_at(0.0)

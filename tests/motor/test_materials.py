@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from contactlab.motor.materials import Piezoceramic, PiezoceramicDatasheet, Steel, bending_vector
+from contactlab.motor.patched_beam import Piezoceramic, PiezoceramicDatasheet, Steel, bending_vector
 
 
 def test_steel_bends_with_235_442_gpa() -> None:
@@ -14,9 +14,7 @@ def test_steel_bends_with_235_442_gpa() -> None:
 
 @settings(deadline=None)
 @given(modulus=st.floats(1e9, 1e12), ratio=st.floats(0.0, 0.49))
-def test_isotropic_modulus_is_the_strain_energy_of_unit_curvature(
-    modulus: float, ratio: float
-) -> None:
+def test_isotropic_modulus_is_the_strain_energy_of_unit_curvature(modulus: float, ratio: float) -> None:
     # 2 W = sum of stress times strain for strains -1 along the beam and +nu through it.
     shear = modulus / (2.0 * (1.0 + ratio))
     bulk = modulus / (3.0 * (1.0 - 2.0 * ratio))

@@ -25,8 +25,8 @@ def contact_rows(motor: Motor, u: float, th: float) -> tuple[Array, Array]:
         u, th, plant.geometry.tip_length, plant.geometry.radius, plant.geometry.clearance
     )
     modes = modes_of(plant)
-    normal = n_u * modes.row_u + n_th * modes.row_th
-    return normal, t_u * modes.row_u + t_th * modes.row_th + modes.row_r
+    u, th = modes["row_u"], modes["row_th"]
+    return n_u * u + n_th * th, t_u * u + t_th * th + modes["row_r"]
 
 
 def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
@@ -54,9 +54,7 @@ def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
 def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
     mu, gap_rate = 0.3, -0.05
     plant = plant_of(case_a())
-    _, n_u, n_th, t_u, t_th = contact_frame(
-        0.0, 1e-4, plant.geometry.tip_length, plant.geometry.radius, 1e-6
-    )
+    _, n_u, n_th, t_u, t_th = contact_frame(0.0, 1e-4, plant.geometry.tip_length, plant.geometry.radius, 1e-6)
     d_nn, d_nt, d_tt = delassus(plant, n_u, n_th, t_u, t_th)
     law = LagrangeSlip(mu)
 
@@ -73,11 +71,7 @@ def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
 
 def test_eq_59_as_printed_is_no_scalar_equation_and_without_the_stray_velocity_it_is() -> None:
     rng = np.random.default_rng(0)
-    gradient, velocity, force = (
-        rng.normal(size=(1, 4)),
-        rng.normal(size=(4, 1)),
-        rng.normal(size=(4, 1)),
-    )
+    gradient, velocity, force = (rng.normal(size=(1, 4)), rng.normal(size=(4, 1)), rng.normal(size=(4, 1)))
     inverse_mass = np.linalg.inv(np.diag(rng.uniform(1.0, 2.0, 4)))
     left = gradient @ inverse_mass @ gradient.T
     printed = gradient @ velocity * (inverse_mass @ force)

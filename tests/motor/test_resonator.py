@@ -9,7 +9,8 @@ from scipy.linalg import eigh
 from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
 
 from contactlab.motor import NormalModes, RitzMatrices, RitzResonator
-from contactlab.motor.materials import PiezoceramicDatasheet
+from contactlab.motor.patched_beam import PiezoceramicDatasheet
+from contactlab.motor.ritz import ClampedBeam
 from contactlab.testing import references
 
 COUPLING_DIGIT = 0.5e-3
@@ -83,9 +84,7 @@ def test_mass_and_stiffness_are_symmetric_and_positive_definite(shapes: int) -> 
 
 
 @pytest.mark.parametrize("placement", [PLACEMENT_1, PLACEMENT_2])
-def test_the_mirrored_set_couples_with_the_parity_of_each_shape(
-    placement: dict[str, float],
-) -> None:
+def test_the_mirrored_set_couples_with_the_parity_of_each_shape(placement: dict[str, float]) -> None:
     coupling = default_resonator(shapes=12, **placement).matrices.coupling
     parity = (-1.0) ** np.arange(12)
     assert coupling[:, 1] == pytest.approx(parity * coupling[:, 0], rel=1e-9, abs=1e-14)
@@ -131,9 +130,7 @@ def test_printed_sign_of_the_coupling_contradicts_table_1_in_every_entry() -> No
 def test_datasheet_pz26_fits_table_1_visibly_worse() -> None:
     faults = []
     for row, (placement, *_) in enumerate(TABLE_1):
-        resonator = replace(
-            default_resonator(**placement), piezoceramic=PiezoceramicDatasheet().in_bending()
-        )
+        resonator = replace(default_resonator(**placement), piezoceramic=PiezoceramicDatasheet().in_bending())
         faults += table_1_faults(resonator, row)
     assert len(faults) >= 6
 
@@ -151,12 +148,11 @@ def test_layers_bend_about_the_middle_of_the_beam() -> None:
     # I_p of both layers by quadrature of y^2 from t_s/2 to t_s/2 + t_p.
     ts, tp, width = 1.3e-3, 0.7e-3, 16e-3
     common = {"beam_thickness": ts, "piezo_thickness": tp, "shapes": 3}
-    soft, stiff = (
-        default_resonator(piezo_bending_modulus=modulus, **common) for modulus in (1e9, 2e9)
-    )
+    soft, stiff = (default_resonator(piezo_bending_modulus=modulus, **common) for modulus in (1e9, 2e9))
     y = np.linspace(0.5 * ts, 0.5 * ts + tp, 10001)
     inertia = 2.0 * width * np.trapezoid(y**2, y)
-    gram = sum(soft.beam.integrate(a, b, 2) for a, b in soft.patches)
+    beam = ClampedBeam(soft.length, 3)
+    gram = sum(beam.integrate(a, b, 2) for a, b in soft.patches)
     change = (stiff.matrices.stiffness - soft.matrices.stiffness) / 1e9
     # The trapezoid over 10^4 intervals.
     assert change == pytest.approx(inertia * gram, rel=1e-8)
@@ -223,14 +219,9 @@ def test_a_mode_can_be_made_exactly_critical() -> None:
     assert critical.damping_ratio[0] == pytest.approx(1.0, rel=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("start", "end"), [(-1e-3, 5e-3), (5e-3, 5e-3), (8e-3, 5e-3), (20e-3, 28.6e-3)]
-)
-def test_patches_that_leave_the_beam_or_meet_their_mirror_are_refused(
-    start: float, end: float
-) -> None:
+@pytest.mark.parametrize(("start", "end"), [(-1e-3, 5e-3), (5e-3, 5e-3), (8e-3, 5e-3), (20e-3, 28.6e-3)])
+def test_patches_that_leave_the_beam_or_meet_their_mirror_are_refused(start: float, end: float) -> None:
     with pytest.raises(
-        ValueError,
-        match=r"0 <= start < end <= 0\.0285 m|patch_start is -0\.001 m; it must be at least 0 m",
+        ValueError, match=r"0 <= start < end <= 0\.0285 m|patch_start is -0\.001 m; it must be at least 0 m"
     ):
         default_resonator(patch_start=start, patch_end=end)

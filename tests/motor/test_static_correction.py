@@ -9,8 +9,8 @@ from support.motors import PLACEMENT_1, PLACEMENT_2, final, hertz, run, stepped_
 
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
-from contactlab.motor.materials import Piezoceramic
 from contactlab.motor.motor import Motor
+from contactlab.motor.patched_beam import Piezoceramic
 from contactlab.trajectory import Trajectory
 
 PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]
@@ -153,9 +153,7 @@ def test_forces_and_rotor_of_a_few_corrected_modes_are_those_of_twenty(
     assert contact_errors(truncated, reference).max() > 20.0 * bound
 
 
-def test_the_papers_four_shapes_turn_the_rotor_at_twice_the_converged_speed(
-    reference: Trajectory,
-) -> None:
+def test_the_papers_four_shapes_turn_the_rotor_at_twice_the_converged_speed(reference: Trajectory) -> None:
     papers = driven(RitzResonator().modes)
     ratio = final(papers, "rotor_velocity") / final(reference, "rotor_velocity")
     assert 2.0 < ratio < 2.5

@@ -156,9 +156,7 @@ def solve_hertz(
     eight shapes; with more, give method="Radau".
     """
     if not (stiffness > 0.0 and duration > 0.0):
-        raise ValueError(
-            f"stiffness {stiffness} N/m^1.5 and duration {duration} s must both be positive."
-        )
+        raise ValueError(f"stiffness {stiffness} N/m^1.5 and duration {duration} s must both be positive.")
     mechanics = Mechanics(motor)
     law = HertzCoulomb(float(stiffness), motor.friction_coefficient)
     scaled = mechanics.tolerances(rtol) if atol is None else atol

@@ -64,12 +64,7 @@ class OracleMotor:
         """Matrices of this motor's resonator."""
         section = Section(*(getattr(self, name) for name in Section._fields))
         return build_resonator(
-            section,
-            self.shapes,
-            self.tip_mass,
-            self.tip_inertia,
-            self.mass_damping,
-            self.stiffness_damping,
+            section, self.shapes, self.tip_mass, self.tip_inertia, self.mass_damping, self.stiffness_damping
         )
 
     def natural_frequencies(self) -> np.ndarray:

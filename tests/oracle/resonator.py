@@ -65,9 +65,7 @@ def wave_numbers(count: int, length: float) -> np.ndarray:
     return np.array(roots) / length
 
 
-def shapes(
-    position: np.ndarray | float, count: int, length: float, derivative: int = 0
-) -> np.ndarray:
+def shapes(position: np.ndarray | float, count: int, length: float, derivative: int = 0) -> np.ndarray:
     """Derivative of order 0, 1 or 2 of the shapes at `position` [m from the left clamp].
 
     Returns shape (count, *position.shape), unit 1/m^derivative.

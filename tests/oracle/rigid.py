@@ -54,9 +54,7 @@ def sliding(c: Contact, normal: float, mu: float, sign: int) -> tuple[float, flo
     return p_n, -sign * mu * p_n
 
 
-def stick_or_slip(
-    c: Contact, normal: float, tangential: float, mu: float
-) -> tuple[int, float, float]:
+def stick_or_slip(c: Contact, normal: float, tangential: float, mu: float) -> tuple[int, float, float]:
     """Mode and the two unknowns that end at zero `normal` and, if the cone allows, zero slip.
 
     Stick if it fits into the cone; else the slip against the friction that stick would have needed,
@@ -163,9 +161,7 @@ def peak_force(mechanics: Mechanics, law: Law, phase: PhaseEnd, start: float) ->
     if not left < right:
         return values[best]
     fine = {"xatol": 1e-3 * (right - left)}
-    inside = minimize_scalar(
-        lambda t: -force(t), bounds=(left, right), method="bounded", options=fine
-    )
+    inside = minimize_scalar(lambda t: -force(t), bounds=(left, right), method="bounded", options=fine)
     return max(values[best], -float(inside.fun))
 
 
@@ -197,13 +193,7 @@ def early_release(mechanics: Mechanics, law: Law, phase: PhaseEnd, start: float)
 
 
 def hold(
-    mechanics: Mechanics,
-    mode: int,
-    mu: float,
-    t: float,
-    y: np.ndarray,
-    end: float,
-    stepper: Stepper,
+    mechanics: Mechanics, mode: int, mu: float, t: float, y: np.ndarray, end: float, stepper: Stepper
 ) -> PhaseEnd:
     """One phase in one mode from (t, y) to its first switch or `end` [s].
 
@@ -221,13 +211,7 @@ def hold(
 
 
 def ride(
-    mechanics: Mechanics,
-    mu: float,
-    book: ContactBook,
-    t: float,
-    y: np.ndarray,
-    end: float,
-    stepper: Stepper,
+    mechanics: Mechanics, mu: float, book: ContactBook, t: float, y: np.ndarray, end: float, stepper: Stepper
 ) -> tuple[float, np.ndarray]:
     """One contact, from touch-down (t, y) through its impact to release or `end` [s]."""
     book.open(t, y)

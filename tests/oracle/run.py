@@ -213,11 +213,7 @@ def touching(gap: float, gap_rate: float, normal_bias: float) -> bool:
 
 
 def finish(
-    mechanics: Mechanics,
-    y: np.ndarray,
-    book: ContactBook,
-    initial_energy: float,
-    contact_energy: float,
+    mechanics: Mechanics, y: np.ndarray, book: ContactBook, initial_energy: float, contact_energy: float
 ) -> OracleRun:
     """Collect the run from its last state and its book."""
     n = mechanics.shapes

@@ -152,9 +152,7 @@ class BackwardEuler:
         return out, p, s
 
 
-def slide(
-    euler: BackwardEuler, book: _Book, t: float, y: np.ndarray, end: float
-) -> tuple[float, np.ndarray]:
+def slide(euler: BackwardEuler, book: _Book, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
     """One contact, from touch-down (t, y) to release or the last whole step before `end` [s]."""
     mu, h = euler.mechanics.motor.friction_coefficient, euler.step
     book.open(t, euler.mechanics.contact(t, y).slip)
@@ -168,9 +166,7 @@ def slide(
     return t, y
 
 
-def solve_rigid_slip(
-    motor: OracleMotor, duration: float, step: float, rtol: float = 1e-10
-) -> SlipOnlyRun:
+def solve_rigid_slip(motor: OracleMotor, duration: float, step: float, rtol: float = 1e-10) -> SlipOnlyRun:
     """Run the motor with rigid contact that always slips from rest for `duration` [s].
 
     step: h [s] in contact.  rtol: of the flights.  A run that ends in contact ends up to one step late.

@@ -64,9 +64,7 @@ def middle_states(beam: SteppedBeam, omega: float) -> np.ndarray:
     states = np.zeros((4, 3), dtype=complex)
     states[2, 0] = states[3, 1] = 1.0
     jumps = np.append(beam.moments, 0.0)
-    for length, e, m, jump in zip(
-        np.diff(beam.edges), beam.rigidity, beam.mass, jumps, strict=True
-    ):
+    for length, e, m, jump in zip(np.diff(beam.edges), beam.rigidity, beam.mass, jumps, strict=True):
         states = section_matrix(length, e * stiff, m * heavy) @ states
         states[2, 2] -= jump
     return states

@@ -10,15 +10,15 @@ import pytest
 
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LagrangeStick, PenaltyLaw
+from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
-from contactlab.laws.part import NormalForce
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Steel
 from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.motor.patched_beam import Steel
 from contactlab.parameter import Parameter
 from contactlab.sweeps import sweep
 from contactlab.testing.plants import paper_motor
@@ -190,10 +190,7 @@ def test_what_is_of_the_wrong_kind_is_refused(make: Make, words: str) -> None:
             "Rotor: inertia is 0.0 kg m^2; it must be greater than 0 kg m^2. The default is",
         ),
         (lambda: Rotor(damping=np.nan), "Rotor: damping is nan; it must be finite"),
-        (
-            lambda: ContactGeometry(rotor_radius=-1.0),
-            "rotor_radius is -1.0 m; it must be greater than 0 m",
-        ),
+        (lambda: ContactGeometry(rotor_radius=-1.0), "rotor_radius is -1.0 m; it must be greater than 0 m"),
     ],
 )
 def test_what_has_the_wrong_shape_or_range_is_refused(make: Make, words: str) -> None:

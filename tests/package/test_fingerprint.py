@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from contactlab.fingerprint import fingerprint
+from contactlab.fingerprint import Fingerprint
 
 FILES = {
     "top.py": """
@@ -142,21 +142,16 @@ def loaded() -> FunctionType:
         ("pack/late.py", "4.0", "4.1"),
         ("pack/constants.py", "1.0", "1.1"),
         ("pack/lookup.py", "[1.0, 2.0]", "[1.0, 2.1]"),
-        *(
-            ("pack/lookup.py", f" {number}.0", f" {number}.25")
-            for number in (1, 2, 3, 4, 5, 6, 7, 8)
-        ),
+        *(("pack/lookup.py", f" {number}.0", f" {number}.25") for number in (1, 2, 3, 4, 5, 6, 7, 8)),
     ],
 )
-def test_it_changes_with_all_that_is_called_and_read(
-    folder: Path, file: str, old: str, new: str
-) -> None:
-    before = fingerprint(loaded())
+def test_it_changes_with_all_that_is_called_and_read(folder: Path, file: str, old: str, new: str) -> None:
+    before = Fingerprint(loaded())
     sources = before.sources()
     text = (folder / file).read_text()
     assert old in text
     (folder / file).write_text(text.replace(old, new, 1))
-    after = fingerprint(loaded())
+    after = Fingerprint(loaded())
     assert after.digest != before.digest
     assert after.sources() != sources
 
@@ -166,14 +161,14 @@ def test_it_changes_with_all_that_is_called_and_read(
     [("pack/leaf.py", "# A word.", "# Another word.\n"), ("pack/lookup.py", "9.0", "9.1")],
 )
 def test_it_changes_with_nothing_else(folder: Path, file: str, old: str, new: str) -> None:
-    before = fingerprint(loaded()).digest
+    before = Fingerprint(loaded()).digest
     (folder / file).write_text((folder / file).read_text().replace(old, new, 1))
-    assert fingerprint(loaded()).digest == before
+    assert Fingerprint(loaded()).digest == before
 
 
 def test_it_is_the_same_in_every_process(folder: Path) -> None:
-    code = "import top; from contactlab.fingerprint import fingerprint as f; print(f(top.force).digest)"
-    package = str(Path(fingerprint.__code__.co_filename).parents[1])
+    code = "import top; from contactlab.fingerprint import Fingerprint as F; print(F(top.force).digest)"
+    package = str(Path(Fingerprint.__init__.__code__.co_filename).parents[1])
 
     def digest(seed: str) -> str:
         variables = {"PYTHONHASHSEED": seed, "PYTHONPATH": package}
@@ -182,7 +177,7 @@ def test_it_is_the_same_in_every_process(folder: Path) -> None:
         assert found.returncode == 0, found.stderr
         return found.stdout.strip()
 
-    assert digest("1") == digest("2") == fingerprint(loaded()).digest
+    assert digest("1") == digest("2") == Fingerprint(loaded()).digest
 
 
 def factory(value: Any) -> Callable[[float], Any]:
@@ -208,7 +203,7 @@ def test_closures_are_the_same_by_the_values_that_they_capture() -> None:
         (0.0, -0.0),
         (1, 1.0),
     ]:
-        first, again, changed = (fingerprint(factory(value)) for value in (same, same, other))
+        first, again, changed = (Fingerprint(factory(value)) for value in (same, same, other))
         assert first.digest == again.digest != changed.digest
 
 
@@ -218,4 +213,4 @@ def test_what_refers_to_itself_comes_to_an_end() -> None:
 
     ring: list[Any] = [again]
     ring.append(ring)
-    assert len(fingerprint(again).digest) == 64
+    assert len(Fingerprint(again).digest) == 64

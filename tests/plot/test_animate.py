@@ -83,17 +83,13 @@ def test_the_arrow_is_proportional_to_the_force() -> None:
         drawing.frame(int(number))
         foot, apex = drawing.tip.get_xy()[0], drawing.arrow.get_xy()[3]
         force = shown.force_on_rotor(int(number))
-        assert np.hypot(*force) == pytest.approx(
-            np.hypot(shown.normal[number], shown.friction[number])
-        )
+        assert np.hypot(*force) == pytest.approx(np.hypot(shown.normal[number], shown.friction[number]))
         scales.append((apex - foot) / force)
     assert np.ptp(scales) == pytest.approx(0.0, abs=1e-9 * np.max(scales))
     assert np.max(scales) == pytest.approx(LONGEST * shown.size / shown.peak)
 
 
-def test_the_force_on_the_rotor_pushes_it_away_from_the_tip_and_against_the_force_on_the_tip() -> (
-    None
-):
+def test_the_force_on_the_rotor_pushes_it_away_from_the_tip_and_against_the_force_on_the_tip() -> None:
     shown = dataclasses.replace(
         film(1), tangential=np.zeros(1), normal=np.array([2.0]), friction=np.array([0.5])
     )
@@ -150,9 +146,7 @@ def test_a_gif_keeps_the_colours_of_the_modes(command: Command) -> None:
         for number in range(image.n_frames):
             image.seek(number)
             pixels = np.asarray(image.convert("RGB")).reshape(-1, 3)
-            seen |= {
-                mode for mode in (FREE, SLIP, STICK) if (pixels == rgb(COLOUR[mode])).all(1).any()
-            }
+            seen |= {mode for mode in (FREE, SLIP, STICK) if (pixels == rgb(COLOUR[mode])).all(1).any()}
     assert seen == {FREE, SLIP, STICK}
 
 
@@ -213,9 +207,7 @@ def test_the_command_writes_a_gif_beside_the_run_and_the_same_bytes_again(
 
 @pytest.mark.usefixtures("_short", "run_file")
 def test_start_and_duration_choose_the_part(command: Command) -> None:
-    status, out, _ = command(
-        "animate", "run.nc", "--start", "1 ms", "--duration", "2e-4", "--fps", "24"
-    )
+    status, out, _ = command("animate", "run.nc", "--start", "1 ms", "--duration", "2e-4", "--fps", "24")
     assert status == 0
     assert "200 us of the run" in out
 
@@ -293,10 +285,7 @@ REFUSALS = {
     "fps negative": (["run.nc", "--fps", "-5"], "--fps is -5, it must be between"),
     "fps nan": (["run.nc", "--fps", "nan"], "--fps is nan, it must be between"),
     "fps word": (["run.nc", "--fps", "fast"], "--fps is 'fast', which is not a number"),
-    "late start": (
-        ["run.nc", "--start", "6 ms"],
-        "--start is 6 ms, but the run lasts from 0 to 0.005",
-    ),
+    "late start": (["run.nc", "--start", "6 ms"], "--start is 6 ms, but the run lasts from 0 to 0.005"),
     "start at end": (["run.nc", "--start", "5 ms"], "at most 0.004999 s"),
     "early start": (["run.nc", "--start", "-1e-3"], "--start is -1e-3, but the run lasts"),
     "start in volts": (["run.nc", "--start", "3 V"], "whose unit 'V' cannot be converted to s"),

@@ -3,23 +3,10 @@
 import numpy as np
 import pytest
 import xarray
-from support.synthetic import (
-    CONFIGURATION,
-    CONTACT_DURATION,
-    FREQUENCY,
-    STICK_SHARE,
-    synthetic_trajectory,
-)
+from support.synthetic import CONFIGURATION, CONTACT_DURATION, FREQUENCY, STICK_SHARE, synthetic_trajectory
 
 from contactlab.plot.overview import PERIODS
-from contactlab.plot.recording import (
-    COLUMNS,
-    Recording,
-    contact_spans,
-    drawable,
-    envelope,
-    recording_of,
-)
+from contactlab.plot.recording import COLUMNS, Recording, contact_spans, drawable, envelope, recording_of
 from contactlab.results.netcdf import to_datatree
 
 
@@ -51,9 +38,7 @@ def test_modes_change_half_way_between_two_records() -> None:
 
 
 @pytest.mark.parametrize(("stick", "mode"), [(0.3, "stick"), (0.1, "slip")])
-def test_a_contact_between_two_records_takes_the_mode_of_its_larger_part(
-    stick: float, mode: str
-) -> None:
+def test_a_contact_between_two_records_takes_the_mode_of_its_larger_part(stick: float, mode: str) -> None:
     spans = spans_of([0, 1, 2], [0, 0, 0], [(1.25, 0.5, stick)])
     assert spans[mode] == [[1.25, 1.75]]
     assert sum(map(len, spans.values())) == 1

@@ -48,9 +48,7 @@ def motionless() -> xarray.DataTree:
     whole = synthetic_trajectory(1e-3, contact=False)
     series = {name: np.zeros_like(values) for name, values in whole.series.items()}
     contact = {"clearance": 0.0, "tip_length": 19e-3}
-    return to_datatree(
-        dataclasses.replace(whole, series=series), CONFIGURATION | {"contact": contact}
-    )
+    return to_datatree(dataclasses.replace(whole, series=series), CONFIGURATION | {"contact": contact})
 
 
 def with_distant_rotor() -> xarray.DataTree:
@@ -108,9 +106,7 @@ def texts(figure: Figure) -> list[Bbox]:
         for axis in (axes.xaxis, axes.yaxis):
             low, high = sorted(axis.get_view_interval())
             ticks = axis.get_major_ticks()
-            found += [
-                t.label1 for t in ticks if low <= t.get_loc() <= high and t.label1.get_visible()
-            ]
+            found += [t.label1 for t in ticks if low <= t.get_loc() <= high and t.label1.get_visible()]
         legend = axes.get_legend()
         found += legend.get_texts() if legend else []
     return [text.get_window_extent() for text in found if text.get_text() and text.get_visible()]
@@ -150,9 +146,7 @@ def test_every_panel_names_its_quantities_with_units(figure: Figure) -> None:
 
 def test_the_title_states_law_contacts_and_velocity(figure: Figure) -> None:
     title = figure.texts[0].get_text()
-    assert (
-        title == "hertz_penalty: 16 contacts in 5 ms, rotor velocity \u22120.4418 rad/s at the end"
-    )
+    assert title == "hertz_penalty: 16 contacts in 5 ms, rotor velocity \u22120.4418 rad/s at the end"
 
 
 def test_an_incomplete_run_says_so_in_its_title() -> None:
@@ -196,9 +190,7 @@ def test_the_force_is_drawn_as_the_steps_whose_area_is_the_impulse(figure: Figur
     assert np.sum(y[1::2] * (x[1::2] - x[::2])) * 1e-6 == pytest.approx(3.0 * impulse, rel=1e-9)
 
 
-def test_path_and_rotor_share_one_scale_and_one_origin(
-    figure: Figure, tree: xarray.DataTree
-) -> None:
+def test_path_and_rotor_share_one_scale_and_one_origin(figure: Figure, tree: xarray.DataTree) -> None:
     axes = figure.axes[1]
     figure.canvas.draw()
     (x0, y0), (x1, y1) = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])

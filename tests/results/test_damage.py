@@ -57,9 +57,7 @@ def test_a_run_in_the_place_of_another_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", [None, "no json", "[]", '{"digest": 5}', '{"digest": ""}', "{}"])
-def test_a_dataset_of_which_nothing_tells_is_taken_as_it_is(
-    tmp_path: Path, text: str | None
-) -> None:
+def test_a_dataset_of_which_nothing_tells_is_taken_as_it_is(tmp_path: Path, text: str | None) -> None:
     file = left_run(tmp_path / "run")
     (file.parent / "state.json").unlink()
     if text is not None:

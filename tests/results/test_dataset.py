@@ -235,10 +235,7 @@ def test_no_attribute_betrays_where_it_was_written(path: Path) -> None:
 
 @pytest.mark.parametrize("reason", [KeyboardInterrupt(), OSError(28, "No space left on device")])
 def test_a_writing_that_stops_half_way_leaves_nothing(
-    tmp_path: Path,
-    trajectory: Trajectory,
-    monkeypatch: pytest.MonkeyPatch,
-    reason: BaseException,
+    tmp_path: Path, trajectory: Trajectory, monkeypatch: pytest.MonkeyPatch, reason: BaseException
 ) -> None:
     def stop_after_the_series(tree: xarray.DataTree, path: Path, **_: object) -> None:
         tree.to_dataset().to_netcdf(path)
@@ -267,12 +264,7 @@ def test_a_file_that_cannot_grow_raises_a_sentence_and_leaves_nothing(
 
 
 def test_a_state_of_any_kind_survives(tmp_path: Path, trajectory: Trajectory) -> None:
-    state = {
-        "time": 5e-3,
-        "q": np.array([0.1, -0.0, np.nan]),
-        "contact.count": 3,
-        "compliant": True,
-    }
+    state = {"time": 5e-3, "q": np.array([0.1, -0.0, np.nan]), "contact.count": 3, "compliant": True}
     ended = dataclasses.replace(trajectory, state=state)
     write(ended, tmp_path / "run.nc")
     with xarray.open_datatree(tmp_path / "run.nc") as tree:
@@ -283,8 +275,7 @@ def test_a_state_of_any_kind_survives(tmp_path: Path, trajectory: Trajectory) ->
 
 
 @pytest.mark.skipif(
-    getattr(os, "geteuid", int)() == 0,
-    reason="Root may write anywhere; run the tests as another user.",
+    getattr(os, "geteuid", int)() == 0, reason="Root may write anywhere; run the tests as another user."
 )
 def test_an_unwritable_folder_raises_a_sentence(tmp_path: Path, trajectory: Trajectory) -> None:
     tmp_path.chmod(0o500)
@@ -296,9 +287,7 @@ def test_an_unwritable_folder_raises_a_sentence(tmp_path: Path, trajectory: Traj
     assert not list(tmp_path.iterdir())
 
 
-def test_a_folder_that_refuses_the_file_raises_a_sentence(
-    trajectory: Trajectory, tmp_path: Path
-) -> None:
+def test_a_folder_that_refuses_the_file_raises_a_sentence(trajectory: Trajectory, tmp_path: Path) -> None:
     # A folder takes a file's place, for users who may write anywhere.
     (tmp_path / "run.nc").mkdir()
     with pytest.raises(OSError, match=r"'run\.nc' cannot be written"):

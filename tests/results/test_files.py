@@ -52,9 +52,7 @@ def test_a_failed_file_leaves_its_predecessor_alone(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
 
 
-def test_a_failed_synchronisation_fails_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_synchronisation_fails_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(_descriptor: int) -> None:
         raise OSError(errno.EIO, os.strerror(errno.EIO))
 
@@ -95,9 +93,7 @@ def test_a_missing_folder_is_refused_in_a_sentence_that_names_it(tmp_path: Path)
         with whole_file(tmp_path / "nowhere" / "run.nc"):
             pytest.fail("The body must not run.")
 
-    with pytest.raises(
-        OSError, match=r"'run.nc' cannot be written, its folder does not exist"
-    ) as e:
+    with pytest.raises(OSError, match=r"'run.nc' cannot be written, its folder does not exist") as e:
         write()
     assert e.value.filename == str(tmp_path / "nowhere")
 

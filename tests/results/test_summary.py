@@ -21,9 +21,7 @@ def lines_of(text: str) -> dict[str, str]:
 
 
 def test_every_number_is_that_of_the_trajectory() -> None:
-    lines = lines_of(
-        summarise(to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1.25e-3)
-    )
+    lines = lines_of(summarise(to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1.25e-3))
     assert lines == {
         "law": "hertz_penalty (stiffness 1e+10, friction_coefficient 0.3, contact step 2 us)",
         "contacts": "16, 960 us in contact, 240 us of it sticking",
@@ -68,9 +66,7 @@ def test_a_run_with_an_open_ledger_is_not_called_incomplete() -> None:
 
 
 def test_a_complete_run_has_no_reason() -> None:
-    assert "incomplete" not in summarise(
-        to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1e-3
-    )
+    assert "incomplete" not in summarise(to_datatree(synthetic_trajectory(), CONFIGURATION), wall_time=1e-3)
 
 
 @pytest.mark.parametrize("torque", [1e-3, -1e-3])
@@ -84,10 +80,7 @@ def test_a_load_brakes_one_direction_and_drives_the_other(torque: float) -> None
     work = torque * run.series["rotor_angle"][-1]
     assert run.series["load_work"][-1] == pytest.approx(work)
     what = "drives the motor and works on it" if torque > 0.0 else "brakes the motor and takes"
-    assert (
-        lines_of(summarise(to_datatree(run), wall_time=1e-3))["load"]
-        == f"{what}: {abs(work):.4g} J"
-    )
+    assert lines_of(summarise(to_datatree(run), wall_time=1e-3))["load"] == f"{what}: {abs(work):.4g} J"
 
 
 @pytest.mark.parametrize("records", [1, 2])

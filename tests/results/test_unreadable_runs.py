@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 import xarray
+from support.command_line import Command
+from support.sweeps import QUICK, Simulations, folder
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.comparison import ComparisonError, compare
@@ -85,9 +87,7 @@ def test_complete_is_one_or_zero(tmp_path: Path, said: object) -> None:
 
 
 @pytest.mark.parametrize(("said", "meant"), [(1, True), (1.0, True), (0, False), (None, True)])
-def test_who_says_that_a_run_is_complete_may_say_it_in_any_number(
-    said: float | None, meant: bool
-) -> None:
+def test_who_says_that_a_run_is_complete_may_say_it_in_any_number(said: float | None, meant: bool) -> None:
     tree = to_datatree(synthetic_trajectory(duration=1e-3), CONFIGURATION)
     tree.attrs.pop("complete")
     if said is not None:
@@ -111,3 +111,14 @@ def test_units_come_from_the_runs_whose_configurations_can_be_checked(
     assert (collect(tmp_path)["status"] == Status.COMPLETE).all()
     # The second is asked for what the first could not tell.
     assert len(asked) == 2
+
+
+def test_files_of_ones_own_by_our_names_harm_nothing(command: Command, simulations: Simulations) -> None:
+    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+    Path("sweep/sweep.json").write_text("[1]")
+    (folder("2e-06") / "state.json").write_text('{"state": "complete"}')
+    Path("sweep/mine").mkdir()
+    Path("sweep/mine/state.json").write_text("no json")
+    found = collect("sweep")
+    assert sorted(found["status"].values.ravel().tolist()) == [0, 0, Status.FAILED]
+    assert "state.json cannot be read, and there is no run.nc" in str(found["reason"].values)

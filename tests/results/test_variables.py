@@ -4,13 +4,7 @@ import re
 
 from contactlab import variables
 
-EVERY = (
-    variables.TIME,
-    *variables.SERIES,
-    variables.CONTACT_MODE,
-    *variables.RESONATOR,
-    *variables.CONTACTS,
-)
+EVERY = (variables.TIME, *variables.SERIES, variables.CONTACT_MODE, *variables.RESONATOR, *variables.CONTACTS)
 
 
 def test_every_name_is_said_once() -> None:

@@ -163,9 +163,7 @@ class Cluster:
         key.write_bytes(secrets.token_bytes(128))
         (self._folder / "state").mkdir()
         controller, *ports = _free_ports(1 + len(NODES))
-        text = CONFIGURATION.format(
-            controller=controller, user=getpass.getuser(), folder=self._folder
-        )
+        text = CONFIGURATION.format(controller=controller, user=getpass.getuser(), folder=self._folder)
         nodes = [NODE.format(name=n, port=p) for n, p in zip(NODES, ports, strict=True)]
         (self._folder / "slurm.conf").write_text("".join([*nodes, text]))
 

@@ -34,9 +34,7 @@ def chosen(group: str, option: str, choices: dict[str, str]) -> dict[str, Any]:
     """An option's keys, those of its own defaults included."""
     path = CONF / group / f"{option}.yaml"
     keys: dict[str, Any] = (
-        yaml.safe_load(path.read_text(encoding="utf-8"))
-        if path.exists()
-        else groups.content(group, option)
+        yaml.safe_load(path.read_text(encoding="utf-8")) if path.exists() else groups.content(group, option)
     )
     for entry in keys.pop("defaults", []):
         if isinstance(entry, dict):
@@ -57,9 +55,7 @@ def composed(**choices: str) -> dict[str, Any]:
         if option is not None and not group.startswith("override ")
     }
     given = usual | choices
-    return {
-        group: chosen(group, option, given) for group, option in given.items() if "/" not in group
-    }
+    return {group: chosen(group, option, given) for group, option in given.items() if "/" not in group}
 
 
 def altered(changes: dict[str, object], **choices: str) -> dict[str, Any]:
@@ -87,21 +83,12 @@ def configured(option: str = "hertz_penalty", /, **changes: dict[str, Any]) -> d
 def datatree(configuration: dict[str, Any]) -> xarray.DataTree:
     """A run of a configuration as the command makes it."""
     setup = build(configuration)
-    trajectory = simulate(
-        setup.motor,
-        setup.law,
-        duration=setup.duration,
-        record_interval=setup.record_interval,
-        contact_step=setup.contact_step,
-        tolerance=setup.tolerance,
-    )
+    trajectory = setup.run()
     assert trajectory.complete, trajectory.message
     return to_datatree(trajectory, setup.configuration)
 
 
-def of_law(
-    law: ContactLaw, record_interval: float = 1e-7, **changes: dict[str, Any]
-) -> xarray.DataTree:
+def of_law(law: ContactLaw, record_interval: float = 1e-7, **changes: dict[str, Any]) -> xarray.DataTree:
     """A law that no configuration can name, on case A with some sections changed."""
     setup = build(configured(**changes))
     trajectory = simulate(setup.motor, law, duration=DURATION, record_interval=record_interval)

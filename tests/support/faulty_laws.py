@@ -64,17 +64,13 @@ def dashpot(gap: float, rate: float, slip: float, approach: float, p: np.ndarray
 
 
 @kernel
-def sign_of_slip(
-    gap: float, rate: float, slip: float, normal: float, memory: float, p: np.ndarray
-) -> Any:
+def sign_of_slip(gap: float, rate: float, slip: float, normal: float, memory: float, p: np.ndarray) -> Any:
     friction = -p[0] * normal * copysign(1.0, slip) if slip != 0.0 else 0.0
     return friction, 0.0, 0.0, 0.0
 
 
 @kernel
-def rate_and_state(
-    gap: float, rate: float, slip: float, normal: float, memory: float, p: np.ndarray
-) -> Any:
+def rate_and_state(gap: float, rate: float, slip: float, normal: float, memory: float, p: np.ndarray) -> Any:
     # The ageing law with theta = (D / v_0) exp(memory), a = 0.01, b = 0.015, v_0 = 1 um/s, D = 1 um.
     grip = exp(p[0] / 0.01 + 1.5 * memory)
     friction = -0.01 * asinh(0.5e6 * slip * grip) * normal
@@ -111,9 +107,7 @@ def rebound(
     return (6e-5 - normal_rate) / d_nn if gap_rate < 0.0 else 0.0, 0.0, SLIP
 
 
-def _penalty(
-    title: str, normal: PenaltyKernel, friction: FrictionKernel | None = None
-) -> type[PenaltyLaw]:
+def _penalty(title: str, normal: PenaltyKernel, friction: FrictionKernel | None = None) -> type[PenaltyLaw]:
     """A law of these kernels."""
 
     @final

@@ -14,8 +14,10 @@ from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStic
 from contactlab.motor import FiniteElementResonator, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.materials import Piezoceramic, Steel
 from contactlab.motor.motor import Motor, Rotor
+from contactlab.motor.patched_beam import Piezoceramic, Steel
+from contactlab.testing.plants import last
+from contactlab.testing.references import PLACEMENTS
 from contactlab.trajectory import Trajectory
 
 DEFAULTS: dict[str, float] = {
@@ -52,8 +54,9 @@ DEFAULTS: dict[str, float] = {
 }
 """Case A but for the law: the drive's first tone is given, not the first natural frequency."""
 
-PLACEMENT_1 = {"patch_start": 15.968e-3, "patch_end": 25.065e-3}
-PLACEMENT_2 = {"patch_start": 0.914e-3, "patch_end": 10.146e-3}
+PLACEMENT_1, PLACEMENT_2 = ({"patch_start": start, "patch_end": end} for start, end in PLACEMENTS.values())
+
+final = last
 
 STIFFNESS = 1e10
 """Hertz stiffness of case A [N m^-3/2]."""
@@ -92,16 +95,12 @@ def default_resonator(**changes: float) -> RitzResonator:
 def default_motor(**changes: float) -> Motor:
     """The package's motor with some parameters changed."""
     p = parameters_with(**changes)
-    drive = Drive.two_mode(
-        p["voltage_1"], p["voltage_2"], p["frequency"], p["frequency_ratio"], p["phase"]
-    )
+    drive = Drive.two_mode(p["voltage_1"], p["voltage_2"], p["frequency"], p["frequency_ratio"], p["phase"])
     return Motor(
         modes=default_resonator(**changes).modes,
         drive=drive,
         geometry=ContactGeometry(p["tip_length"], p["rotor_radius"], p["clearance"]),
-        rotor=Rotor(
-            p["rotor_inertia"], p["rotor_damping"], p["load_torque"], p["initial_velocity"]
-        ),
+        rotor=Rotor(p["rotor_inertia"], p["rotor_damping"], p["load_torque"], p["initial_velocity"]),
     )
 
 
@@ -139,19 +138,10 @@ def run(
 ) -> Trajectory:
     """A run that must reach its end."""
     trajectory = simulate(
-        motor,
-        law,
-        duration=duration,
-        record_interval=record_interval,
-        contact_step=contact_step,
+        motor, law, duration=duration, record_interval=record_interval, contact_step=contact_step
     )
     assert trajectory.complete, trajectory.message
     return trajectory
-
-
-def final(trajectory: Trajectory, name: str) -> float:
-    """Last record of a series."""
-    return float(trajectory.series[name][-1])
 
 
 def total(trajectory: Trajectory, name: str) -> float:
@@ -191,9 +181,7 @@ def random_motor(seed: int) -> dict[str, float]:
         "voltage_1": sometimes(0.0, first, 0.05),
         "voltage_2": sometimes(0.0, second, 0.05),
         "frequency": rng.uniform(1500.0, 5000.0),
-        "frequency_ratio": sometimes(
-            float(rng.choice([1.0, 1.5, 2.0, 3.0])), rng.uniform(0.5, 3.0), 0.5
-        ),
+        "frequency_ratio": sometimes(float(rng.choice([1.0, 1.5, 2.0, 3.0])), rng.uniform(0.5, 3.0), 0.5),
         "phase": rng.uniform(-np.pi, np.pi),
         "shapes": int(rng.integers(2, 7)),
         "mass_damping": logarithmic(1.0, 300.0),

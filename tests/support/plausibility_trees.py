@@ -38,9 +38,7 @@ CONFIGURATION: dict[str, Any] = {
 def touching() -> NDArray[np.bool_]:
     """Records whose interval lies within a contact."""
     record = np.arange(INTERVALS + 1)
-    return ((record > FIRST) & (record <= FIRST + LONG)) | (
-        (record > SECOND) & (record <= SECOND + LONG)
-    )
+    return ((record > FIRST) & (record <= FIRST + LONG)) | ((record > SECOND) & (record <= SECOND + LONG))
 
 
 def series() -> dict[str, Array]:

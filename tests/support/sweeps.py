@@ -18,9 +18,9 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps.batch import Answers
+from contactlab.sweeps.batch import Answers, Outputs
 from contactlab.sweeps.dataset import Axis
-from contactlab.sweeps.plan import Outputs, Plan
+from contactlab.sweeps.plan import Plan
 from contactlab.sweeps.state import COMPLETE, Job, State, write_state
 from contactlab.sweeps.store import Store
 from contactlab.trajectory import Ending, Trajectory
@@ -62,9 +62,7 @@ class ChoosingSweeper(Sweeper):
     def __init__(self, **_: object) -> None:
         self.launcher: Launcher
 
-    def setup(
-        self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig
-    ) -> None:
+    def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         self.launcher = Plugins.instance().instantiate_launcher(
             hydra_context=hydra_context, task_function=task_function, config=config
         )

@@ -15,7 +15,6 @@ from support.motors import default_motor, every_law, hertz
 from support.sweeps import METRICS_ALONE
 
 from contactlab.engine import simulate
-from contactlab.engine.propagator import Workspace
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
@@ -187,9 +186,7 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell(workers: int) -> None
         ({"series": ["gap"]}, "Give a record_interval"),
     ],
 )
-def test_what_cannot_be_kept_is_refused_in_a_sentence(
-    changes: dict[str, list[str]], words: str
-) -> None:
+def test_what_cannot_be_kept_is_refused_in_a_sentence(changes: dict[str, list[str]], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         swept(hertz(), **changes)
 
@@ -211,10 +208,7 @@ def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> Non
         xarray.testing.assert_equal(commanded, found)
         assert commanded["clearance"].attrs == found["clearance"].attrs
         assert commanded["clearance"].attrs["key"] == "contact.clearance"
-        assert (
-            "clearance" in commanded["clearance"].attrs["long_name"]
-            or commanded["clearance"].units == "m"
-        )
+        assert "clearance" in commanded["clearance"].attrs["long_name"] or commanded["clearance"].units == "m"
     stored = sweep(given, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
     xarray.testing.assert_equal(stored, found)
 
@@ -258,33 +252,3 @@ def test_a_faulty_table_is_refused_in_a_sentence(command: Command, table: str, w
     assert status == 2
     assert words in err
     assert left_behind() == [Path("table.csv")]
-
-
-def test_a_workspace_serves_motors_that_differ_in_all_a_response_depends_on() -> None:
-    changes: list[dict[str, float]] = [
-        {},
-        {"rotor_inertia": 1e-5},
-        {"frequency": 3000.0},
-        {"shapes": 3},
-        {"stiffness_damping": 1e-5},
-        {"rotor_radius": 20e-3},
-        {"rotor_damping": 1e-4},
-        {},
-    ]
-    shared = Workspace()
-    for law in every_law():
-        for step in (1e-7, 2e-7):
-            for change in changes:
-                runs = [
-                    simulate(
-                        default_motor(**change),
-                        law,
-                        duration=DURATION,
-                        record_interval=DURATION,
-                        contact_step=step,
-                        workspace=workspace,
-                    )
-                    for workspace in (shared, None)
-                ]
-                first, second = (run.series["rotor_angle"][-1] for run in runs)
-                assert first == second, (law.name, step, change)

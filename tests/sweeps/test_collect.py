@@ -2,20 +2,15 @@
 
 import json
 import shutil
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 import xarray
 import yaml
-from hydra.core.plugins import Plugins
-from support import sweeps
 from support.command_line import Command
-from support.sweeps import QUICK, ChoosingSweeper, Simulations, folder, state_of
+from support.sweeps import QUICK, Simulations, folder, state_of
 
-from contactlab import engine
 from contactlab.metrics import METRICS, assess, read_run
 from contactlab.sweeps import Status, collect
 from contactlab.trajectory import Ending
@@ -27,7 +22,7 @@ GRID = ("law=lagrange_stick,hertz_penalty", "contact.clearance=2 um,1e-6,3e-6")
 def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
     # Runs that differ, so that none can stand for another.
     made = Simulations(duration=lambda clearance: 1e-3 * clearance)
-    monkeypatch.setattr(engine, "simulate", made)
+    monkeypatch.setattr("contactlab.config.setup.simulate", made)
     return made
 
 
@@ -63,25 +58,14 @@ def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
                 assert str(cell["reason"].values) == ""
 
 
-def test_what_is_not_complete_is_missing_with_a_reason(
-    command: Command, simulations: Simulations
-) -> None:
-    simulations.endings = {
-        2.0: RuntimeError("no luck"),
-        3.0: Ending.CHATTERED,
-        4.0: Ending.INTERRUPTED,
-    }
+def test_what_is_not_complete_is_missing_with_a_reason(command: Command, simulations: Simulations) -> None:
+    simulations.endings = {2.0: RuntimeError("no luck"), 3.0: Ending.CHATTERED, 4.0: Ending.INTERRUPTED}
     values = "contact.clearance=1e-6,2e-6,3e-6,4e-6,5e-6"
     assert command("-m", values, *QUICK)[0] == 130
     found = collect("sweep")
     assert found.sizes == {"clearance": 5}
-    assert found["status"].values.tolist() == [
-        Status.COMPLETE,
-        Status.FAILED,
-        Status.CHATTERED,
-        Status.INTERRUPTED,
-        Status.ABSENT,
-    ]
+    names = [Status(code).name for code in found["status"].values]
+    assert names == ["COMPLETE", "FAILED", "CHATTERED", "INTERRUPTED", "ABSENT"]
     assert found["reason"].values.tolist() == [
         "",
         "The run raised RuntimeError: no luck.",
@@ -148,9 +132,7 @@ def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Sim
 def test_a_sweep_that_was_extended_is_one_grid_with_the_empty_cells_told(
     command: Command, simulations: Simulations
 ) -> None:
-    assert (
-        command("-m", "law=hertz_penalty,lagrange_stick", "contact.clearance=1e-6", *QUICK)[0] == 0
-    )
+    assert command("-m", "law=hertz_penalty,lagrange_stick", "contact.clearance=1e-6", *QUICK)[0] == 0
     assert command("-m", "law=hertz_penalty", "contact.clearance=2e-6,3e-6", *QUICK)[0] == 0
     found = collect("sweep")
     assert found.sizes == {"law": 2, "clearance": 3}
@@ -180,20 +162,14 @@ def test_points_that_form_no_grid_are_a_list_with_all_parameters(
         assert command("-m", *lines, *QUICK)[0] == 0
     with xarray.open_dataset("sweep/sweep.nc") as found:
         assert found.sizes == {"run": 4}
-        pairs = zip(
-            found["clearance"].values,
-            found["friction_coefficient"].values,
-            strict=True,
-        )
+        pairs = zip(found["clearance"].values, found["friction_coefficient"].values, strict=True)
         assert list(pairs) == [(float(f"{c}e-6"), mu) for c, mu in points]
         assert found["friction_coefficient"].attrs["units"] == "1"
         for n, (clearance, _) in enumerate(points):
             assert f"clearance={clearance}" in str(found["job"][n].values)
 
 
-def test_parameters_of_one_law_are_missing_in_the_others(
-    command: Command, simulations: Simulations
-) -> None:
+def test_parameters_of_one_law_are_missing_in_the_others(command: Command, simulations: Simulations) -> None:
     assert command("-m", "law=lagrange_stick", *QUICK)[0] == 0
     assert command("-m", "law=hertz_penalty", "law.stiffness=1e10,2e10", *QUICK)[0] == 0
     found = collect("sweep")
@@ -225,7 +201,9 @@ def test_runs_without_a_state_are_told_apart_by_their_configurations(
             path.unlink()
     found = collect("sweep", "without.nc")
     assert found.sizes == {"law": 2, "clearance": 3}
-    xarray.testing.assert_identical(found[list(METRICS)].drop_attrs(), _ordered(expected, found))
+    beside = {name: found[name] for name in found.coords if name not in expected.coords}
+    same = expected[list(METRICS)].assign_coords(beside).drop_attrs()
+    xarray.testing.assert_identical(found[list(METRICS)].drop_attrs(), same)
     # What follows from the law stands beside it.
     steps = found["contact_step"]
     assert steps.dims == ("law", "clearance")
@@ -233,13 +211,6 @@ def test_runs_without_a_state_are_told_apart_by_their_configurations(
     # A dataset of one's own may say nothing at all of itself.
     shutil.move(str(next(Path("sweep").glob("*/run.nc"))), "sweep/run.nc")
     assert collect("sweep").sizes == {"law": 2, "clearance": 3}
-
-
-def _ordered(expected: xarray.Dataset, found: xarray.Dataset) -> xarray.Dataset:
-    beside = [name for name in found.coords if name not in expected.coords]
-    return (
-        expected[list(METRICS)].assign_coords({name: found[name] for name in beside}).drop_attrs()
-    )
 
 
 def test_one_run_alone_is_collected(command: Command, simulations: Simulations) -> None:
@@ -288,7 +259,7 @@ def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simul
     [
         (["nowhere"], "'nowhere' is not there; it must be a folder of runs."),
         (["."], "holds no run, nor does a folder below it"),
-        (["sweep", "--series", "speed"], "speed is no time series; it must be of tip_normal"),
+        (["sweep", "--series", "speed"], "There is no series 'speed'; it must be one of tip_normal"),
         (["sweep", "--series", "gap"], "for time series they must be the same"),
         (["sweep", "--output", "nowhere/all.nc"], "its folder does not exist; create it first"),
     ],
@@ -305,61 +276,3 @@ def test_what_cannot_be_collected_is_a_sentence_and_leaves_no_file(
     assert "Traceback" not in err
     assert not list(Path().rglob("*.partial"))
     assert not list(Path().rglob("sweep.nc"))
-
-
-def test_a_sweep_keeps_its_status_where_it_cannot_be_collected(
-    command: Command, simulations: Simulations
-) -> None:
-    Path("sweep/sweep.nc").mkdir(parents=True)
-    status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
-    assert status == 0
-    assert "The runs could not be collected: " in err
-    assert "Traceback" not in err
-
-
-def test_files_of_ones_own_by_our_names_harm_nothing(
-    command: Command, simulations: Simulations
-) -> None:
-    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
-    Path("sweep/sweep.json").write_text("[1]")
-    (folder("2e-06") / "state.json").write_text('{"state": "complete"}')
-    Path("sweep/mine").mkdir()
-    Path("sweep/mine/state.json").write_text("no json")
-    found = collect("sweep")
-    assert sorted(found["status"].values.ravel().tolist()) == [0, 0, Status.FAILED]
-    assert "state.json cannot be read, and there is no run.nc" in str(found["reason"].values)
-
-
-def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
-    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # Where Hydra's plugins live.
-    monkeypatch.setattr(ChoosingSweeper, "__module__", "hydra_plugins.choosing")
-    Plugins.instance().register(ChoosingSweeper)
-    monkeypatch.setitem(sys.modules, "hydra_plugins", ModuleType("hydra_plugins"))
-    monkeypatch.setitem(sys.modules, "hydra_plugins.choosing", sweeps)
-    sweeper = "hydra.sweeper._target_=hydra_plugins.choosing.ChoosingSweeper"
-    for _ in range(2):
-        status, out, err = command("-m", "drive.phase=0", sweeper, *QUICK)
-        assert status == 2
-        assert "contact.clearance is -1e-06 m; it must be at least 0 m" in err
-        assert "2 complete\n1 refused\n" in out
-        assert "Collected in sweep/sweep.nc: run 3." in out
-    assert simulations.seen == [1.0, 2.0]
-    found = collect("sweep")
-    assert found["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]
-    assert "contact.clearance is -1e-06 m" in str(found["reason"].values[2])
-    assert found["clearance"].values[:2].tolist() == [1e-6, 2e-6]
-
-
-def test_no_picture_is_drawn_where_none_is_wanted(
-    command: Command, simulations: Simulations
-) -> None:
-    for wanted in (True, False):
-        status, out, err = command(f"record.picture={wanted}", f"hydra.run.dir=drawn_{wanted}")
-        assert status == 0, err
-        assert Path(f"drawn_{wanted}", "run.png").exists() is wanted
-        assert ("run.png" in out) is wanted
-    status, _, err = command("record.picture=5")
-    assert status == 2
-    assert "record.picture is 5; it must be true or false." in err

@@ -8,15 +8,18 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import ModuleType
 
 import psutil
 import pytest
+from hydra.core.plugins import Plugins
 from omegaconf import OmegaConf
+from support import sweeps
 from support.command_line import Command
-from support.sweeps import METRICS_ALONE
+from support.sweeps import METRICS_ALONE, QUICK, ChoosingSweeper, Simulations
 
 from contactlab.cli.sweeper import run_chunk
-from contactlab.sweeps import SweepError
+from contactlab.sweeps import Status, SweepError, collect
 
 JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
 
@@ -92,9 +95,7 @@ def test_two_processes_leave_the_same_bits_and_status_as_one(command: Command) -
 
 @needs_signals
 @pytest.mark.parametrize("whole_group", [True, False], ids=["terminal", "command_alone"])
-def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(
-    tmp_path: Path, whole_group: bool
-) -> None:
+def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(tmp_path: Path, whole_group: bool) -> None:
     with endless_sweep(tmp_path) as (process, children):
         assert len(children) >= 2
         (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
@@ -145,10 +146,7 @@ def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
 
 
 def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> None:
-    swept = [
-        *METRICS_ALONE,
-        *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms"),
-    ]
+    swept = [*METRICS_ALONE, *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms")]
     assert command(*swept, "hydra.sweep.dir=one")[0] == 0
     # In a process of its own, with which its workers end.
     two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "hydra.sweep.dir=two"]
@@ -157,3 +155,25 @@ def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> No
     assert Path("two/sweep.nc").read_bytes() == Path("one/sweep.nc").read_bytes()
     left = sorted(path.name for path in Path("two").iterdir())
     assert left == ["sweep.json", "sweep.nc", "sweep.nc.sha256"]
+
+
+def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
+    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Where Hydra's plugins live.
+    monkeypatch.setattr(ChoosingSweeper, "__module__", "hydra_plugins.choosing")
+    Plugins.instance().register(ChoosingSweeper)
+    monkeypatch.setitem(sys.modules, "hydra_plugins", ModuleType("hydra_plugins"))
+    monkeypatch.setitem(sys.modules, "hydra_plugins.choosing", sweeps)
+    sweeper = "hydra.sweeper._target_=hydra_plugins.choosing.ChoosingSweeper"
+    for _ in range(2):
+        status, out, err = command("-m", "drive.phase=0", sweeper, *QUICK)
+        assert status == 2
+        assert "contact.clearance is -1e-06 m; it must be at least 0 m" in err
+        assert "2 complete\n1 refused\n" in out
+        assert "Collected in sweep/sweep.nc: run 3." in out
+    assert simulations.seen == [1.0, 2.0]
+    found = collect("sweep")
+    assert found["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]
+    assert "contact.clearance is -1e-06 m" in str(found["reason"].values[2])
+    assert found["clearance"].values[:2].tolist() == [1e-6, 2e-6]

@@ -14,14 +14,13 @@ from support.command_line import Command
 from support.sweeps import METRICS_ALONE
 
 from contactlab.config import build
-from contactlab.engine import simulate
 from contactlab.metrics import METRICS
 from contactlab.sweeps import SweepError
-from contactlab.sweeps.batch import Batch
+from contactlab.sweeps.batch import Batch, Outputs
 from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.plan import Outputs, with_key
-from contactlab.sweeps.state import MANIFEST, Status
-from contactlab.sweeps.store import CHUNKS, DIGEST, UNFINISHED, Store
+from contactlab.sweeps.plan import with_key
+from contactlab.sweeps.state import Status
+from contactlab.sweeps.store import CHUNKS, DIGEST, MANIFEST, UNFINISHED, Store
 
 SHORT = "solver.duration=1 ms"
 HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")
@@ -50,16 +49,10 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     base = yaml.safe_load(found.attrs["configuration"])
     for clearance in found["clearance"].values:
         for phase in found["phase"].values:
-            changed = with_key(base, ["contact", "clearance"], float(clearance))
-            setup = build(with_key(changed, ["drive", "phase"], float(phase)))
+            changed = with_key(base, "contact.clearance", float(clearance))
+            setup = build(with_key(changed, "drive.phase", float(phase)))
             assert setup.law.name == "lagrange_stick"
-            run = simulate(
-                setup.motor,
-                setup.law,
-                duration=1e-3,
-                record_interval=1e-3,
-                contact_step=setup.contact_step,
-            )
+            run = setup.run(duration=1e-3, record_interval=1e-3)
             cell = found.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
@@ -76,9 +69,7 @@ def test_a_sweep_is_the_sweep_of_single_runs_in_one_file(command: Command) -> No
         assert found["final_rotor_velocity"].sel(law=law) == alone
 
 
-def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(
-    tmp_path: Path,
-) -> None:
+def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(tmp_path: Path) -> None:
     arguments = [
         *(sys.executable, "-m", "contactlab", *METRICS_ALONE, "sweep.chunk=40", "sweep.workers=2"),
         *("contact.clearance=linspace(0,2e-6,20)", "drive.phase=linspace(-3,3,20)", SHORT),
@@ -131,18 +122,26 @@ def test_workers_that_are_started_afresh_give_the_same(
     assert (Path("forked") / DATASET).read_bytes() == (Path("spawned") / DATASET).read_bytes()
 
 
-@pytest.mark.parametrize("by_other_code", [True, False])
+@pytest.mark.parametrize(
+    ("code", "lines"),
+    [
+        ("other", (*METRICS_ALONE, "drive.phase=0,1")),
+        ("", (*METRICS_ALONE, "drive.phase=0,2")),
+        ("", ("-m", "drive.phase=0,1", "record.picture=false")),
+    ],
+    ids=["by_other_code", "of_other_values", "of_folders"],
+)
 def test_another_sweep_does_not_go_into_the_folder_of_one(
-    command: Command, monkeypatch: pytest.MonkeyPatch, by_other_code: bool
+    command: Command, monkeypatch: pytest.MonkeyPatch, code: str, lines: tuple[str, ...]
 ) -> None:
     assert command(*HERE, "drive.phase=0,1")[0] == 0
-    before = (Path("here") / DATASET).read_bytes()
-    if by_other_code:
-        monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
-    status, _, err = command(*HERE, "drive.phase=0,1" if by_other_code else "drive.phase=0,2")
+    before = {path: path.read_bytes() for path in Path("here").iterdir()}
+    if code:
+        monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: code)
+    status, _, err = command(*lines, SHORT, "hydra.sweep.dir=here")
     assert status == 2
     assert "holds another sweep, or one made by other code" in err
-    assert (Path("here") / DATASET).read_bytes() == before
+    assert {path: path.read_bytes() for path in Path("here").iterdir()} == before
 
 
 def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Command) -> None:
@@ -205,11 +204,7 @@ def test_what_is_finished_of_a_sweep_can_be_collected(command: Command) -> None:
     assert f"Collected in {Path('here') / UNFINISHED}" in out
     assert not (Path("here") / DATASET).exists()
     part = opened(Path("here"), UNFINISHED)
-    assert [Status(code) for code in part["status"].values] == [
-        Status.ABSENT,
-        Status.COMPLETE,
-        Status.ABSENT,
-    ]
+    assert [Status(code) for code in part["status"].values] == [Status.ABSENT, Status.COMPLETE, Status.ABSENT]
     assert part["peak_force"][1] == whole["peak_force"][1]
     assert part.attrs["complete"] == 0
     assert command(*arguments)[0] == 0

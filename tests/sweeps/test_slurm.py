@@ -97,16 +97,14 @@ def test_a_command_runs_on_every_node(cluster: Cluster) -> None:
     assert sorted(answers.splitlines()) == [f"{task}: {node}" for task, node in enumerate(NODES)]
 
 
+@pytest.mark.long
 def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     cluster: Cluster, tmp_path: Path, command: Command
 ) -> None:
     _, lost = NODES
     swept = tmp_path / "swept"
     with sweep(cluster, swept) as process:
-        wait_until(
-            lambda: bool((job := job_on(cluster, lost)) and folder_of(job, swept)),
-            process,
-        )
+        wait_until(lambda: bool((job := job_on(cluster, lost)) and folder_of(job, swept)), process)
         victim = job_on(cluster, lost)
         assert victim is not None
         cluster.kill(lost)
@@ -137,9 +135,7 @@ def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     assert Path("undisturbed/run.nc").read_bytes() == (folder / "run.nc").read_bytes()
 
 
-def test_a_map_is_one_array_of_tasks_a_chunk_each(
-    cluster: Cluster, tmp_path: Path, command: Command
-) -> None:
+def test_a_map_is_one_array_of_tasks_a_chunk_each(cluster: Cluster, tmp_path: Path, command: Command) -> None:
     before = {job.id for job in cluster.jobs()}
     arguments = [
         "-m",
@@ -170,9 +166,7 @@ def test_a_missing_slurm_skips_the_test_but_fails_in_continuous_integration(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("slurm.cluster.PROGRAMS", ("a-daemon-that-does-not-exist",))
-    sentence = (
-        "there is no a-daemon-that-does-not-exist; on Debian, apt-get install slurm-wlm munge"
-    )
+    sentence = "there is no a-daemon-that-does-not-exist; on Debian, apt-get install slurm-wlm munge"
     monkeypatch.delenv("CI", raising=False)
     with pytest.raises(pytest.skip.Exception, match=sentence), required_cluster():
         pass

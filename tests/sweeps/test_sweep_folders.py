@@ -11,9 +11,7 @@ from contactlab.cli.app import MOST_CHARACTERS, folder_name
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
 
-def test_a_folder_that_is_named_by_numbers_keeps_them(
-    command: Command, simulations: Simulations
-) -> None:
+def test_a_folder_that_is_named_by_numbers_keeps_them(command: Command, simulations: Simulations) -> None:
     numbered = [*THREE, "hydra.sweep.subdir=${hydra.job.num}"]
     simulations.endings = {1.0: RuntimeError("no luck"), 3.0: RuntimeError("no luck")}
     assert command(*numbered)[0] == 1
@@ -23,9 +21,7 @@ def test_a_folder_that_is_named_by_numbers_keeps_them(
     assert [state_of(Path("sweep") / str(n))["state"] for n in range(3)] == ["complete"] * 3
 
 
-def test_a_sweep_without_a_folder_finds_its_own_again(
-    command: Command, simulations: Simulations
-) -> None:
+def test_a_sweep_without_a_folder_finds_its_own_again(command: Command, simulations: Simulations) -> None:
     values = "contact.clearance=1 um,2 um"
     assert command("-m", "law=hertz_penalty", values, "record.picture=false")[0] == 0
     status, out, _ = command("-m", "record.picture=false", values, "law=hertz_penalty")

@@ -20,9 +20,7 @@ from contactlab.trajectory import Ending
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
 
-def test_a_sweep_run_again_skips_all_and_says_so(
-    command: Command, simulations: Simulations
-) -> None:
+def test_a_sweep_run_again_skips_all_and_says_so(command: Command, simulations: Simulations) -> None:
     status, out, err = command(*THREE)
     assert status == 0, err
     assert "3 runs: 3 are new: these run." in out
@@ -35,9 +33,7 @@ def test_a_sweep_run_again_skips_all_and_says_so(
     assert {path: path.stat().st_mtime_ns for path in Path("sweep").glob("*/*")} == runs
 
 
-def test_what_failed_is_run_again_and_the_others_are_not(
-    command: Command, simulations: Simulations
-) -> None:
+def test_what_failed_is_run_again_and_the_others_are_not(command: Command, simulations: Simulations) -> None:
     simulations.endings = {2.0: RuntimeError("no luck"), 3.0: Ending.DIVERGED}
     status, out, err = command(*THREE)
     assert status == 1
@@ -60,9 +56,7 @@ def test_what_failed_is_run_again_and_the_others_are_not(
     }  # fmt: skip
 
 
-def test_a_sweep_with_more_values_runs_those_alone(
-    command: Command, simulations: Simulations
-) -> None:
+def test_a_sweep_with_more_values_runs_those_alone(command: Command, simulations: Simulations) -> None:
     assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
     status, out, _ = command("-m", "contact.clearance=2e-6,1e-6,0.5e-6", *QUICK)
     assert status == 0
@@ -125,12 +119,11 @@ def test_a_run_that_was_killed_is_run_again(
     long_run = ["-m", "contact.clearance=1e-6,2e-6", "solver.duration=1e4", "record.interval=1e-2"]
     place = tmp_path / folder("1e-06", "record.interval=1e-2", "solver.duration=1e4")
     process = subprocess.Popen(
-        [sys.executable, "-m", "contactlab", *long_run, *QUICK],
-        cwd=tmp_path,
-        stdout=subprocess.DEVNULL,
+        [sys.executable, "-m", "contactlab", *long_run, *QUICK], cwd=tmp_path, stdout=subprocess.DEVNULL
     )
     patience = time.monotonic() + 60.0
-    while not (place / "state.json").exists() and process.poll() is None:
+    # Until then it is absent.
+    while process.poll() is None and not ((left := state.read_state(place)) and left.state == "running"):
         assert time.monotonic() < patience
         time.sleep(0.02)
     process.kill()
@@ -143,9 +136,7 @@ def test_a_run_that_was_killed_is_run_again(
     assert state_of(place)["state"] == "complete"
 
 
-def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(
-    command: Command, simulations: Simulations
-) -> None:
+def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(command: Command, simulations: Simulations) -> None:
     simulations.endings = {2.0: Ending.INTERRUPTED}
     assert command(*THREE)[0] == 130
     assert not Path("sweep/sweep.nc").exists()
@@ -212,10 +203,11 @@ def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
     """The key that the plan finds is the one that the job itself finds."""
     planned = {}
 
-    def remember(folder: Path, jobs: dict[str, state.Job], samples: bool) -> None:
-        planned.update({folder / name: job for name, job in jobs.items()})
+    def remember(place: Path, left: state.State) -> None:
+        assert left.state == "absent"
+        planned[place] = left.job
 
-    monkeypatch.setattr("contactlab.cli.sweeper.extend_manifest", remember)
+    monkeypatch.setattr("contactlab.cli.sweeper.write_state", remember)
     groups = ("law=composed", "law/normal=linear,hertz_point", "placement=placement_1,placement_2")
     status, _, err = command("-m", *groups, "drive.phase=-36 deg", *QUICK)
     assert status == 0, err
@@ -224,3 +216,24 @@ def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
         left = state.read_state(place)
         assert left is not None
         assert left.job == job
+
+
+def test_no_picture_is_drawn_where_none_is_wanted(command: Command, simulations: Simulations) -> None:
+    for wanted in (True, False):
+        status, out, err = command(f"record.picture={wanted}", f"hydra.run.dir=drawn_{wanted}")
+        assert status == 0, err
+        assert Path(f"drawn_{wanted}", "run.png").exists() is wanted
+        assert ("run.png" in out) is wanted
+    status, _, err = command("record.picture=5")
+    assert status == 2
+    assert "record.picture is 5; it must be true or false." in err
+
+
+def test_a_sweep_keeps_its_status_where_it_cannot_be_collected(
+    command: Command, simulations: Simulations
+) -> None:
+    Path("sweep/sweep.nc").mkdir(parents=True)
+    status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
+    assert status == 0
+    assert "The runs could not be collected: " in err
+    assert "Traceback" not in err

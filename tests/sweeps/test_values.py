@@ -40,9 +40,7 @@ def test_sweeps_of_folders_and_of_metrics_take_the_same_values(
     swept = f"contact.clearance={text}"
     assert command("-m", swept, *QUICK)[0] == 0
     assert simulations.seen == values
-    status, _, err = command(
-        *METRICS_ALONE, swept, "solver.duration=0.1 ms", "hydra.sweep.dir=alone"
-    )
+    status, _, err = command(*METRICS_ALONE, swept, "solver.duration=0.1 ms", "hydra.sweep.dir=alone")
     assert status == 0, err
     assert sorted(collect("alone")["clearance"].values.tolist()) == pytest.approx(
         collect("sweep")["clearance"].values.tolist(), abs=1e-18
@@ -55,13 +53,7 @@ def test_a_shuffled_range_keeps_its_values(command: Command, simulations: Simula
 
 
 def test_a_name_is_the_shortest_tail_of_its_key_that_no_other_has() -> None:
-    keys = [
-        "contact.clearance",
-        "law",
-        "law/normal",
-        "law.normal.stiffness",
-        "law.friction.stiffness",
-    ]
+    keys = ["contact.clearance", "law", "law/normal", "law.normal.stiffness", "law.friction.stiffness"]
     assert [*short_names([*keys, "law.restitution"], {"restitution"}).values()] == [
         *("clearance", "law", "normal", "normal_stiffness", "friction_stiffness", "law_restitution")
     ]

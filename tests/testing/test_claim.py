@@ -13,9 +13,7 @@ def test_an_upper_bound_may_be_reached_but_not_passed(found: float, true: bool) 
     assert at_least("what is found", -found, -1.0).true is true
 
 
-@pytest.mark.parametrize(
-    ("found", "true"), [(2.2, True), (1.8, True), (2.21, False), (1.79, False)]
-)
+@pytest.mark.parametrize(("found", "true"), [(2.2, True), (1.8, True), (2.21, False), (1.79, False)])
 def test_a_value_may_be_off_by_its_share_to_either_side(found: float, true: bool) -> None:
     assert close("what is found", found, 2.0, 0.1001).true is true
     assert close("what is found", found - 2.0, 0.0, 0.1001, scale=2.0).true is true

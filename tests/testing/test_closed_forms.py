@@ -7,13 +7,8 @@ import pytest
 from support.tensile_dashpot import TensileDashpot
 
 from contactlab.testing import Claim
-from contactlab.testing.claim import CLOSED_FORMS
-from contactlab.testing.closed_forms import (
-    dashpot_impacts,
-    hertz_impact,
-    modal_impacts,
-    restitution,
-)
+from contactlab.testing.closed_forms import dashpot_impacts, hertz_impact, modal_impacts, restitution
+from contactlab.testing.contract import CLOSED_FORMS
 from contactlab.testing.plants import block, first, run
 
 Form = Callable[..., Iterator[Claim]]

@@ -12,7 +12,7 @@ from contactlab.laws.damping import DAMPINGS, Flores, LinearDamping
 from contactlab.laws.friction import FRICTIONS, Coulomb, LuGre, Mindlin
 from contactlab.laws.normal import NORMAL_FORCES, Line, Linear
 from contactlab.testing import LawContract
-from contactlab.testing.claim import PROPERTIES
+from contactlab.testing.contract import PROPERTIES
 
 HELD = {
     "hertz_penalty": HertzPenalty(stiffness=1e10, friction_coefficient=0.3),
@@ -56,9 +56,7 @@ class TestOnAnotherMotor(LawContract):
 """
 
 
-def test_another_project_has_the_contract_in_three_lines_and_may_bring_its_motor(
-    tmp_path: Path,
-) -> None:
+def test_another_project_has_the_contract_in_three_lines_and_may_bring_its_motor(tmp_path: Path) -> None:
     (tmp_path / "test_it.py").write_text(ELSEWHERE)
     command = [sys.executable, "-m", "pytest", "-q", "-rp", "-p", "no:cacheprovider", "test_it.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -93,10 +93,7 @@ def test_a_tally_counts_and_names_the_worst_flight() -> None:
     found = tally(table)
     assert list(found["worst"]) == [7, 9]
     assert list(found["error"]) == [1e-8, 5e-9]
-    assert found[["flights", "touched", *FAULTS]].to_numpy().tolist() == [
-        [2, 2, 0, 1, 0],
-        [2, 2, 1, 0, 0],
-    ]
+    assert found[["flights", "touched", *FAULTS]].to_numpy().tolist() == [[2, 2, 0, 1, 0], [2, 2, 1, 0, 0]]
 
 
 @cache
@@ -108,9 +105,7 @@ def drawn(touches: bool) -> Flight:
 
 def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -> set[str]:
     """What the judge finds wrong with an engine that finds touch-downs at these times [s]."""
-    made = SimpleNamespace(
-        contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10}
-    )
+    made = SimpleNamespace(contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10})
     monkeypatch.setattr(references, "run", lambda *_: made)
     found = judge(flight)
     assert found["touched"] == (flight.first_touch(DURATION) is not None)

@@ -1,6 +1,7 @@
-"""Losses in proportion to the elastic force: N = f(d) (1 + a dd/dt).
+"""Normal losses of a composed law: a dashpot beside the contact, or in proportion to the elastic force.
 
-An impact of free bodies at the speed v, whatever f and the masses, has a restitution e with
+In proportion, N = f(d) (1 + a dd/dt), an impact of free bodies at the speed v, whatever f and the masses,
+has a restitution e with
 
     (1 + e) D = ln((1 + D) / (1 - e D)),   D = a v
 
@@ -17,21 +18,113 @@ A model whose largest nominal D, that of e_n = 0, is smaller than what is asked 
 from dataclasses import dataclass
 from functools import cache
 from math import exp, inf, log, log1p
-from typing import Annotated, final
+from typing import Annotated, Any, final
 
+import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.laws.part import Damping, NormalForce
-from contactlab.parameter import Parameter
+from contactlab.laws.base import Damping, NormalForce
+from contactlab.parameter import Parameter, positive
 
 ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
 
-LEAST_SPEED = Parameter("v_min", "m s-1", "slowest approach that is told apart", above=0.0)
+LEAST_SPEED = positive("v_min", "m s-1", "slowest approach that is told apart")
 """A contact that begins without approach has no speed to divide by."""
 
 NEARLY_PLASTIC, NEARLY_ELASTIC = 0.025, 1e-6
 """e below which 1 - e D is less than the unit of D, and 1 - e below which D is linear in it."""
+
+INTEGRATION = 1e-12
+"""Tolerance of the impact that is solved for a dashpot's coefficient."""
+
+
+@final
+@dataclass(frozen=True)
+class Undamped(Damping):
+    """The elastic force alone: restitution 1."""
+
+    name = "none"
+    equation = "no loss"
+    source = "Hertz (1881)"
+
+    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
+        """Give none."""
+        return ()
+
+    @staticmethod
+    @kernel
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
+        return elastic
+
+
+@final
+@dataclass(frozen=True)
+class LinearDamping(Damping):
+    """A dashpot: a jump of the force at touch-down, and none that pulls at the end. After Kelvin and Voigt.
+
+    c is solved so that a free impact of the given mass at the given speed has the given restitution; it
+    has another one at another mass, and with an f that is not linear at another speed.
+    """
+
+    name = "linear"
+    equation = "N = max(f(d) + c dd/dt, 0), c solved for e of (m, v)"
+    source = "Johnson, Contact Mechanics (1985), sec. 11.5"
+
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
+    effective_mass: Annotated[float, positive("m", "kg", "mass of the impact")] = 2e-3
+    impact_speed: Annotated[float, positive("v", "m s-1", "speed of the impact")] = 0.1
+
+    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
+        """Give the coefficient c [N s/m]."""
+        return (damping_coefficient(self, normal),)
+
+    @staticmethod
+    @kernel
+    def damped(elastic, depth_rate, impact_speed, parameters, at):
+        return float(max(elastic + parameters[at] * depth_rate, 0.0))
+
+
+@cache
+def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
+    """Give the c [N s/m] at which a free impact has the restitution that is asked."""
+    if asked.restitution == 1.0:
+        return 0.0
+    mass, speed = asked.effective_mass, asked.impact_speed
+    parameters, elastic = np.array(normal.coefficients()), normal.elastic
+    energy = 0.5 * mass * speed**2
+
+    def beyond(exponent: float) -> float:
+        """Give the logarithm of the energy that a depth stores, over that of the impact."""
+        return float(np.log(elastic(10.0**exponent, parameters, 0)[1] / energy))
+
+    # Depth and speed are the units.
+    depth = float(10.0 ** brentq(beyond, -20.0, 2.0, xtol=1e-12))
+    unit = depth / (mass * speed**2)
+
+    def excess(ratio: float) -> float:
+        c = ratio * (mass * speed / depth)
+
+        def force(_: float, y: Array) -> float:
+            spring = elastic(max(y[0], 0.0) * depth, parameters, 0)[0]
+            return float(unit * (spring + c * speed * y[1]))
+
+        def motion(t: float, y: Array) -> list[float]:
+            return [y[1], -force(t, y)]
+
+        # The impact ends where the force does.
+        end: Any = force
+        end.terminal, end.direction = True, -1.0
+        accuracy = {"rtol": INTEGRATION, "atol": INTEGRATION}
+        done = solve_ivp(motion, (0.0, 1e9), [0.0, 1.0], "DOP853", events=end, **accuracy)
+        return -float(done.y[1, -1]) - asked.restitution
+
+    right = 1.0
+    while excess(right) > 0.0:
+        right *= 2.0
+    return float(brentq(excess, 0.0, right, xtol=1e-13) * (mass * speed / depth))
 
 
 @cache
@@ -56,12 +149,13 @@ def loss_number(restitution: float) -> float:
     return float(x / (1.0 + e * x))
 
 
+@dataclass(frozen=True)
 class Hysteretic(Damping):
     """A loss in proportion to the elastic force, solved for the restitution of a free impact."""
 
     largest = inf
     """The D that the published model has at a nominal restitution of 0."""
-    restitution: float
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -72,11 +166,6 @@ class Hysteretic(Damping):
                 f"{self.name}: restitution is {e}; it must be at least {least:.6g}, which the model "
                 "achieves with a nominal one of 0. Take flores, which has no such bound."
             )
-
-    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
-        """Give D [1] and the other fields."""
-        _, *others = self.describe().values()
-        return loss_number(self.restitution), *others
 
 
 @final
@@ -89,10 +178,7 @@ class HuntCrossley(Hysteretic):
     source = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
     largest = 1.5
 
-    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
-    impact_speed: Annotated[
-        float, Parameter("v", "m s-1", "speed at which e is achieved", above=0.0)
-    ] = 0.1
+    impact_speed: Annotated[float, positive("v", "m s-1", "speed at which e is achieved")] = 0.1
 
     def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
         """Give the loss factor a [s/m]."""
@@ -101,7 +187,6 @@ class HuntCrossley(Hysteretic):
     @staticmethod
     @kernel
     def damped(elastic, depth_rate, impact_speed, parameters, at):
-        """See `Damping.damped`."""
         return float(elastic * max(1.0 + parameters[at] * depth_rate, 0.0))
 
 
@@ -109,13 +194,15 @@ class HuntCrossley(Hysteretic):
 class SpeedHysteresis(Hysteretic):
     """A loss by the speed v of each impact, which v_min bounds from below."""
 
-    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     least_speed: Annotated[float, LEAST_SPEED] = 1e-3
+
+    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
+        """Give D [1] and v_min [m/s]."""
+        return loss_number(self.restitution), self.least_speed
 
     @staticmethod
     @kernel
     def damped(elastic, depth_rate, impact_speed, parameters, at):
-        """See `Damping.damped`."""
         factor = parameters[at] / max(impact_speed, parameters[at + 1])
         return float(elastic * max(1.0 + factor * depth_rate, 0.0))
 
@@ -146,3 +233,8 @@ class Flores(SpeedHysteresis):
     name = "flores"
     equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
     source = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
+
+
+DAMPINGS: dict[str, type[Damping]] = {
+    part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores)
+}

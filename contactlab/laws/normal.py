@@ -1,4 +1,4 @@
-"""Contacts of smooth bodies after Hertz: point, ellipse and line."""
+"""Elastic normal forces of a composed law: smooth bodies after Hertz, and springs."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -9,13 +9,13 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from contactlab.compiled import kernel
-from contactlab.laws.part import NormalForce
-from contactlab.parameter import Parameter
+from contactlab.laws.base import NormalForce
+from contactlab.parameter import positive
 
 STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
 """Effective modulus of steel on steel [Pa]."""
 
-EFFECTIVE_MODULUS = Parameter("E*", "Pa", "effective modulus", above=0.0)
+EFFECTIVE_MODULUS = positive("E*", "Pa", "effective modulus")
 
 ROUND = 1e-5
 """Relative difference of radii below which the contact is circular: F_2 differs by its square from 1."""
@@ -23,7 +23,7 @@ ROUND = 1e-5
 
 @kernel
 def hertz_elastic(depth, parameters, at):
-    """Force [N], energy [J], stiffness [N/m], its slope [N/m^2] of N = K d^(3/2)."""
+    """Give force [N], energy [J], stiffness [N/m], its slope [N/m^2] of N = K d^(3/2)."""
     root = sqrt(depth)
     force = parameters[at] * depth * root
     stiffness = 1.5 * parameters[at] * root
@@ -40,7 +40,7 @@ class HertzPoint(NormalForce):
     equation = "N = K d^1.5"
     source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
 
-    stiffness: Annotated[float, Parameter("K", "N m-1.5", "contact stiffness", above=0.0)] = 1e10
+    stiffness: Annotated[float, positive("K", "N m-1.5", "contact stiffness")] = 1e10
 
     elastic = staticmethod(hertz_elastic)
 
@@ -59,8 +59,8 @@ class HertzElliptic(NormalForce):
     equation = "N = 4/3 E* sqrt(R_e) (d / F_2(R'/R''))^1.5, R_e = sqrt(R' R'')"
     source = "Hertz (1881); Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28"
 
-    radius_along: Annotated[float, Parameter("R'", "m", "relative radius", above=0.0)] = 5e-3
-    radius_across: Annotated[float, Parameter("R''", "m", "relative radius", above=0.0)] = 4.2e-3
+    radius_along: Annotated[float, positive("R'", "m", "relative radius")] = 5e-3
+    radius_across: Annotated[float, positive("R''", "m", "relative radius")] = 4.2e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
 
     elastic = staticmethod(hertz_elastic)
@@ -68,7 +68,7 @@ class HertzElliptic(NormalForce):
     def coefficients(self) -> tuple[float, ...]:
         """Give the stiffness K of N = K d^1.5."""
         mean = sqrt(self.radius_along * self.radius_across)
-        large, small = sorted((self.radius_along, self.radius_across), reverse=True)
+        small, large = sorted((self.radius_along, self.radius_across))
         shape = approach_factor(large / small)
         return (4.0 / 3.0 * self.effective_modulus * sqrt(mean) * shape**-1.5,)
 
@@ -80,7 +80,7 @@ def approach_factor(ratio: float) -> float:
         return 1.0
 
     def terms(slenderness: float) -> tuple[float, float, float]:
-        """(a/b)^2 E - K, K - E and K of the ellipse with log a/b."""
+        """Give (a/b)^2 E - K, K - E and K of the ellipse with log a/b."""
         squared = 1.0 - exp(-2.0 * slenderness)
         first, second = float(ellipk(squared)), float(ellipe(squared))
         return exp(2.0 * slenderness) * second - first, first - second, first
@@ -111,7 +111,7 @@ class Line(NormalForce):
     equation = "N = E* (d L^0.8 / 1.36)^(10/9)"
     source = "Lundberg and Sjovall (1958); Palmgren (1959)"
 
-    length: Annotated[float, Parameter("L", "m", "length of the line", above=0.0)] = 16e-3
+    length: Annotated[float, positive("L", "m", "length of the line")] = 16e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
 
     def coefficients(self) -> tuple[float, ...]:
@@ -121,8 +121,67 @@ class Line(NormalForce):
     @staticmethod
     @kernel
     def elastic(depth, parameters, at):
-        """See `NormalForce.elastic`."""
         force = parameters[at] * depth ** (10.0 / 9.0)
         stiffness = 10.0 / 9.0 * force / depth if depth > 0.0 else 0.0
         slope = stiffness / (9.0 * depth) if depth > 0.0 else 0.0
         return force, 9.0 / 19.0 * force * depth, stiffness, slope
+
+
+@final
+@dataclass(frozen=True)
+class Linear(NormalForce):
+    """A flat punch, or a linearised contact."""
+
+    name = "linear"
+    equation = "N = k d"
+    source = "Johnson, Contact Mechanics (1985), sec. 11.5"
+
+    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7
+
+    @staticmethod
+    @kernel
+    def elastic(depth, parameters, at):
+        force = parameters[at] * depth
+        return force, 0.5 * force * depth, parameters[at], 0.0
+
+
+@final
+@dataclass(frozen=True)
+class Lining(NormalForce):
+    """Two stages: the two-stage spring of piecewise linear oscillators, with a passage of finite width.
+
+    The passage has a width because a stiffness that jumps is no material's and takes the order of any
+    integration.
+    """
+
+    name = "lining"
+    equation = "dN/dd = k_1 for d < d_1, k_2 for d > d_1 + w, linear in between"
+    source = "after Shaw and Holmes (1983), J. Sound Vib. 90, 129"
+
+    soft_stiffness: Annotated[float, positive("k_1", "N m-1", "of the lining")] = 5e6
+    hard_stiffness: Annotated[float, positive("k_2", "N m-1", "of what is behind")] = 5e7
+    lining_depth: Annotated[float, positive("d_1", "m", "depth of the lining")] = 5e-7
+    passage: Annotated[float, positive("w", "m", "width of the passage")] = 1e-7
+
+    @staticmethod
+    @kernel
+    def elastic(depth, parameters, at):
+        soft, width = parameters[at], parameters[at + 3]
+        more = parameters[at + 1] - soft
+        force, energy = soft * depth, 0.5 * soft * depth * depth
+        beyond = depth - parameters[at + 2]
+        if beyond <= 0.0:
+            return force, energy, soft, 0.0
+        inside = min(beyond, width)
+        slope = more / width
+        through = beyond - inside
+        force += 0.5 * slope * inside * inside + more * through
+        energy += slope * inside**3 / 6.0 + 0.5 * more * through * (width + through)
+        if through > 0.0:
+            return force, energy, soft + more, 0.0
+        return force, energy, soft + slope * inside, slope
+
+
+NORMAL_FORCES: dict[str, type[NormalForce]] = {
+    part.name: part for part in (HertzPoint, HertzElliptic, Line, Linear, Lining)
+}

@@ -1,4 +1,4 @@
-"""Rigid impacts with a restitution, and an impact as a process over its normal impulse.
+"""Rigid impacts with a restitution: of the velocity, or of impulse or energy of an impact as a process.
 
 The impulses of an impact grow in no time. Over the normal impulse p as the independent variable gap rate
 and slip change linearly as long as the friction impulse grows in one ratio to it (Routh's diagram):
@@ -23,15 +23,80 @@ from typing import Annotated, final
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK, MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION
-from contactlab.laws.lagrange_stick import stick_or_slip_impulse
+from contactlab.laws.lagrange import stick_or_slip_impulse
+
+OF_THE_GAP_RATE = MappingProxyType(
+    {
+        "dissipates": "the rebound is that of the whole approach, also where friction has ended the slip "
+        "and taken its share of the approach with it (Kane and Levinson 1985)."
+    }
+)
+"""What laws break whose restitution is that of the gap rate."""
+
+
+@dataclass(frozen=True)
+class ImpactLaw(MultiplierLaw):
+    """A rigid law with a restitution, whichever of velocity, impulse or energy it is of."""
+
+    default_contact_step = 5e-8
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    restitution: Annotated[float, RESTITUTION] = 0.5
+
+
+@kernel
+def newton_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
+    # The plastic law to the rate that is asked for in place of zero.
+    missing = normal_rate + parameters[1] * min(gap_rate, 0.0)
+    return stick_or_slip_impulse(missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+
+
+@final
+@dataclass(frozen=True)
+class Newton(ImpactLaw):
+    """A rigid impact that gives back a share of the approach, with set-valued friction; g = 0 after it.
+
+    The slip v+ of the friction law is that after the impact. A rebound that ends within the step is
+    none. Where slip ends or reverses in the impact the restitution can create energy: Kane and Levinson
+    (1985), Dynamics: Theory and Applications.
+    """
+
+    name = "newton"
+    equation = "gdot+ = -e gdot-, N >= 0, |F| <= mu N, F = -mu N sign(v+) where v+ != 0"
+    source = "Newton (1687), Principia, scholium to the laws of motion"
+    violations = OF_THE_GAP_RATE
+
+    solve = staticmethod(newton_impulse)
+
+
+@final
+@dataclass(frozen=True)
+class MoreauJean(ImpactLaw):
+    """The constraint of a closed gap on velocities only, with Newton's restitution of every step.
+
+    The impulses are those of `newton`. No displacement is put back onto the closed gap: the contact
+    penetrates by O(step), at first by what the impact step travels, and lasts, in the end without
+    impulse, until a step begins with an open gap. A gap that opens from rest as the cube of time has its
+    contact longer by O(step^(1/3)) for that; state and impulses converge at order one.
+
+    Source: Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics; Jean (1999).
+    """
+
+    name = "moreau_jean"
+    equation = "0 <= p _|_ gdot_end + e gdot_start >= 0 where g <= 0, |p_t| <= mu p, p_t = -mu p sign(v_end)"
+    source = "Moreau (1988); Jean (1999), Comput. Methods Appl. Mech. Eng. 177, 235"
+    projects = False
+    violations = OF_THE_GAP_RATE
+
+    solve = staticmethod(newton_impulse)
 
 
 @inner_kernel
 def stages_of(slip, d_nt, d_tt, mu):
     """Give the two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`.
 
-    Returns:
-        Normal impulse at which the slip ends [N s], dp_t/dp before and after that, mode after that.
+    They are the normal impulse at which the slip ends [N s], dp_t/dp before and after, and the mode after.
     """
     mode = STICK if abs(d_nt) <= mu * d_tt else SLIP
     after = -d_nt / d_tt if mode == STICK else -mu if d_nt > 0.0 else mu
@@ -46,12 +111,9 @@ def stages_of(slip, d_nt, d_tt, mu):
 def compression(approach, end, first, second):
     """Give the normal impulse at which the gap rate is zero [N s].
 
-    Args:
-        approach: gap rate at the beginning, negative [m/s].
-        end: normal impulse at which the slip ends [N s].
-        first, second: growth of the gap rate with the normal impulse before and after that [1/kg].
-
-    Slip may press the bodies together (first < 0), but such slip ends, and what follows does not.
+    The approach is the gap rate at the beginning [m/s], negative. It grows with the normal impulse by first
+    [1/kg] until the slip ends, by second from there on. Slip may press the bodies together (first < 0),
+    but such slip ends, and what follows does not.
     """
     if approach + first * end >= 0.0:
         return -approach / first
@@ -60,10 +122,7 @@ def compression(approach, end, first, second):
 
 @inner_kernel
 def restituted(approach, end, first, second, p_c, e):
-    """Give the normal impulse at which the share e^2 of the work of compression is given back [N s].
-
-    Arguments as of `compression`, with its impulse p_c.
-    """
+    """Give the normal impulse [N s] that gives back the share e^2 of the work of the compression p_c."""
     if p_c > end:
         # Compression outlasts the slip: triangles of work up to there and from there.
         rate = approach + first * end
@@ -78,15 +137,12 @@ def restituted(approach, end, first, second, p_c, e):
 
 
 @inner_kernel
-def process_impulse(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy
-):
-    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
+def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy):
+    """Give impulses [N s] and mode; the restitution is of the work of compression, or else of its impulse.
 
-    The restitution is of the work of compression, or else of its impulse. What forces bring within the
-    step is no impact, or contact that lasts would bounce in every step; and what they take away before its
-    end need not be stopped. A rebound that forces end within the step is none: the contact lasts, without
-    restitution.
+    What forces bring within the step is no impact, or contact that lasts would bounce in every step; and
+    what they take away before its end need not be stopped. A rebound that forces end within the step is
+    none: the contact lasts, without restitution.
     """
     approach = min(max(gap_rate, normal_rate), 0.0)
     if approach == 0.0:
@@ -108,20 +164,8 @@ def process_impulse(
         return p_n, p_t, mode
     # Round-off is no slip.
     left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-    more_n, more_t, mode = stick_or_slip_impulse(
-        rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters
-    )
+    more_n, more_t, mode = stick_or_slip_impulse(rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters)
     return p_n + more_n, p_t + more_t, mode
-
-
-@dataclass(frozen=True)
-class ImpactLaw(MultiplierLaw):
-    """A rigid law with a restitution, whichever of velocity, impulse or energy it is of."""
-
-    default_contact_step = 5e-8
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-    restitution: Annotated[float, RESTITUTION] = 0.5
 
 
 @dataclass(frozen=True)
@@ -151,7 +195,6 @@ class Poisson(ImpactProcess):
     @staticmethod
     @kernel
     def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        """See `MultiplierLaw.solve`."""
         return process_impulse(
             normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, False
         )
@@ -173,7 +216,6 @@ class Stronge(ImpactProcess):
     @staticmethod
     @kernel
     def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        """See `MultiplierLaw.solve`."""
         return process_impulse(
             normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, True
         )

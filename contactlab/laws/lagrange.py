@@ -1,6 +1,7 @@
-"""The paper's second law: a rigid contact that slips or sticks."""
+"""The paper's laws: a rigid contact that always slips, and one that slips or sticks."""
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
@@ -8,11 +9,49 @@ from contactlab.laws.base import SLIP, STICK, MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 
+@final
+@dataclass(frozen=True)
+class LagrangeSlip(MultiplierLaw):
+    """Lagrange multiplier with Coulomb slip, eqs. 37, 43, 47-51 and 59 of the paper.
+
+    The sign is that of the slip when the step begins, in the impact step as well, whatever the
+    friction impulse then does to it. It reverses the slip in nearly every impact of the paper's
+    motor, and where the bodies would stick it chatters at the step: there is no slip-only
+    solution there. Where the friction of that slip presses the bodies together more than the normal
+    impulse parts them, d_nn <= mu |d_nt|, nothing stops an approach (Painleve), and the run ends. The
+    impact is one step, so the peak force is impulse / step and grows without bound as the step
+    shrinks; the impulse converges.
+    """
+
+    name = "lagrange_slip"
+    equation = "g = 0, N >= 0, F = -mu N sign(v)"
+    source = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
+    default_contact_step = 5e-8
+    exact_stick = False
+    violations = MappingProxyType(
+        {
+            "friction_opposes_slip": "the friction impulse of an impact is mu p_n whatever slip there is "
+            "to end, and reverses the slip in nearly every impact of the paper's motor.",
+            "dissipates": "the slip that it reverses can carry away more than was brought.",
+        }
+    )
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    @staticmethod
+    @kernel
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+        mu = parameters[0]
+        s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
+        if d_nn <= s * mu * d_nt:
+            # No slip meets an approach; what opens by itself is released.
+            return -abs(normal_rate) / d_nn, 0.0, SLIP
+        return slip_impulse(normal_rate, s, mu, d_nn, d_nt)
+
+
 @kernel
-def stick_or_slip_impulse(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-):
-    """Impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
+def stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
 
     One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and
     any mu: with p = -D^-1 (normal rate, tangential rate) of stick outside of the cone,
@@ -32,13 +71,19 @@ def stick_or_slip_impulse(
     s = -1.0 if p_t > 0.0 else 1.0 if p_t < 0.0 else 0.0
     if d_nn <= s * mu * d_nt:
         s = -s
+    return slip_impulse(normal_rate, s, mu, d_nn, d_nt)
+
+
+@inner_kernel
+def slip_impulse(normal_rate, s, mu, d_nn, d_nt):
+    """Give the impulses [N s] that leave no gap rate in a slip of the sign s, and the mode."""
     p_n = -normal_rate / (d_nn - s * mu * d_nt)
     return p_n, -s * mu * p_n, SLIP
 
 
 @inner_kernel
 def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
-    """Impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
+    """Give the impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
     determinant = d_nn * d_tt - d_nt * d_nt
     p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant
     return p_n, (d_nt * normal_rate - d_nn * tangential_rate) / determinant
@@ -48,7 +93,7 @@ def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
 def wedges(
     normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float, mu: float
 ) -> bool:
-    """Whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
+    """Tell whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
 
     Friction presses the bodies together more than the normal impulse parts them, mu |d_nt| > d_nn, and
     release, stick and a slip between the two all obey the law. None of them creates energy. The slip is no
