@@ -49,8 +49,8 @@ def period_of(drive: Drive) -> float:
             count = MOST_PERIODS + 1
     if count > MOST_PERIODS:
         raise NoPeriodError(
-            f"The tones at {', '.join(f'{f:.9g}' for f in drive.frequency)} Hz do not repeat themselves within "
-            f"{MOST_PERIODS} periods of the first; a steady state needs a drive that does. Choose a "
+            f"The tones at {', '.join(f'{f:.9g}' for f in drive.frequency)} Hz do not repeat themselves "
+            f"within {MOST_PERIODS} periods of the first; a steady state needs a drive that does. Choose a "
             "frequency_ratio of small whole numbers; the paper takes 2."
         )
     return count / float(drive.frequency[0])
@@ -147,22 +147,3 @@ class PeriodMap:
     def at(self, phase: float) -> "PeriodMap":
         """Give the map with another section."""
         return replace(self, phase=phase % 1.0)
-
-    def jacobian(self, z: Array, step: float) -> Array:
-        """Give dP/dz by central differences, in steps of a part of |z|; shape (n, n)."""
-        return np.column_stack([self.derivative(z, along, step) for along in np.eye(z.size)])
-
-    def rough_jacobian(self, z: Array, image: Array, step: float) -> Array:
-        """Give dP/dz by forward differences from P(z), at half the price and to half the digits."""
-        length = step * _size(z)
-        columns = [(self(z + length * along) - image) / length for along in np.eye(z.size)]
-        return np.column_stack(columns)
-
-    def derivative(self, z: Array, along: Array, step: float) -> Array:
-        """Give dP/dz along a direction by a central difference."""
-        length = step * _size(z)
-        return (self(z + length * along) - self(z - length * along)) / (2.0 * length)
-
-
-def _size(z: Array) -> float:
-    return float(np.linalg.norm(z)) or 1.0

@@ -33,7 +33,7 @@ NEARER: Final = 0.8
 where the slowest multiplier alone acts."""
 
 REPEATS: Final = 1e-3
-"""Relative difference of states at which a motion is taken for one that repeats itself, to find its period."""
+"""Relative difference of states at which a motion is taken for one that repeats itself."""
 
 REGULAR: Final = 0.2
 CHAOTIC: Final = 0.8
@@ -64,7 +64,7 @@ class Steady:
     belt: float | None = None
 
     def mean(self, rates: Array) -> tuple[float, float]:
-        """Give the mean of a rate over the motion and its error; rates over the record intervals of the motion."""
+        """Give the mean of rates over the record intervals of the motion, and its error."""
         if self.orbit is not None:
             return float(rates.mean()), 0.0
         return mean_with_error(rates)
@@ -140,9 +140,7 @@ def steady(
             if (orbit := _orbit(section, at_section)) is not None:
                 return Steady(setup, "periodic", count, section.run(orbit.state, 1, 1), orbit, done, belt)
         more = 3 * done
-    # TODO
     late = clock.run(z, longest // 2, 1)
-    speed = np.diff(late.series["rotor_angle"]) / clock.period
     indicator = chaos_indicator(late.series["slip_velocity"][1:])
     kind = "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
     return Steady(setup, kind, 0, late, None, done, belt)

@@ -1,10 +1,11 @@
 """Periodic orbits by shooting: a state that the period map leaves where it is.
 
-Newton's method on P(z) - z = 0, with the derivative of the period map by central differences, which are good
-to 1e-8 where the map is smooth; Broyden's rank-one corrections spare it between. A step never leaves the
-ball in which the last one was worth its price (Conn, Gould, Toint: Trust-Region Methods, 2000).
+Newton's method on P(z) - z = 0, with the derivative of the period map by differences, which are good to
+1e-8 where the map is smooth, and Broyden's rank-one corrections between. A step never leaves the ball in
+which the last one was worth its price (Conn, Gould, Toint: Trust-Region Methods, 2000).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -16,6 +17,9 @@ from contactlab.steady.period_map import BrokenOffError, PeriodMap
 
 STEP: Final = 1e-6
 """Of the differences, in parts of |z|."""
+
+ROUGH: Final = 100.0
+"""Times the step at which the derivative is looked at once more, to see whether the map is smooth."""
 
 CLOSED: Final = 1e-10
 """|P(z) - z| over |z| at which an orbit counts as closed."""
@@ -38,7 +42,6 @@ class Orbit:
     Args:
         map: whose fixed point it is.
         state: z at the section.
-        closure: |P(z) - z| over |z|.
         jacobian: dP/dz there.
         roughness: relative change of the derivative along one direction when the step of its difference is a
             hundred times as long; large where the map is not smooth.
@@ -46,9 +49,17 @@ class Orbit:
 
     map: PeriodMap
     state: Array
-    closure: float
     jacobian: Array
     roughness: float
+
+    @classmethod
+    def at(cls, section: PeriodMap, z: Array) -> "Orbit":
+        """Take a closed orbit's derivative."""
+        every, along = np.eye(z.size), np.full(z.size, z.size**-0.5)
+        jacobian = np.column_stack([derivative_of(section, z, direction) for direction in every])
+        fine, coarse = jacobian @ along, derivative_of(section, z, along, ROUGH * STEP)
+        roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
+        return cls(section, z, jacobian, roughness)
 
     @property
     def multipliers(self) -> NDArray[np.complex128]:
@@ -65,7 +76,7 @@ class Orbit:
     def settling_time(self) -> float:
         """Time in which a small deviation falls by e [s]; infinite for an orbit that is not stable."""
         largest = float(abs(self.multipliers[0]))
-        return -self.map.period / np.log(largest) if 0.0 < largest < 1.0 else np.inf
+        return float(-self.map.period / np.log(largest)) if 0.0 < largest < 1.0 else np.inf
 
 
 def orbit_from(section: PeriodMap, z: Array) -> Orbit:
@@ -76,48 +87,55 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
         KeyboardInterrupt: as it comes.
     """
     image = section(z)
-    residual, jacobian = image - z, section.rough_jacobian(z, image, STEP)
-    fresh, radius = True, 0.5 * float(np.linalg.norm(z))
+    left, jacobian = image - z, _forward(section, z, image)
+    fresh, radius = True, 0.5 * _size(z)
     for _ in range(MOST_ITERATIONS):
-        if np.linalg.norm(residual) <= CLOSED * np.linalg.norm(z):
-            break
-        step = np.linalg.solve(np.eye(z.size) - jacobian, residual)
-        length = float(np.linalg.norm(step))
-        if length > radius:
-            step *= radius / length
-        left = _residual(section, z + step)
-        share = np.linalg.norm(left) / np.linalg.norm(residual)
+        if np.linalg.norm(left) <= CLOSED * _size(z):
+            return Orbit.at(section, z)
+        move = np.linalg.solve(np.eye(z.size) - jacobian, left)
+        length = float(np.linalg.norm(move))
+        move = np.asarray(move * min(1.0, radius / length))
+        after = _gap(section, z + move)
+        share = np.linalg.norm(after) / np.linalg.norm(left)
         if share < 1.0:
-            # Broyden: the derivative that would have foretold what the step has left.
-            jacobian = jacobian + np.outer(left - residual + step - jacobian @ step, step) / (step @ step)
-            z, residual = z + step, left
-            radius = max(radius, 2.0 * float(np.linalg.norm(step)))
-            fresh = False
-        if share > WORTH:
-            if fresh:
-                radius = 0.25 * min(radius, length)
-                if radius < STEP * np.linalg.norm(z):
-                    raise NoOrbitError(f"steps shrink to {radius:.1e} and lead no further")
-            else:
-                jacobian, fresh = section.rough_jacobian(z, residual + z, STEP), True
-    else:
-        left = np.linalg.norm(residual) / np.linalg.norm(z)
-        raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {left:.1e} of the state")
-    jacobian, along = section.jacobian(z, STEP), np.ones(z.size) / np.sqrt(z.size)
-    fine, coarse = jacobian @ along, section.derivative(z, along, 100.0 * STEP)
-    return Orbit(
-        map=section,
-        state=z,
-        closure=float(np.linalg.norm(residual) / np.linalg.norm(z)),
-        jacobian=jacobian,
-        roughness=float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine)),
-    )
+            jacobian = updated(jacobian, move, after - left + move)
+            z, left, fresh = z + move, after, False
+            radius = max(radius, 2.0 * float(np.linalg.norm(move)))
+        if share > WORTH and not fresh:
+            jacobian, fresh = _forward(section, z, left + z), True
+        elif share > WORTH:
+            radius = 0.25 * min(radius, length)
+            if radius < STEP * _size(z):
+                raise NoOrbitError(f"steps shrink to {radius:.1e} and lead no further")
+    remains = np.linalg.norm(left) / _size(z)
+    raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {remains:.1e} of the state")
 
 
-def _residual(section: PeriodMap, z: Array) -> Array:
+def derivative_of(function: Callable[[Array], Array], at: Array, along: Array, step: float = STEP) -> Array:
+    """Give the derivative of a function along a direction, by a central difference."""
+    length = step * _size(at)
+    return (function(at + length * along) - function(at - length * along)) / (2.0 * length)
+
+
+def updated(jacobian: Array, move: Array, change: Array) -> Array:
+    """Give the derivative next to another that foretells what a move changes (Broyden 1965)."""
+    return np.asarray(jacobian + np.outer(change - jacobian @ move, move) / (move @ move))
+
+
+def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
+    """Give dP/dz by forward differences from P(z), at half the price and to half the digits."""
+    length = STEP * _size(z)
+    return np.column_stack([(section(z + length * along) - image) / length for along in np.eye(z.size)])
+
+
+def _gap(section: PeriodMap, z: Array) -> Array:
     """Give P(z) - z; endless where the motor does not run from there."""
     try:
         return section(z) - z
     # A rigid law refuses a start inside the rotor.
     except (BrokenOffError, ValueError):
         return np.full(z.size, np.inf)
+
+
+def _size(z: Array) -> float:
+    return float(np.linalg.norm(z)) or 1.0
