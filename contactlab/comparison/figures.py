@@ -100,7 +100,7 @@ def draw_contact(laws: Sequence[Refined]) -> Figure:
     figure, (above, below) = _figure(2, 1, 4.0, sharex=True)
     unit, scale = prefixed_unit(max(contact.duration for contact in found.values()), "s")
     for i, contact in found.items():
-        spike = f", peak {contact.peak:.4g} N off scale" if contact.peak > top > 0.0 else ""
+        spike = f", peak {contact.peak:.4g}\u00a0N off scale" if contact.peak > top > 0.0 else ""
         label = laws[i].run.label + spike
         above.plot(contact.time / scale, contact.forces[0], label=label, **_style(i))
         below.plot(contact.time / scale, contact.forces[1], **_style(i))
@@ -158,8 +158,8 @@ def draw_velocities(laws: Sequence[Refined]) -> Figure:
         apart = curves.smoothed(first, np.ptp(each, axis=0))
         if np.isfinite(apart).any():
             last.plot(*envelope(time / scale, apart), color="black", linewidth=1.4)
-            place, words = last.get_yaxis_transform(), "range of the laws"
-            last.text(1.0, apart[-1], words, transform=place, va="top", **NOTE)
+            end, place = (1.0, apart[-1]), last.get_yaxis_transform()
+            last.annotate("range of the laws", end, (-4, -6), place, "offset points", va="top", **NOTE)
         last.set(yscale="log", ylabel="numerical error (rad/s)")
     last.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")

@@ -154,6 +154,8 @@ def stops(mu: float = 0.2, velocity: float = 0.5, stiffness: float = 400.0) -> C
         slid = first(made, "duration") - first(made, "stick_duration")
         yield close(f"{words}: time until it stops", slid, stop, error, "s")
         yield close(f"{words}: way until it stops", gone[-1], far, error, "m")
+        slip = np.abs(made.series["slip_velocity"][after]).max()
+        yield at_most(f"{words}: slip after it", slip, 1e-15 * velocity, "m s-1")
         yield at_most(f"{words}: creep after it", crept, 1e-15 * far, "m")
 
         motor, words = (resting(height=height, way=start, stiffness=stiffness), f"oscillator, {law.name}")
