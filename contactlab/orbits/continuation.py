@@ -10,8 +10,8 @@ from typing import Final, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.steady.period_map import BrokenOffError, PeriodMap
-from contactlab.steady.shooting import CLOSED, Orbit, derivative_of, updated
+from contactlab.orbits.period_map import BrokenOffError, PeriodMap
+from contactlab.orbits.shooting import CLOSED, Orbit, derivative_of, updated
 
 MOST_CORRECTIONS: Final = 10
 """Of a predicted point, before a shorter step is tried."""

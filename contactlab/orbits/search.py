@@ -11,9 +11,9 @@ from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.simulation import setup_of
-from contactlab.steady.period_map import BrokenOffError, PeriodMap
-from contactlab.steady.shooting import NoOrbitError, Orbit, orbit_from
-from contactlab.steady.statistics import chaos_indicator, mean_with_error, repeats_after
+from contactlab.orbits.period_map import BrokenOffError, PeriodMap
+from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
+from contactlab.orbits.statistics import chaos_indicator, mean_with_error, repeats_after
 from contactlab.trajectory import Trajectory
 
 WARM_UP: Final = 30
@@ -93,7 +93,7 @@ def steady(
     """Find the steady state that a motor comes to from its start.
 
     The motor runs for some periods; then Newton's method looks for the periodic orbit next to where it is,
-    in `contactlab.steady.shooting`. An orbit counts if it is stable and the motor is on its way to it; if
+    in `contactlab.orbits.shooting`. An orbit counts if it is stable and the motor is on its way to it; if
     not, the motor runs on, for three times as long as before, and so on. A motor that has come to no orbit
     after the longest run has the means of that run's second half.
 

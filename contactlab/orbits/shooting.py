@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.steady.period_map import BrokenOffError, PeriodMap
+from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 
 STEP: Final = 1e-6
 """Of the differences, in parts of |z|."""
@@ -98,7 +98,7 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
         after = _gap(section, z + move)
         share = np.linalg.norm(after) / np.linalg.norm(left)
         if share < 1.0:
-            jacobian = updated(jacobian, move, after - left + move)
+            jacobian = updated(jacobian, move, np.asarray(after - left + move))
             z, left, fresh = z + move, after, False
             radius = max(radius, 2.0 * float(np.linalg.norm(move)))
         if share > WORTH and not fresh:
