@@ -10,10 +10,10 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.simulation import setup_of
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.orbits.statistics import chaos_indicator, mean_with_error, repeats_after
+from contactlab.simulation import setup_of
 from contactlab.trajectory import Trajectory
 
 WARM_UP: Final = 30
