@@ -1,7 +1,7 @@
-"""Rotor velocity over phase and frequency of the drive, compliant and rigid: where the laws agree.
+"""Settled rotor velocity over phase and frequency of the drive, compliant and rigid: where the laws agree.
 
-Every cell is a run from rest that is long against the time in which the rotor gets up to speed. The two
-laws share motor and friction; where they differ, what the impact does decides what the motor does.
+Every cell is the steady state that a motor comes to from rest. The two laws share motor and friction; where
+they differ, what the impact does decides what the motor does.
 """
 
 import sys
@@ -10,7 +10,7 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main, quantity, swept
+from harness import laws_of, main, quantity, settled
 from matplotlib.figure import Figure
 
 import contactlab as cl
@@ -29,7 +29,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """The map for both laws; the short form is three by two cells."""
     drive = setup.configuration["drive"]
     frequency = drive["frequency"] * np.linspace(0.95, 1.02, 2 if short else 15)
-    found = swept(
+    found = settled(
         setup,
         {
             "frequency": quantity(frequency, "Hz"),
@@ -38,9 +38,11 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         motor=lambda **tone: replace(setup.motor, drive=cl.Drive.two_mode(**{**drive, **tone})),
         laws={name: laws_of(setup)[name] for name in LAWS},
         rigid_step=STICK_STEP,
-        metrics=("final_rotor_velocity", "contact_count"),
+        metrics=("contact_count",),
     )
-    return found.rename(final_rotor_velocity="rotor_velocity", contact_count="contacts")
+    for name, units in (("rotor_velocity", "rad s-1"), ("error", "rad s-1"), ("periods", "1")):
+        found[name].attrs["units"] = units
+    return found
 
 
 def table(data: xarray.Dataset) -> list[dict[str, object]]:

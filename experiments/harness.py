@@ -11,10 +11,12 @@ An experiment is a module with
 and `conf/experiment/NAME.yaml`, its difference from the default configuration.
 """
 
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
@@ -30,6 +32,8 @@ from tqdm import tqdm
 
 import contactlab as cl
 from contactlab.config.nesting import flat, nested
+from contactlab.metrics import Run, assess
+from contactlab.orbits import BrokenOffError
 from contactlab.plot.style import STYLE
 from contactlab.results.provenance import versions
 from contactlab.sweeps import Status
@@ -156,6 +160,63 @@ def swept(
     if "time" in every:
         every.time.attrs["units"] = "s"
     return every
+
+
+def settled(
+    setup: cl.Setup,
+    over: Mapping[str, xarray.DataArray],
+    *,
+    motor: Callable[..., cl.Motor] | None = None,
+    laws: Mapping[str, cl.ContactLaw | Callable[..., cl.ContactLaw]] | None = None,
+    rigid_step: float | None = None,
+    metrics: Sequence[str] = (),
+) -> xarray.Dataset:
+    """The steady states of motors over values, under every law, which is the first dimension.
+
+    Gives the mean `rotor_velocity`, its `error` where a motor has no periodic motion, the `periods` of the
+    drive after which the motion repeats itself (0 for never), the `settling_time` in which small deviations
+    fall by e, and metrics of the settled motion. What breaks off has NaN, and its reason is printed.
+
+    Args:
+        over, motor, laws, rigid_step: as of `swept`; functions get all values by name.
+        metrics: keys of `contactlab.metrics.METRICS`.
+    """
+    laws = laws or laws_of(setup)
+    shape = (len(laws), *(each.size for each in over.values()))
+    cells = []
+    for name, law in laws.items():
+        for values in product(*(each.values.tolist() for each in over.values())):
+            named = dict(zip(over, values, strict=True))
+            moved = motor(**named) if motor else setup.motor
+            step = rigid_step if name in RIGID else None
+            cells.append((moved, law if isinstance(law, cl.ContactLaw) else law(**named), step, metrics))
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        found = list(
+            tqdm(pool.map(_settled, cells, chunksize=8), total=len(cells), unit=" motors", disable=None)
+        )
+    for reason in sorted({reason for _, reason in found} - {""}):
+        print(reason, file=sys.stderr)
+    columns = pandas.DataFrame([numbers for numbers, _ in found])
+    dims = ("law", *over)
+    return xarray.Dataset(
+        {name: (dims, column.to_numpy().reshape(shape)) for name, column in columns.items()},
+        coords={"law": [*laws], **{name: (name, each.values, each.attrs) for name, each in over.items()}},
+    )
+
+
+def _settled(
+    cell: tuple[cl.Motor, cl.ContactLaw, float | None, Sequence[str]],
+) -> tuple[dict[str, float], str]:
+    """The numbers of one steady state, and why there are none."""
+    motor, law, step, metrics = cell
+    names = ("rotor_velocity", "error", "periods", "settling_time")
+    try:
+        state = cl.steady(motor, law, contact_step=step)
+    except BrokenOffError as error:
+        return dict.fromkeys((*names, *metrics), np.nan), f"{law.name}: {error}"
+    time = state.orbit.settling_time if state.orbit else np.nan
+    found = assess(Run.of_trajectory(state.motion, {}), metrics) if metrics else {}
+    return dict(zip(names, (*state.velocity, state.periods, time), strict=True)) | found, ""
 
 
 def in_chunks(
