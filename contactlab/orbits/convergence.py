@@ -1,7 +1,7 @@
 """What steps and tolerance of the solver do to a steady state: the same one at finer steps, and the rest."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, final
 
 from contactlab.config import Setup
@@ -55,7 +55,9 @@ class Converged:
 
 
 def converged(setup: Setup, **arguments: Any) -> Converged:
-    """Find a steady state at three steps: of a rigid law h, h/2, h/4; of a compliant one tolerance, /10, /100.
+    """Find a steady state at three steps, each from the one before it.
+
+    A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
 
     Args:
         setup: as of `steady`; its contact step or tolerance is the coarsest.
@@ -66,5 +68,9 @@ def converged(setup: Setup, **arguments: Any) -> Converged:
     """
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
     values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in FINER[control])
-    steps = tuple(steady(replace(setup, **{control: value}), **arguments) for value in values)
-    return Converged(control, values, steps)
+    steps: list[Steady] = []
+    for value in values:
+        finer: dict[str, Any] = arguments | {control: value}
+        steps.append(steady(setup, **finer))
+        arguments["start"] = steps[-1]
+    return Converged(control, values, tuple(steps))
