@@ -61,14 +61,24 @@ class Steady:
         """Period of the drive [s]."""
         return period_of(self.setup.motor.drive)
 
+    @property
+    def closure(self) -> float:
+        """Distance of the orbit that was found from the closed one, |P(z) - z| / (1 - |lambda|) over |z| [1]."""
+        if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
+            return 0.0
+        gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
+        return gap / size / max(1.0 - abs(self.orbit.multipliers[0]), np.finfo(float).eps)
+
     def mean(self, rates: Array) -> tuple[float, float]:
         """Give the mean of rates over the record intervals of the motion, and its error.
 
-        One closed orbit has no error but that of its steps, see `contactlab.orbits.converged`. A motion that
-        was run until it repeated itself has the range of its rates, another one its statistical error.
+        That of an orbit is what its closure leaves; a motion that was run until it repeated itself has the
+        range of its rates, another one its statistical error. What steps and tolerance do comes on top, see
+        `contactlab.orbits.converged`.
         """
         if self.orbit is not None or rates.size == 1:
-            return float(rates.mean()), 0.0
+            mean = float(rates.mean())
+            return mean, self.closure * abs(mean)
         if self.periods:
             cycles = rates[rates.size % self.periods :].reshape(-1, self.periods).mean(axis=1)
             return float(cycles[-1]), float(np.ptp(cycles))
@@ -102,7 +112,9 @@ class Steady:
     def torque(self) -> tuple[float, float]:
         """Mean torque of the contact on the rotor, -R F, and its error [N m]."""
         radius = self.setup.motor.geometry.rotor_radius
-        return self.mean(-radius * self.motion.series["friction_force"][1:])
+        mean, error = self.mean(-radius * self.motion.series["friction_force"][1:])
+        # Forward and backward parts may cancel; each of them has its error.
+        return mean, max(error, self.closure * radius * self.average("normal_force")[0])
 
     @property
     def impulse(self) -> tuple[float, float]:
