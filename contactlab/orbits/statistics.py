@@ -7,8 +7,8 @@ from scipy.stats import t as student
 
 from contactlab.arrays import Array
 
-BATCHES: Final = 16
-"""Of consecutive values; their means are all but independent where each outlasts the memory of the motion."""
+WINDOW: Final = 5.0
+"""Times the correlation time over which correlations are summed."""
 
 CONFIDENCE: Final = 0.95
 
@@ -20,13 +20,38 @@ ANGLES: Final = 100
 
 
 def mean_with_error(values: Array) -> tuple[float, float]:
-    """Give the mean of a stationary sequence and half the width of its 95 % interval, by batch means.
+    """Give the mean of a stationary sequence and half the width of its 95 % interval.
 
-    Source: Law, Simulation Modeling and Analysis (2015), sec. 9.5.3.
+    Values that follow each other are alike for some time; as many count as one as their correlations sum
+    up to, 1 + 2 sum rho_k, over a window of five times that sum.
+
+    Source: Sokal, in Functional Integration (1997) 131, sec. 3.
     """
-    batches = values[values.size % BATCHES :].reshape(BATCHES, -1).mean(axis=1)
-    width = student.ppf(0.5 + 0.5 * CONFIDENCE, BATCHES - 1) * batches.std(ddof=1) / np.sqrt(BATCHES)
-    return float(batches.mean()), float(width)
+    mean = float(values.mean())
+    rest = values - mean
+    variance = float(rest @ rest) / values.size
+    if variance <= (np.finfo(float).eps * mean) ** 2:
+        return mean, 0.0
+    # Padded, so that the end does not meet the start.
+    power = np.abs(np.fft.rfft(rest, 2 * values.size)) ** 2
+    correlation = np.fft.irfft(power)[: values.size] / (values.size * variance)
+    sums = 2.0 * np.cumsum(correlation) - 1.0
+    outside = np.arange(values.size) >= WINDOW * sums
+    # What swings about its mean is taken for independent, which is to the safe side.
+    alike = max(float(sums[outside.argmax() if outside.any() else -1]), 1.0)
+    independent = values.size / alike
+    quantile = student.ppf(0.5 + 0.5 * CONFIDENCE, max(independent - 1.0, 1.0))
+    return mean, float(quantile * np.sqrt(variance / independent))
+
+
+def trend(values: Array) -> tuple[float, float]:
+    """Give the change of a sequence along its line of regression, and the error of that change.
+
+    A mean over n values that spreads by s makes a slope that spreads by sqrt(12) s over the sequence.
+    """
+    place = np.linspace(-0.5, 0.5, values.size)
+    change = float(place @ values / (place @ place))
+    return change, float(np.sqrt(12.0) * mean_with_error(values - change * place)[1])
 
 
 def repeats_after(states: Array, tolerance: float) -> int:

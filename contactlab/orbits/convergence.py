@@ -1,0 +1,82 @@
+"""What steps and tolerance of the solver do to a steady state: the same one at finer steps, and the rest."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from contactlab.config import Setup
+from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.laws.base import MultiplierLaw
+from contactlab.metrics.convergence import FINER, richardson
+from contactlab.orbits.search import Steady, steady
+
+
+@final
+@dataclass(frozen=True)
+class Converged:
+    """A steady state at finer and finer steps.
+
+    Args:
+        control: what is refined, 'contact_step' of a rigid law or 'tolerance' of a compliant one.
+        values: of it, coarsest first.
+        steps: the steady states, in the same order.
+    """
+
+    control: str
+    values: tuple[float, ...]
+    steps: tuple[Steady, ...]
+
+    @property
+    def best(self) -> Steady:
+        """The steady state at the finest step."""
+        return self.steps[-1]
+
+    def value(self, of: Callable[[Steady], tuple[float, float]]) -> tuple[float, float]:
+        """Give a number at the finest step and its error, of discretisation and statistics together.
+
+        Args:
+            of: gives number and statistical error of a steady state, as `lambda each: each.velocity`.
+        """
+        numbers, statistical = np.transpose([of(each) for each in self.steps])
+        left = float(np.ptp(numbers))
+        # What statistics blur has no order to be seen, and a single step none at all.
+        if numbers.size > 2 and left > statistical.max():
+            order = self.best.setup.law.convergence_order
+            left = float(richardson(numbers, self.values[0] / self.values[1], order))
+        return float(numbers[-1]), left + float(statistical[-1])
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Mean rotor velocity and its error [rad/s]."""
+        return self.value(lambda each: each.velocity)
+
+    @property
+    def torque(self) -> tuple[float, float]:
+        """Mean torque of the contact on the rotor and its error [N m]."""
+        return self.value(lambda each: each.torque)
+
+
+def converged(setup: Setup, *, refine: bool = True, **arguments: Any) -> Converged:
+    """Find a steady state at three steps, each from the one before it.
+
+    A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
+
+    Args:
+        setup: as of `steady`; its contact step or tolerance is the coarsest.
+        refine: False takes that alone, and then nothing tells the error of it.
+        arguments: further ones of `steady`.
+
+    Raises:
+        What `steady` raises.
+    """
+    control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
+    divisors = FINER[control] if refine else (1.0,)
+    values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in divisors)
+    steps: list[Steady] = []
+    for value in values:
+        finer: dict[str, Any] = arguments | {control: value}
+        steps.append(steady(setup, **finer))
+        arguments["start"] = steps[-1]
+    return Converged(control, values, tuple(steps))
