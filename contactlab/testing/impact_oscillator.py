@@ -8,6 +8,7 @@ Source: Shaw and Holmes, J. Sound Vib. 90 (1983) 129; Guckenheimer and Holmes, N
 sec. 2.4; Nordmark, J. Sound Vib. 145 (1991) 279.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -97,7 +98,8 @@ class ImpactOscillator:
         """
         if self.stiffness == 0.0:
             return self._bounces()
-        w = np.linalg.solve(self.flow - np.eye(2), (np.eye(2) + self.restitution * self.flow)[:, 1])
+        after = (np.eye(2) + self.restitution * self.flow)[:, 1]
+        w = np.asarray(np.linalg.solve(self.flow - np.eye(2), after), dtype=np.float64)
         # From the place of rest under the weight.
         stop = self.stop - self.weight / self.stiffness
         a = w[0] ** 2 + (w[1] / self.frequency) ** 2
@@ -170,6 +172,6 @@ class Impact:
         return float(1.0 + np.trace(self.jacobian) + np.linalg.det(self.jacobian))
 
 
-def doubling_between(oscillator_at, low: float, high: float) -> float:  # type: ignore[no-untyped-def]
+def doubling_between(oscillator_at: Callable[[float], ImpactOscillator], low: float, high: float) -> float:
     """Give the parameter at which the period of the faster impact doubles, between two values."""
     return float(brentq(lambda value: oscillator_at(value).impacts()[0].doubling, low, high, xtol=1e-14))
