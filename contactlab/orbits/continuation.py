@@ -1,20 +1,23 @@
 """Branches of periodic orbits over a parameter, through folds, by pseudo-arclength continuation.
 
-Source: Seydel, Practical Bifurcation and Stability Analysis (2010), ch. 4.
+On a branch a multiplier may pass through the unit circle: at +1 it folds or meets another branch, at -1 the
+period doubles, as a pair a torus begins. What no multiplier foretells is a grazing, where a contact appears
+or goes: there the period map is not smooth, and for a rigid law the branch ends.
+
+Source: Seydel, Practical Bifurcation and Stability Analysis (2010), ch. 4 and 7; di Bernardo et al.,
+Piecewise-smooth Dynamical Systems (2008), ch. 6 and 7.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.shooting import CLOSED, Orbit, derivative_of, updated
-
-MOST_CORRECTIONS: Final = 10
-"""Of a predicted point, before a shorter step is tried."""
+from contactlab.orbits.bifurcations import SMOOTH, end_of, events_between, without_speed
+from contactlab.orbits.curve import BranchPoint, Curve, MapAt, Place, corrected, place_at
+from contactlab.orbits.shooting import CLOSED, Orbit
 
 EASY: Final = 4
 """Corrections at most after which the next step may be longer."""
@@ -22,81 +25,129 @@ EASY: Final = 4
 LONGER: Final = 1.5
 
 SHORTEST: Final = 1e-4
-"""Step over the first one, below which a branch is taken to end: where a contact begins to graze, no orbit
-goes on smoothly."""
+"""Step over the first one, below which a branch is taken to end."""
+
+CLOSELY: Final = 1e-2
+"""Step over the first one, with which a grazing or a sharp turn is passed."""
+
+LEAST_COSINE: Final = 0.9
+"""Of the angle between the tangents of places that follow each other."""
+
+NEAR: Final = 1e-2
+"""Share of the range within which a grazing is foretold."""
+
+NEAREST: Final = 0.02
+"""Part of a period between a contact and the section, below which another section is chosen."""
+
+MOST_POINTS: Final = 1000
 
 
 @final
 @dataclass(frozen=True)
-class BranchPoint:
-    """An orbit of a branch, and the value of the parameter there."""
+class Followed:
+    """The points of a branch in their order, and a sentence on how it ends."""
 
-    value: float
-    orbit: Orbit
+    points: tuple[BranchPoint, ...]
+    end: str
 
 
-def branch(
-    map_at: Callable[[float], PeriodMap], first: Orbit, value: float, end: float, step: float = 0.02
-) -> Iterator[BranchPoint]:
+def follow(
+    map_at: MapAt, first: Orbit, value: float, end: float, step: float = 0.02, most: int = MOST_POINTS
+) -> Followed:
     """Follow a branch of periodic orbits from one of them, until the parameter leaves its range.
 
     Unknown are y = (z / |z_0|, (parameter - value) / (end - value)); the branch is a curve of
-    P(z; parameter) = z, followed along its tangent in steps of its length, so that it may turn back.
+    P(z; parameter) = z, followed along its tangent in steps of its length, so that it may turn back. Its
+    points are those of the steps and the events between them, each located by bracketing.
 
     Args:
-        map_at: gives the period map of a value of the parameter.
+        map_at: gives the period map of a value of the parameter; section and periods are those of `first`.
         first, value: where the branch begins.
         end: of the parameter's range, which begins at `value`.
-        step: length of the first step; a fiftieth of range and state by default.
-
-    Yields:
-        The orbits, stable or not, the first one included.
+        step: length of the first step; a fiftieth of range and state by default. The longest is four times
+            that.
+        most: points after which it is left as it is.
     """
-    size, span = float(np.linalg.norm(first.state)), end - value
-
-    def gap_of(y: Array) -> Array:
-        z = y[:-1] * size
+    start = Curve(map_at, first.map.phase, first.map.periods, float(np.linalg.norm(first.state)), value, end)
+    walk = _walk(start, np.append(first.state / start.size, 0.0), step)
+    points: list[BranchPoint] = []
+    while len(points) < most:
         try:
-            return (map_at(float(value + span * y[-1]))(z) - z) / size
-        # A rigid law refuses a start inside the rotor.
-        except (BrokenOffError, ValueError):
-            return np.full(z.size, np.inf)
+            points.append(next(walk))
+        except StopIteration as stop:
+            return Followed(tuple(points), str(stop.value) + _where_it_grazes(points, end - value))
+    return Followed(tuple(points), f"It is left as it is after {most} points; more of them or longer steps.")
 
-    y = np.append(first.state / size, 0.0)
-    orbit, tangent, longest = first, np.append(np.zeros(first.state.size), 1.0), 4.0 * step
-    least = SHORTEST * step
-    yield BranchPoint(value, first)
+
+def _where_it_grazes(points: Sequence[BranchPoint], span: float) -> str:
+    """Say where a contact of a branch that ends where the map is not smooth would be without speed."""
+    at = without_speed(points) if points[-1].orbit.roughness > SMOOTH else np.nan
+    if not abs(at - points[-1].value) < NEAR * abs(span):
+        return ""
+    return f" That contact would be without speed at {at:.7g}: it grazes."
+
+
+def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, str]:
+    """Give the points one after another, and in the end the sentence why there are no more."""
+    place = place_at(curve, y, np.eye(y.size)[-1])
+    step, longest, least = first, 4.0 * first, SHORTEST * first
+    yield place.point
     while True:
-        along = derivative_of(gap_of, y, np.eye(y.size)[-1])
-        jacobian = np.column_stack([orbit.jacobian - np.eye(y.size - 1), along])
-        # What no row of the derivative sees, on the way that led here.
-        ahead = np.linalg.svd(jacobian)[2][-1]
-        tangent = ahead if ahead @ tangent >= 0.0 else -ahead
-        while (found := _corrected(gap_of, jacobian, tangent, y + step * tangent, step)) is None:
-            step *= 0.5
+        last = _resectioned(place)
+        over = 1.0 if last.tangent[-1] > 0.0 else 0.0
+        while True:
+            to_edge = (over - last.y[-1]) / last.tangent[-1] if last.tangent[-1] else np.inf
+            at_edge = to_edge <= step
+            found = _at_edge(last, over, to_edge) if at_edge else last.ahead(step)
+            if found is not None:
+                place = place_at(last.curve, found[0], last.tangent)
+                if _is_near(last, place) or min(step, to_edge) < CLOSELY * first:
+                    break
+            step = 0.5 * min(step, to_edge)
             if step < least:
-                return
-        y, count = found
-        at = float(value + span * y[-1])
-        orbit = Orbit.at(map_at(at), y[:-1] * size)
-        yield BranchPoint(at, orbit)
-        if not 0.0 <= y[-1] <= 1.0:
-            return
-        step = min(LONGER * step, longest) if count <= EASY else step
+                return end_of(last, least)
+        yield from events_between(last, place)
+        yield place.point
+        if at_edge:
+            return f"It ends where the range of the parameter does, at {place.point.value:.9g}."
+        if not place.point.contacts and last.point.contacts and place.point.orbit.map.belt is None:
+            return (
+                f"It ends at {place.point.value:.9g} in a grazing: the last contact goes, and a rotor that "
+                "nothing touches keeps any velocity."
+            )
+        if step < CLOSELY * first and place.point.orbit.roughness > SMOOTH:
+            return end_of(place, least)
+        step = min(LONGER * step, longest) if found[1] <= EASY else step
 
 
-def _corrected(
-    gap_of: Callable[[Array], Array], jacobian: Array, tangent: Array, guess: Array, reach: float
-) -> tuple[Array, int] | None:
-    """Bring a predicted point onto the branch, across the tangent; give it and the corrections it took."""
-    y, left = guess, gap_of(guess)
-    for count in range(MOST_CORRECTIONS):
-        if not np.all(np.isfinite(left)) or np.linalg.norm(y - guess) > reach:
-            return None
-        if np.linalg.norm(left) <= CLOSED:
-            return y, count
-        move = -np.linalg.solve(np.vstack([jacobian, tangent]), np.append(left, tangent @ (y - guess)))
-        y, before = y + move, left
-        left = gap_of(y)
-        jacobian = updated(jacobian, move, left - before)
-    return None
+def _is_near(last: Place, place: Place) -> bool:
+    """Tell whether two places follow each other without a contact or a sharp turn between."""
+    return last.point.contacts == place.point.contacts and bool(last.tangent @ place.tangent > LEAST_COSINE)
+
+
+def _at_edge(place: Place, over: float, length: float) -> tuple[Array, int] | None:
+    """Correct a point at the edge of the range, where the parameter is held."""
+    guess = place.y + length * place.tangent
+    guess[-1] = over
+    edge = np.eye(guess.size)[-1]
+    return corrected(place.curve.gap, place.derivative, edge, guess, max(length, CLOSED))
+
+
+def _resectioned(place: Place) -> Place:
+    """Give the same point at a section in the middle of the longest flight, where a contact came near."""
+    run, curve = place.point.run, place.curve
+    begins = run.contacts["start_time"]
+    if not begins.size:
+        return place
+    ends = begins + run.contacts["duration"]
+    if min(begins[0], run.duration - ends[-1]) >= NEAREST * run.duration:
+        return place
+    flights = np.append(begins[1:], begins[0] + run.duration) - ends
+    longest = int(flights.argmax())
+    later = (ends[longest] + 0.5 * flights[longest]) / run.duration * curve.periods
+    other = replace(curve, phase=(curve.phase + later) % 1.0)
+    # Where the tangent points, at the other section.
+    reach = np.sqrt(CLOSED)
+    y, beyond = (curve.moved(at, other.phase) for at in (place.y, place.y + reach * place.tangent))
+    moved = place_at(other, y, beyond - y)
+    return replace(moved, point=replace(moved.point, mark=place.point.mark))
