@@ -12,7 +12,7 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
-from contactlab.orbits.statistics import chaos_indicator, mean_with_error, repeats_after
+from contactlab.settling.statistics import chaos_indicator, mean_with_error, repeats_after
 from contactlab.simulation import setup_of
 from contactlab.trajectory import Trajectory
 
