@@ -1,9 +1,10 @@
 """Harmonic electrode voltages as phasors: U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t)."""
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from math import pi
-from typing import Annotated, final
+from typing import Annotated, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,12 @@ _scale = partial(Parameter, at_least=1e-9, at_most=1e9)
 # Beyond it, a double has fewer than ten digits of the angle within a turn.
 _PHASE = Parameter("phi", "rad", "phase of the first tone", at_least=-1e6, at_most=1e6)
 _FIRST = _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency.")
+
+MOST_PERIODS: Final = 100
+"""Periods of the first tone after which a drive must repeat itself."""
+
+SAME: Final = 1e-9
+"""Relative distance from a ratio of whole numbers that counts as none."""
 
 
 @final
@@ -83,3 +90,34 @@ class Drive:
         """Give the voltages of both electrodes [V], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
         return np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
+
+
+class NoPeriodError(ValueError):
+    """The drive does not repeat itself; the message is a sentence."""
+
+
+def period_of(drive: Drive) -> float:
+    """Give the time after which all tones of a drive repeat themselves [s]; silent ones count if all are.
+
+    Raises:
+        NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.
+    """
+    if not drive.frequency.size:
+        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
+    heard = np.any(drive.phasors != 0.0, axis=0)
+    frequency = drive.frequency[heard] if heard.any() else drive.frequency
+    ratios = frequency / frequency[0]
+    count = 1
+    for ratio in ratios.tolist():
+        near = Fraction(ratio).limit_denominator(MOST_PERIODS)
+        if abs(ratio - near) <= SAME * ratio:
+            count = int(np.lcm(count, near.denominator))
+        else:
+            count = MOST_PERIODS + 1
+    if count > MOST_PERIODS:
+        raise NoPeriodError(
+            f"The tones at {', '.join(f'{f:.9g}' for f in frequency)} Hz do not repeat themselves "
+            f"within {MOST_PERIODS} periods of the first; a steady state needs a drive that does. Choose a "
+            "frequency_ratio of small whole numbers; the paper takes 2."
+        )
+    return count / float(frequency[0])

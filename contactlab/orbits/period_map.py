@@ -1,7 +1,6 @@
 """The period map: where the state of a motor is one period of its drive later."""
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from typing import Final, final
 
@@ -11,49 +10,15 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.motor import Drive, ModalState, Motor
+from contactlab.motor.drive import NoPeriodError as NoPeriodError, period_of as period_of
 from contactlab.trajectory import Ending, Trajectory
-
-MOST_PERIODS: Final = 100
-"""Periods of the first tone after which a drive must repeat itself."""
-
-SAME: Final = 1e-9
-"""Relative distance from a ratio of whole numbers that counts as none."""
 
 BELT: Final = 1e9
 """Inertia of a rotor that nothing turns [kg m2]; a second of 1 N m changes its velocity by 1 nrad/s."""
 
 
-class NoPeriodError(ValueError):
-    """The drive does not repeat itself; the message is a sentence."""
-
-
 class BrokenOffError(RuntimeError):
     """A run did not reach its end; the message is its own."""
-
-
-def period_of(drive: Drive) -> float:
-    """Give the time after which all tones of a drive repeat themselves [s].
-
-    Raises:
-        NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.
-    """
-    if not drive.frequency.size:
-        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
-    ratios = drive.frequency / drive.frequency[0]
-    count = 1
-    for ratio in ratios.tolist():
-        near = Fraction(ratio).limit_denominator(MOST_PERIODS)
-        if abs(ratio - near) <= SAME * ratio:
-            count = int(np.lcm(count, near.denominator))
-        else:
-            count = MOST_PERIODS + 1
-    if count > MOST_PERIODS:
-        raise NoPeriodError(
-            f"The tones at {', '.join(f'{f:.9g}' for f in drive.frequency)} Hz do not repeat themselves "
-            f"within {MOST_PERIODS} periods of the first; a steady state needs a drive that does. Choose a "
-            "frequency_ratio of small whole numbers; the paper takes 2."
-        )
-    return count / float(drive.frequency[0])
 
 
 @final

@@ -13,8 +13,8 @@ from contactlab.laws import PenaltyLaw
 from contactlab.motor import ModalState, NormalModes
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap, period_of
 from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
-from contactlab.orbits.statistics import chaos_indicator, repeats_after, trend
 from contactlab.orbits.steady_state import Steady
+from contactlab.settling.statistics import chaos_indicator, repeats_after, trend
 from contactlab.trajectory import Ending, Trajectory
 
 FORGOTTEN: Final = 1e-3

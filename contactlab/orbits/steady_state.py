@@ -10,7 +10,7 @@ from contactlab.config import Setup
 from contactlab.motor import ModalState
 from contactlab.orbits.period_map import PeriodMap, period_of
 from contactlab.orbits.shooting import Orbit
-from contactlab.orbits.statistics import mean_with_error
+from contactlab.settling.statistics import mean_with_error
 from contactlab.trajectory import Trajectory
 
 CUMULATIVE: Final = (
