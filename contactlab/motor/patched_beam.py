@@ -57,7 +57,12 @@ _POISSON = Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
 _STRAIN_RATIO = Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam")
 _PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
 _LOSS_TANGENT = Parameter(
-    "tan delta", "1", "dielectric loss tangent", at_least=0.0, at_most=1.0, hint="0 is a dielectric without loss."
+    "tan delta",
+    "1",
+    "dielectric loss tangent",
+    at_least=0.0,
+    at_most=1.0,
+    hint="0 is a dielectric without loss.",
 )
 
 
