@@ -21,13 +21,11 @@ def main(arguments: list[str]) -> int:
         "characterise",
         ". The sheet is in the motor's own sense of rotation, of which it says whether it is positive in the "
         "model: a load that brakes has a positive torque there, one that drives the motor a negative one. "
-        "rotor.load_torque is positive against positive rotation of the model, so that it brakes a motor that "
+        "rotor.load_torque is positive against positive rotation of the model: it brakes a motor that "
         "turns in the positive sense and drives one that turns in the negative.",
     )
     parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="the motor, as for a run")
-    parser.add_argument(
-        "--law", metavar="A,B,C", help="laws that share the sheet; default: that of the motor"
-    )
+    parser.add_argument("--law", metavar="A,B,C", help="laws that share the sheet; default: the motor's own")
     parser.add_argument(
         "--output",
         type=Path,

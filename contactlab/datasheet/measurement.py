@@ -17,6 +17,9 @@ Number = tuple[float, float]
 
 UNKNOWN: Final = (np.nan, np.nan)
 
+CLOSURE: Final = 1e-8
+"""Relative error of a mean over an orbit: it closes to 1e-10 and remembers for a hundred periods at most."""
+
 
 @final
 @dataclass(frozen=True)
@@ -38,18 +41,22 @@ class Measurement:
     def numbers(self) -> dict[str, Number]:
         """Give every quantity of `quantities.POINT`, velocity and torque in the model's sense."""
         speed, torque, output = self._shaft()
-        drive, friction, contact = (
-            self._rate(f"{n}") for n in ("drive_work", "friction_loss", "contact_loss")
-        )
+        drive, friction, contact = map(self._rate, ("drive_work", "friction_loss", "contact_loss"))
         damping = self._rate("damping_loss")
         if self.section.belt is not None:
             damping = damping[0] + self._rotor_damping * speed[0] ** 2, damping[1]
         slip = np.abs(self.run.series["slip_velocity"][1:]) * (self.run.contact_mode[1:] != 0)
+        velocities = self.run.series["rotor_velocity"]
+        ripple = float(np.ptp(velocities)) if self.section.belt is None else 0.0
         share, stick = (self._mean(self._summed(n) / self._period) for n in ("duration", "stick_duration"))
         spent = output[0] + damping[0] + friction[0] + contact[0] + self._stored
-        travel = self.run.motor.geometry.rotor_radius * abs(speed[0])
+        radius = self.run.motor.geometry.rotor_radius
         return {
             "velocity": speed,
+            "velocity_ripple": (
+                ripple,
+                0.5 * abs(ripple - float(np.ptp(velocities[::2])) if ripple else 0.0),
+            ),
             "torque": torque,
             "output_power": output,
             "drive_power": drive,
@@ -61,8 +68,8 @@ class Measurement:
             "peak_force": self._peak,
             "contact_share": share,
             "stick_share": ratio(stick, share),
-            "friction_per_slip": ratio(friction, self._sampled(slip)),
-            "friction_per_travel": ratio(friction, (travel, travel * ratio(speed, (abs(speed[0]), 0.0))[1])),
+            "friction_work_per_slip": ratio(friction, self._sampled(slip)),
+            "friction_work_per_travel": ratio(friction, (radius * abs(speed[0]), radius * speed[1])),
         }
 
     @property
@@ -79,7 +86,9 @@ class Measurement:
 
     def _mean(self, values: Array) -> Number:
         """Give the mean of a value a period."""
-        return (float(values.mean()), 0.0) if self.closed else mean_with_error(values)
+        if self.closed:
+            return float(values.mean()), CLOSURE * float(np.abs(values).mean())
+        return mean_with_error(values)
 
     def _rate(self, name: str) -> Number:
         """Give the mean rate at which a series grows."""
@@ -95,14 +104,15 @@ class Measurement:
         """Sum a column of the contacts over every period, shape (period,)."""
         contacts, count = self.run.contacts, self._count
         when = (contacts["start_time"] / self._period).astype(int)
-        return np.bincount(np.minimum(when, count - 1), contacts[name], count)
+        return np.bincount(np.minimum(when, count - 1), contacts[name], count).astype(float)
 
     def _shaft(self) -> tuple[Number, Number, Number]:
         """Give velocity, torque less that of the rotor's damping, and power to the load."""
         belt = self.section.belt
         speed, error = (belt, 0.0) if belt is not None else self._rate("rotor_angle")
-        friction = self.run.series["friction_force"][1:].reshape(self._count, -1).mean(axis=1)
-        push, push_error = self._mean(-self.run.motor.geometry.rotor_radius * friction)
+        friction = self.run.series["friction_force"][1:]
+        pushes = -self.run.motor.geometry.rotor_radius * friction
+        push, push_error = self._mean(pushes if self.closed else pushes.reshape(self._count, -1).mean(axis=1))
         torque = push - self._rotor_damping * speed, push_error + self._rotor_damping * error
         output = torque[0] * speed, torque[1] * abs(speed)
         return (speed, error), torque, self._rate("load_work") if belt is None else output
@@ -131,8 +141,8 @@ class Measurement:
             "active_power": active,
             "apparent_power": (apparent[0], apparent[1]),
             "power_factor": ratio(active, (apparent[0], apparent[1])),
-            "voltage": (float(np.sqrt(np.mean(np.square(volts)))), 0.0),
-            "current": _root((0.5 * sum(s for s, _ in squares), 0.5 * sum(e for _, e in squares))),
+            "rms_voltage": (float(np.sqrt(np.mean(np.square(volts)))), 0.0),
+            "rms_current": _root((0.5 * sum(s for s, _ in squares), 0.5 * sum(e for _, e in squares))),
             "mechanical_efficiency": ratio(useful, drive),
             "electrical_efficiency": ratio(useful, active),
         }

@@ -73,9 +73,11 @@ class Point:
 
 def ladder(setup: Setup) -> tuple[tuple[Setup, ...], float]:
     """Give a setup at its own and at two finer steps, and the factor between them."""
-    control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
-    coarse, divisors = getattr(setup, control) or DEFAULT_TOLERANCE, FINER[control]
-    return tuple(replace(setup, **{control: coarse / d}) for d in divisors), divisors[1]
+    if isinstance(setup.law, MultiplierLaw):
+        divisors = FINER["contact_step"]
+        return tuple(replace(setup, contact_step=setup.contact_step / d) for d in divisors), divisors[1]
+    divisors, tolerance = FINER["tolerance"], setup.tolerance or DEFAULT_TOLERANCE
+    return tuple(replace(setup, tolerance=tolerance / d) for d in divisors), divisors[1]
 
 
 def operate(setup: Setup, belt: float | None = None) -> Point:
@@ -123,15 +125,14 @@ def _at(found: Steady, steps: tuple[Setup, ...]) -> list[Measurement]:
 
 def _closed(section: PeriodMap, z: Array, jacobian: Array) -> Array | None:
     """Close the orbit of a coarser step at a finer one; None where there is none that is stable."""
-    near = z
+    near, left = z, section(z) - z
     for _ in range(CORRECTIONS):
-        left = section(near) - near
         if np.linalg.norm(left) <= CLOSED * np.linalg.norm(z):
             return near
-        if near is not z:
-            jacobian = updated(jacobian, move, left - before + move)
-        move, before = np.linalg.solve(np.eye(z.size) - jacobian, left), left
+        move, before = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left)), left
         near = near + move
+        left = section(near) - near
+        jacobian = updated(jacobian, move, left - before + move)
     try:
         orbit = orbit_from(section, z)
     except NoOrbitError:
@@ -141,9 +142,9 @@ def _closed(section: PeriodMap, z: Array, jacobian: Array) -> Array | None:
 
 def _converged(levels: list[Number], factor: float, order: float) -> Number:
     """Give the finest of three numbers with its error; an infinite one where they grow without bound."""
-    values = np.array([value for value, _ in levels])
+    values = [value for value, _ in levels]
     value, error = levels[-1]
-    if values.size == 1 or not np.isfinite(values).all():
+    if len(values) == 1 or not np.isfinite(values).all():
         return value, error
     before, last = np.diff(np.abs(values))
     if last > GROWS * before > 0.0 and last > NOTABLE * abs(value) + error:

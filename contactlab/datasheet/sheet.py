@@ -11,6 +11,7 @@ import yaml
 from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.datasheet.curve import BEST, Curve, greatest, root
+from contactlab.datasheet.measurement import UNKNOWN, Number
 from contactlab.datasheet.operation import Point, operate
 from contactlab.datasheet.quantities import MOTOR, POINT
 from contactlab.datasheet.transients import holding_torque, start_time, stop_time
@@ -35,8 +36,9 @@ def characterise(setups: Setup | Sequence[Setup], output: str | Path | None = No
     Returns:
         Every quantity of `contactlab.datasheet.quantities` and its error, `NAME_error`, over the dimensions
         `law` and `point`. The points are the belts of the speed-torque curve in the order of their velocity,
-        and the free rotor; `kind` says what motion was found there, and `role` which are `ROLES`. Velocities
-        and torques are in the motor's own sense of rotation, whose sign in the model is `sense`.
+        and the free rotor; `kind` says what motion was found there, `load` what the load does there, and
+        `role` which are `ROLES`. Velocities and torques are in the motor's own sense of rotation, whose sign
+        in the model is `sense`.
 
     Raises:
         ConfigurationError: a setup has a load, which the sheet itself puts onto the motor.
@@ -76,12 +78,12 @@ def write(data: xarray.Dataset, folder: Path) -> None:
         partial.write_text(page(data, picture), encoding="utf-8")
 
 
-def _sheet(setup: Setup) -> tuple[list[Point], dict[str, tuple[float, float]]]:
-    """Characterise one motor: the points of its curve, the free rotor's last, and its own numbers."""
+def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Number], float]:
+    """Characterise one motor: the points of its curve, the free rotor's last, its own numbers, its sense."""
     free = operate(setup)
-    velocity, error = free.numbers.get("velocity", (np.nan, np.nan))
+    velocity, error = free.numbers.get("velocity", UNKNOWN)
     if free.run is None or not abs(velocity) > error:
-        return [free], {}
+        return [free], {}, 0.0
     sense = float(np.sign(velocity))
     points = Curve(setup, velocity).points
     stop, coasting = stop_time(setup, free.run.motor, velocity)
@@ -89,13 +91,13 @@ def _sheet(setup: Setup) -> tuple[list[Point], dict[str, tuple[float, float]]]:
     numbers = {
         "no_load_velocity": (abs(velocity), error),
         "curve_root": root(points),
-        "stall_torque": stalled.numbers.get("torque", (np.nan, np.nan)),
+        "stall_torque": stalled.numbers.get("torque", UNKNOWN),
         "holding_torque": holding_torque(setup, velocity),
         "start_time": start_time(setup, velocity),
         "stop_time": stop,
         "coasting_velocity": coasting,
     }
-    return [*points, free.turned(sense)], numbers
+    return [*points, free.turned(sense)], numbers, sense
 
 
 def _roles(points: Sequence[Point]) -> list[str]:
@@ -109,32 +111,36 @@ def _roles(points: Sequence[Point]) -> list[str]:
     return [role.get(id(point), "") for point in points]
 
 
+def _loads(points: Sequence[Point]) -> list[str]:
+    """Say what the load does at the points, by the quadrant of velocity and torque."""
+    quadrants = {(1, 1): "brakes", (-1, 1): "turns the motor back", (1, -1): "drives the motor on"}
+    return [
+        quadrants.get((np.sign(p["velocity"]), np.sign(p["torque"])), "") if p.belt else "" for p in points
+    ]
+
+
 def _dataset(setups: Sequence[Setup]) -> xarray.Dataset:
     sheets = [_sheet(setup) for setup in setups]
     names = [setup.law.name for setup in setups]
     labels = [f"{n} ({names[:i].count(n) + 1})" if names.count(n) > 1 else n for i, n in enumerate(names)]
-    shape = len(setups), max(len(points) for points, _ in sheets)
+    shape = len(setups), max(len(points) for points, *_ in sheets)
     values: dict[str, Any] = {}
     for name, said in POINT.items():
         numbers = np.full((2, *shape), np.nan)
-        for i, (points, _) in enumerate(sheets):
+        for i, (points, *_) in enumerate(sheets):
             numbers[:, i, : len(points)] = np.transpose([(p[name], p.error(name)) for p in points])
         values |= _with_error(said, numbers)
     for name, said in MOTOR.items():
-        numbers = np.transpose([own.get(name, (np.nan, np.nan)) for _, own in sheets])
+        numbers = np.transpose([own.get(name, UNKNOWN) for _, own, _ in sheets])
         values |= _with_error(said, numbers)
-    texts = {"kind": lambda points: [p.kind for p in points], "role": _roles}
+    texts = {"kind": lambda points: [p.kind for p in points], "role": _roles, "load": _loads}
     for name, of in texts.items():
         table = np.full(shape, "", dtype=object)
-        for i, (points, _) in enumerate(sheets):
+        for i, (points, *_) in enumerate(sheets):
             table[i, : len(points)] = of(points)
         values[name] = ("law", "point"), table.astype(str)
-    senses = [np.sign(points[-1].run.motor.rotor.initial_velocity) for points, _ in sheets]
-    values["sense"] = (
-        ("law",),
-        np.array(senses),
-        {"long_name": "sign of the motor's sense in the model", "units": "1"},
-    )
+    about = {"units": "1", "long_name": "sign of the motor's sense in the model, 0 where it does not turn"}
+    values["sense"] = ("law",), np.array([sense for *_, sense in sheets]), about
     configurations = [yaml.safe_dump(s.configuration, sort_keys=False, allow_unicode=True) for s in setups]
     revision, dirty = checkout_state()
     code = versions()

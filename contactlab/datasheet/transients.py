@@ -31,7 +31,7 @@ CREEP: Final = 1e-3
 
 
 def start_time(setup: Setup, velocity: float) -> Number:
-    """Give the time from the motor's start to `STARTED` of its velocity without load [rad/s], and the error."""
+    """Give the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
 
     def once(setup: Setup) -> float:
         time, reached, _ = _until(PeriodMap(setup), STARTED * velocity)
