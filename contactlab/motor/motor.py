@@ -27,6 +27,10 @@ class NormalModes:
         tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
         shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
             int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled.
+        capacitance: C_p of the clamped resonator [F], shape (electrode, electrode); None where it is not
+            known, as of a resonator measured by its motion alone.
+        loss_tangent: tan delta of that capacitance [1]; a tone of amplitude U heats it by
+            omega C_p tan(delta) U^2 / 2.
     """
 
     stiffness: Array
@@ -35,6 +39,8 @@ class NormalModes:
     tip_displacement: Array
     tip_slope: Array
     shape_coupling: Array
+    capacitance: Array | None = None
+    loss_tangent: float = 0.0
 
     def __post_init__(self) -> None:
         check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
@@ -44,6 +50,23 @@ class NormalModes:
         check_shape("coupling", self.coupling, (count, 2), "a row a mode and a column an electrode")
         meaning = "a row a shape and a column an electrode"
         check_shape("shape_coupling", self.shape_coupling, (-1, 2), meaning)
+        if self.capacitance is not None:
+            check_shape("capacitance", self.capacitance, (2, 2), "a row and a column an electrode")
+
+    def charge(self, displacement: Array, voltage: Array) -> Array:
+        """Give the charges of both electrodes, Q = C_p U + coupling' q [C], shape (electrode, *time.shape).
+
+        The transpose of the forces of the actuator equation, so that sum_e int U_e dQ_e over a period is
+        the work of the drive; not a number where the capacitance is not known.
+
+        Args:
+            displacement: q [m kg^1/2], shape (mode, *time.shape).
+            voltage: U [V], shape (electrode, *time.shape).
+
+        Source: Andersen, Blanke and Helbo (2001), eqs. 20, 26 and 32.
+        """
+        capacitance = np.full((2, 2), np.nan) if self.capacitance is None else self.capacitance
+        return np.asarray(capacitance @ voltage + self.coupling.T @ displacement)
 
     @property
     def natural_frequency(self) -> Array:

@@ -11,7 +11,7 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, final
 
@@ -56,6 +56,14 @@ _DENSITY = positive("rho_p", "kg m-3", "density")
 _POISSON = Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
 _STRAIN_RATIO = Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam")
 _PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
+_LOSS_TANGENT = Parameter(
+    "tan delta",
+    "1",
+    "dielectric loss tangent",
+    at_least=0.0,
+    at_most=1.0,
+    hint="0 is a dielectric without loss.",
+)
 
 
 def bending_vector(poisson_ratio: float) -> Array:
@@ -98,6 +106,7 @@ class Piezoceramic(Checked):
     bending_coupling: Annotated[float, Parameter("e_p", "C m-2", "bending coupling")] = 9.196
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
+    loss_tangent: Annotated[float, _LOSS_TANGENT] = 0.0
 
 
 @final
@@ -117,6 +126,7 @@ class PiezoceramicDatasheet(Checked):
     poisson_ratio: Annotated[float, _STRAIN_RATIO] = 0.334
     density: Annotated[float, _DENSITY] = 7700.0
     permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
+    loss_tangent: Annotated[float, _LOSS_TANGENT] = 0.0
 
     def in_bending(self) -> Piezoceramic:
         """Give what bending needs of it (eqs. 30 and 31)."""
@@ -124,7 +134,8 @@ class PiezoceramicDatasheet(Checked):
         normal = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, self.c33]])
         b = bending_vector(self.poisson_ratio)[:3]
         modulus, coupling = b @ normal @ b, b @ np.array([self.e31, self.e31, self.e33])
-        return Piezoceramic(float(modulus), float(coupling), self.density, self.permittivity)
+        rest = self.density, self.permittivity, self.loss_tangent
+        return Piezoceramic(float(modulus), float(coupling), *rest)
 
 
 _TIP_INERTIA = not_negative("I_tip", "kg m2", "inertia of the tip about its foot")
@@ -167,7 +178,9 @@ class PatchedBeam(Checked, ABC):
             # More threads gain nothing for matrices of this size, wait for each other on a busy machine and
             # round otherwise. Numbers far from any motor may overflow on the way; the result says so.
             with threadpool_limits(1, user_api="blas"), np.errstate(all="ignore"):
-                modes = self._solve()
+                modes = replace(
+                    self._solve(), capacitance=self.capacitance, loss_tangent=self.piezoceramic.loss_tangent
+                )
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             raise ValueError(UNRESOLVED) from error
         finite = (np.isfinite(values).all() for values in vars(modes).values())
@@ -212,3 +225,9 @@ class PatchedBeam(Checked, ABC):
         """Moment at the end of a patch set, w_s (t_s + t_p) e_p [N m/V]; minus that at its start (eq. 31)."""
         lever = self.width * (self.beam_thickness + self.patch_thickness)
         return lever * self.piezoceramic.bending_coupling
+
+    @property
+    def capacitance(self) -> Array:
+        """C_p of both patch sets, two layers each, with the beam clamped [F] (eq. 32)."""
+        surface = 2.0 * self.width * (self.patch_end - self.patch_start)
+        return self.piezoceramic.permittivity * surface / self.patch_thickness * np.eye(len(self.patches))

@@ -152,14 +152,12 @@ class RitzResonator(PatchedBeam):
             coupling[:, electrode] = self.moment_per_voltage * turn
         mass += self.tip_mass * np.outer(displacement, displacement)
         mass += self.tip_inertia * np.outer(slope, slope)
-        surface = 2.0 * self.width * (self.patch_end - self.patch_start)
-        permittivity = self.piezoceramic.permittivity
         return RitzMatrices(
             mass=mass,
             damping=self.mass_damping * mass + self.stiffness_damping * stiffness,
             stiffness=stiffness,
             coupling=coupling,
-            capacitance=permittivity * surface / self.patch_thickness * np.eye(len(self.patches)),
+            capacitance=self.capacitance,
             tip_displacement=displacement,
             tip_slope=slope,
         )

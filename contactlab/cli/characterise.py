@@ -1,0 +1,59 @@
+"""`contactlab characterise [KEY=VALUE ...]`: the data sheet of a motor, under one law or several."""
+
+from pathlib import Path
+
+from contactlab.cli.arguments import Parser
+from contactlab.cli.jobs import refusals
+from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.results.files import told
+
+
+def main(arguments: list[str]) -> int:
+    """Characterise a motor, write the files and print the sheet.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        RefusalError: the motor cannot be characterised, or the folder cannot be written to.
+    """
+    parser = Parser(
+        "characterise",
+        ". The sheet is in the motor's own sense of rotation, of which it says whether it is positive in the "
+        "model: a load that brakes has a positive torque there, one that drives the motor a negative one. "
+        "rotor.load_torque is positive against positive rotation of the model: it brakes a motor that "
+        "turns in the positive sense and drives one that turns in the negative.",
+    )
+    parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="the motor, as for a run")
+    parser.add_argument("--law", metavar="A,B,C", help="laws that share the sheet; default: the motor's own")
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("datasheet"),
+        metavar="DIR",
+        help="where sheet.html, sheet.nc and the figure go; default: %(default)s",
+    )
+    given = parser.read(arguments)
+    # Imported here: they bring Hydra and the plotting, which --help does not need.
+    from contactlab.config import ConfigurationError, build
+    from contactlab.datasheet import as_text, characterise
+    from contactlab.orbits import NoPeriodError
+
+    output: Path = given.output
+    for fault in refusals(output, "Choose another one by --output DIR."):
+        raise RefusalError(fault)
+    laws = [f"law={name.strip()}" for name in given.law.split(",")] if given.law else []
+    if laws and (twice := [word for word in given.overrides if word.startswith("law=")]):
+        raise RefusalError(f"{twice[0]} and --law are both given; it must be one of them. Leave one out.")
+    try:
+        setups = [build([*given.overrides, law]) for law in laws] or [build(given.overrides)]
+        data = characterise(setups, output)
+    except ConfigurationError as error:
+        raise RefusalError("\n".join(error.faults)) from error
+    except NoPeriodError as error:
+        raise RefusalError(str(error)) from error
+    except OSError as error:
+        raise RefusalError(f"Nothing more can be written to '{output}': {told(error)}") from error
+    print(as_text(data))
+    print(f"\nWritten to {output}: sheet.html, sheet.nc, sheet.png and sheet.pdf.")
+    return COMPLETE

@@ -1,0 +1,126 @@
+"""What a motor does when its drive is switched: start, stop, and what holds the rotor without a drive."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.datasheet.measurement import Number
+from contactlab.datasheet.operation import ladder
+from contactlab.motor import Drive, ModalState, Motor
+from contactlab.orbits.period_map import PeriodMap
+
+STARTED: Final = 0.9
+STOPPED: Final = 0.1
+"""Velocity over that without load at which a rotor has started, and at which it has stopped."""
+
+PIECE: Final = 50
+"""Periods of the drive that are run at a time."""
+
+LONGEST: Final = 4000
+"""Periods after which a rotor that has not got there is given up."""
+
+DIED_DOWN: Final = 20.0
+"""Times 1 / (zeta omega) of the slowest mode after which a resonator rests."""
+
+CREEP: Final = 1e-3
+"""Velocity over that without load at which a rotor is drawn through a contact without drive."""
+
+
+def start_time(setup: Setup, velocity: float) -> Number:
+    """Give the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
+
+    def once(setup: Setup) -> float:
+        time, reached, _ = _until(PeriodMap(setup), STARTED * velocity)
+        return time if reached else np.inf
+
+    return _at_two_steps(setup, once)
+
+
+def stop_time(setup: Setup, settled: Motor, velocity: float) -> tuple[Number, Number]:
+    """Give the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
+
+    Args:
+        setup: law and steps.
+        settled: the free motor, whose start lies on its steady motion; its electrodes are made short there.
+        velocity: without load [rad/s].
+
+    Returns:
+        The time [s], infinite where nothing brakes the rotor any more, and the speed at which the tip leaves
+        it [rad/s], zero where the contact stops it; with their errors.
+    """
+    found, rotor = [], settled.rotor
+
+    def once(setup: Setup) -> float:
+        time, stopped, coasts = _until(PeriodMap(replace(setup, motor=_silent(settled))), STOPPED * velocity)
+        found.append(0.0 if stopped else abs(coasts))
+        if stopped:
+            return time
+        decay = rotor.damping / rotor.inertia
+        return time + float(np.log(coasts / (STOPPED * velocity))) / decay if decay else np.inf
+
+    time = _at_two_steps(setup, once)
+    return time, (found[1], abs(found[1] - found[0]))
+
+
+def holding_torque(setup: Setup, velocity: float) -> Number:
+    """Give the load that moves the rotor when the drive is off [N m], and its error.
+
+    The rotor is drawn through the contact of the resting resonator at `CREEP` times the velocity without
+    load: with Coulomb friction the torque is the same at any velocity, and the rotor holds against less.
+    """
+    motor = _silent(setup.motor)
+    decay = motor.modes.damping[motor.modes.damping > 0.0].min(initial=np.inf)
+    rest = max(int(np.ceil(DIED_DOWN / (decay * PeriodMap(setup).period))), 1)
+
+    def once(setup: Setup) -> float:
+        clock = PeriodMap(replace(setup, motor=motor), belt=CREEP * velocity)
+        run = clock.run(_start_of(clock), rest)
+        return abs(motor.geometry.rotor_radius * float(run.series["friction_force"][-1]))
+
+    return _at_two_steps(setup, once)
+
+
+def _silent(motor: Motor) -> Motor:
+    drive = motor.drive
+    return replace(motor, drive=Drive(drive.frequency, np.zeros_like(drive.phasors)))
+
+
+def _start_of(clock: PeriodMap) -> Array:
+    """Give the state from which the motor starts."""
+    motor = clock.setup.motor
+    rest = np.zeros_like(motor.modes.stiffness)
+    return clock.state_of(motor.start or ModalState(rest, rest), motor.rotor.initial_velocity)
+
+
+def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
+    """Run a motor from its start until its velocity passes a target, or the tip has left the rotor.
+
+    Gives the time [s], by a line between the ends of two periods, whether it passes, and the last velocity.
+    """
+    z = _start_of(clock)
+    before = clock.velocity_of(z) - target
+    for piece in range(LONGEST // PIECE):
+        run = clock.run(z, PIECE, 1)
+        distance = run.series["rotor_velocity"] - target
+        passed = np.flatnonzero(distance * before <= 0.0)
+        if passed.size and before != 0.0:
+            i = int(passed[0])
+            part = distance[i] / (distance[i] - distance[i - 1])
+            return (piece * PIECE + i - float(part)) * clock.period, True, target
+        if not run.contacts["start_time"].size:
+            break
+        z = clock.end_of(run)
+    return (piece + 1) * PIECE * clock.period, False, float(distance[-1] + target)
+
+
+def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Number:
+    """Give a number at half the step, and its error: the rest of a sequence of the law's order."""
+    (coarse, fine, _), factor = ladder(setup)
+    before, last = once(coarse), once(fine)
+    if not np.isfinite([before, last]).all():
+        return last, 0.0
+    return last, abs(last - before) / (factor**setup.law.convergence_order - 1.0)
