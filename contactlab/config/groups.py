@@ -38,7 +38,7 @@ _known = partial(
     "1",
     at_least=0.0,
     below=1.0,
-    hint="It is half of the range over the value, and 0 is known exactly.",
+    hint="It is half of the range over the value; 0 is a value that is known exactly.",
 )
 _CHUNK = _said("runs kept together as they are finished", at_least=1)
 
@@ -80,9 +80,16 @@ class Sweep(Checked):
 class Uncertainty(Checked):
     """How well the parameters of the motor are known, half a range over the value; no motion depends on it."""
 
-    friction_coefficient: Annotated[float, _known("of dry steel on ceramic or steel, 0.2 to 0.4")] = 0.33
-    stiffness: Annotated[float, _known("of a tip whose radius is known to a factor of two")] = 0.3
-    clearance: Annotated[float, _known("of surfaces lapped to 0.2 um that are 1 um apart")] = 0.2
+    friction_spread: Annotated[float, _known("of the friction coefficient: dry steel has 0.2 to 0.4")] = 0.33
+    stiffness_spread: Annotated[
+        float,
+        _known(
+            "of contact stiffness: a tip whose radius is half as large, or 1.7 times, has 0.7 or 1.3 of it"
+        ),
+    ] = 0.3
+    clearance_spread: Annotated[
+        float, _known("of the clearance: surfaces that are lapped to 0.2 um and 1 um apart")
+    ] = 0.2
 
 
 Keys: TypeAlias = dict[str, "DeclaredField | Section"]
