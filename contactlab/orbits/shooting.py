@@ -94,7 +94,7 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
             return Orbit.at(section, z)
         move: Array = np.linalg.solve(np.eye(z.size) - jacobian, left)
         length = float(np.linalg.norm(move))
-        move = move * min(1.0, radius / length)
+        move *= min(1.0, radius / length)
         after = _gap(section, z + move)
         share = np.linalg.norm(after) / np.linalg.norm(left)
         if share < 1.0:
