@@ -20,10 +20,10 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 import contactlab as cl
-from contactlab.comparison.reruns import FINER, richardson
 from contactlab.config import compose
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
+from contactlab.metrics.convergence import FINER, richardson
 
 SAYS = (
     "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "

@@ -14,18 +14,14 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics import Run
+from contactlab.metrics.convergence import FINER, richardson
 from contactlab.simulation import simulate
-
-FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
-"""Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
 
 FRICTION_CHANGE: Final = 0.01  # of the friction coefficient, to show the sensitivity to it, relative
 MORE_SHAPES: Final = 4  # functions that are added to the resonator's basis, to show that to it
 
 RECORDS_PER_PERIOD: Final = 300.0  # at least, so that a contact can be drawn
 MOST_RECORDS: Final = 1_000_000  # beyond which a rerun records as the run did
-
-SLOWEST: Final = 0.9  # ratio of successive differences of a sequence that does not converge
 
 
 @final
@@ -58,22 +54,6 @@ class Refined:
     def error(self, values: Sequence[Any]) -> Array:
         """Give the numerical error of the last of the values, numbers or series, one a step."""
         return richardson(values, self.steps[0][0] / self.steps[1][0], self.order)
-
-
-def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
-    """Give the error of the last of three values from steps that fall by a factor.
-
-    With differences that fall by the ratio q the rest of the series is q / (1 - q) times the last of
-    them. The ratio is what is seen, but no better than the declared order promises; a sequence that does
-    not converge is given `SLOWEST`, which makes its error nine times its last change.
-    """
-    before, last = np.abs(np.diff(np.asarray(values, dtype=np.float64), axis=0))
-    # One ratio for a whole series: where the difference passes through zero there is none to see. The sums
-    # take little notice of a record that an impact passes as it moves with the step.
-    whole = float(np.sum(before))
-    seen = float(np.sum(last)) / whole if whole > 0.0 else 0.0
-    ratio = float(np.clip(seen, factor**-order, SLOWEST))
-    return np.asarray(last * ratio / (1.0 - ratio))
 
 
 def refined(run: Run) -> Refined:

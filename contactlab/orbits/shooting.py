@@ -92,7 +92,7 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     for _ in range(MOST_ITERATIONS):
         if np.linalg.norm(left) <= CLOSED * _size(z):
             return Orbit.at(section, z)
-        move: Array = np.linalg.solve(np.eye(z.size) - jacobian, left)
+        move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
         length = float(np.linalg.norm(move))
         move *= min(1.0, radius / length)
         after = _gap(section, z + move)

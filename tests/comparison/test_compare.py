@@ -15,10 +15,11 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.comparison.curves import one_contact_each
 from contactlab.comparison.figures import draw_energy
 from contactlab.comparison.findings import conclusion, differences, verdicts
-from contactlab.comparison.reruns import Refined, richardson
+from contactlab.comparison.reruns import Refined
 from contactlab.comparison.runs import collect
 from contactlab.comparison.scorecard import LATEX, as_latex, as_text, energy_flow
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
+from contactlab.metrics.convergence import richardson
 
 FIGURES = ("contact_force", "tip_trajectory", "rotor_velocity", "energy_flow", "phase_portrait")
 
