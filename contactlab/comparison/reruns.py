@@ -1,5 +1,4 @@
-"""A recorded run again, settled or as it was: at finer steps, with more friction, on another basis, from
-other starts.
+"""A recorded run again, settled or as it was: at finer steps, with more friction, on another basis.
 
 The configuration that a run recorded builds the same motor and law again, so that every law can be
 brought to its own convergence before it is set beside the others.
@@ -190,8 +189,8 @@ def _start_elsewhere(law: Refined, setup: Setup, starts: int) -> None:
         law.notes.append(f"{law.run.label} fails from other starts: {error}")
 
 
-def _again(law: Refined, configuration: Configuration, words: str, *, transient: bool) -> Any:
-    """Make one rerun in memory: the run, and the means of a settled one; None with a note if there is none."""
+def _again(law: Refined, configuration: Configuration, words: str, *, transient: bool) -> tuple[Any, ...] | None:
+    """Make one rerun: the run, and the means of a settled one; None with a note if there is none."""
     try:
         setup = build(configuration)
         if not transient:

@@ -78,7 +78,7 @@ class Sweep(Checked):
 @final
 @dataclass(frozen=True)
 class Uncertainty(Checked):
-    """How well the parameters of the motor are known, half a range over the value; no motion depends on it."""
+    """How well a motor's parameters are known, half a range over the value: no motion depends on it."""
 
     friction_spread: Annotated[float, _known("of the friction coefficient: dry steel has 0.2 to 0.4")] = 0.33
     stiffness_spread: Annotated[
