@@ -26,8 +26,6 @@ MORE_SHAPES: Final = 4  # functions that are added to the resonator's basis, to 
 RECORDS_PER_PERIOD: Final = 300.0  # at least, so that a contact can be drawn
 MOST_RECORDS: Final = 1_000_000  # beyond which a rerun records as the run did
 
-OFF: Final = 0.01  # relative distance of a run's end from the settled velocity that is told
-
 Configuration = Mapping[str, Any]
 
 
@@ -66,9 +64,16 @@ class Refined:
         """Period of the drive's first tone [s]; a tenth of the run where it is not known."""
         return self.run.period or 0.1 * float(np.ptp(self.run.time))
 
-    def error(self, values: Sequence[Any]) -> Array:
-        """Give the numerical error of the last of the values, numbers or series, one a step."""
-        return richardson(values, self.steps[0][0] / self.steps[1][0], self.order)
+    def error(self, values: Sequence[Any], *, each: bool = False) -> Array:
+        """Give the numerical error of the last of the values, one a step: of numbers, or of one series.
+
+        Args:
+            each: whether they are rows of numbers that converge each by itself.
+        """
+        factor = self.steps[0][0] / self.steps[1][0]
+        if each:
+            return np.array([richardson(one, factor, self.order) for one in np.transpose(values)])
+        return richardson(values, factor, self.order)
 
 
 def refined(run: Run, *, transient: bool = False, refine: bool = True, starts: int = 0) -> Refined:
@@ -189,7 +194,9 @@ def _start_elsewhere(law: Refined, setup: Setup, starts: int) -> None:
         law.notes.append(f"{law.run.label} fails from other starts: {error}")
 
 
-def _again(law: Refined, configuration: Configuration, words: str, *, transient: bool) -> tuple[Any, ...] | None:
+def _again(
+    law: Refined, configuration: Configuration, words: str, *, transient: bool
+) -> tuple[Any, ...] | None:
     """Make one rerun: the run, and the means of a settled one; None with a note if there is none."""
     try:
         setup = build(configuration)
