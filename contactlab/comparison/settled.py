@@ -39,9 +39,9 @@ class Means:
     errors: Array
 
 
-def settled(setup: Setup) -> Steady:
+def settled(setup: Setup, longest: int = LONGEST) -> Steady:
     """Find the steady state that a setup comes to from its own start; errors as of `contactlab.steady`."""
-    return steady(setup, longest=LONGEST)
+    return steady(setup, longest=longest)
 
 
 def means_of(state: Steady) -> Means:
