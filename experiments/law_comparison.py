@@ -2,14 +2,16 @@
 
 python experiments/law_comparison.py [LAW ...] [output=DIR] [KEY=VALUE ...]
 
-The paper's three laws, and those that are named, run from rest at three steps each, so that every
-difference between laws stands beside the numerical error of both.
+The paper's three laws, and those that are named, each in the motor once it has settled: at three steps, so
+that every difference between laws stands beside the numerical error of both, and on the converged basis.
 """
 
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from multiprocessing import get_context
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -20,10 +22,14 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 import contactlab as cl
+from contactlab.comparison.reruns import on_other_basis
+from contactlab.comparison.settled import LONGEST, means_of, motion_of, settled
 from contactlab.config import compose
 from contactlab.engine.simulation import DEFAULT_TOLERANCE
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 from contactlab.metrics.convergence import FINER, richardson
+from contactlab.orbits import BrokenOffError
+from contactlab.processes import START_METHOD, begin_worker, processors
 
 SAYS = (
     "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "
@@ -63,51 +69,65 @@ def section(name: str) -> dict[str, Any]:
     return chosen
 
 
-def measured(setup: cl.Setup, law: cl.ContactLaw) -> tuple[float, float, float, list[str]]:
-    """Final rotor velocity and its numerical error, share of stick, and the thresholds that fail."""
+def measured(
+    setup: cl.Setup, law: cl.ContactLaw, longest: int
+) -> tuple[float, float, float, float, list[str]]:
+    """Settled velocity, its error, its change on the other basis, share of stick, failed thresholds."""
     rigid = isinstance(law, cl.MultiplierLaw)
     control, coarsest = (
         ("contact_step", law.default_contact_step) if rigid else ("tolerance", DEFAULT_TOLERANCE)
     )
-    plain = replace(setup, law=law, contact_step=None, tolerance=None)
-    steps = []
-    for divisor in FINER[control]:
-        run = cl.simulate(plain, **{control: coarsest / divisor})
-        if not run.complete:
-            return np.nan, np.nan, np.nan, []
-        steps.append((coarsest / divisor, run.tree))
-    velocities = [np.asarray(tree["rotor_velocity"].values[-1]) for _, tree in steps]
+    plain = replace(setup, law=law, contact_step=law.default_contact_step, tolerance=None)
+    steps, means = [], []
+    try:
+        for divisor in FINER[control]:
+            state = settled(replace(plain, **{control: coarsest / divisor}), longest)
+            steps.append((coarsest / divisor, motion_of(state)))
+            means.append(means_of(state))
+        there = replace(plain, motor=cl.build(on_other_basis(setup)[0]).motor)
+        elsewhere = means_of(settled(there, longest)).values[0]
+    except BrokenOffError as error:
+        print(f"{law.name}: {error}", file=sys.stderr)
+        return np.nan, np.nan, np.nan, np.nan, []
     values = assess(steps[-1][1]) | assess_steps(steps)
     judged = {**METRICS, **STEP_METRICS}
     broken = [key for key, metric in judged.items() if metric.verdict(values[key]) == FAIL]
-    error = float(richardson(velocities, FINER[control][1], law.convergence_order))
-    return float(velocities[-1]), error, values["stick_share"], broken
+    velocities = np.array([each.values[0] for each in means])
+    error = float(richardson(velocities, FINER[control][1], law.convergence_order)) + means[-1].errors[0]
+    change = abs(elsewhere - velocities[0])
+    return float(velocities[-1]), float(error), float(change), float(means[-1].values[2]), broken
+
+
+def at_point(setup: cl.Setup, longest: int, point: tuple[str, float]) -> list[Any]:
+    """What every law does at one point."""
+    there = changed(setup, dict([point]))
+    return [measured(there, law, longest) for law in laws_with(there, NAMED).values()]
 
 
 def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """Every law at every point of every sweep; the short form is two points each."""
+    """Every law at every point of every sweep; the short form is one point each, with short means."""
     points = [
-        (key, float(value))
-        for key, values in SWEEPS.items()
-        for value in (values[[4, 10]] if short else values)
+        (key, float(value)) for key, values in SWEEPS.items() for value in (values[[4]] if short else values)
     ]
     names = list(laws_with(setup, NAMED))
     judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.threshold]
-    shape = (len(names), len(points))
-    velocity, error, stick = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
-    fails = np.zeros((*shape, len(judged)), dtype=np.int8)
-    for j, (key, value) in enumerate(tqdm(points, unit=" points", disable=None)):
-        there = changed(setup, {key: value})
-        for i, law in enumerate(laws_with(there, NAMED).values()):
-            velocity[i, j], error[i, j], stick[i, j], broken = measured(there, law)
-            fails[i, j] = [metric in broken for metric in judged]
-    both = ("law", "point")
+    task = partial(at_point, setup, 100 if short else LONGEST)
+    if short:
+        found = [*map(task, points)]
+    else:
+        context = get_context(START_METHOD)
+        with ProcessPoolExecutor(processors(), mp_context=context, initializer=begin_worker) as executor:
+            found = [*tqdm(executor.map(task, points), total=len(points), unit=" points", disable=None)]
+    numbers = np.array([[law[:4] for law in point] for point in found]).transpose(2, 1, 0)
+    fails = [[[metric in point[i][4] for metric in judged] for point in found] for i in range(len(names))]
+    both, rate = ("law", "point"), {"units": "rad s-1"}
     return xarray.Dataset(
         {
-            "rotor_velocity": (both, velocity, {"units": "rad s-1"}),
-            "numerical_error": (both, error, {"units": "rad s-1"}),
-            "stick_share": (both, stick, {"units": "1"}),
-            "fails": ((*both, "metric"), fails, {"units": "1"}),
+            "rotor_velocity": (both, numbers[0], rate | {"long_name": "settled rotor velocity"}),
+            "numerical_error": (both, numbers[1], rate),
+            "basis_change": (both, numbers[2], rate | {"long_name": "its change on the converged basis"}),
+            "stick_share": (both, numbers[3], {"units": "1"}),
+            "fails": ((*both, "metric"), np.array(fails, dtype=np.int8), {"units": "1"}),
         },
         coords={
             "law": names,
@@ -118,35 +138,40 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     )
 
 
-def apart(data: xarray.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Range of the laws at every point and the numerical errors of the two outermost [rad/s]."""
-    velocity, error = data.rotor_velocity.values, data.numerical_error.values
+def apart(data: xarray.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Range of the laws at every point, errors of the two outermost, what the basis changes [rad/s]."""
+    velocity, error, basis = (
+        data[name].values for name in ("rotor_velocity", "numerical_error", "basis_change")
+    )
     points = np.arange(velocity.shape[1])
     sound = np.isfinite(velocity).all(axis=0)
     filled = np.where(np.isfinite(velocity), velocity, 0.0)
-    low, high = filled.argmin(axis=0), filled.argmax(axis=0)
-    spread = np.where(sound, filled[high, points] - filled[low, points], np.nan)
-    return spread, np.where(sound, error[high, points] + error[low, points], np.nan)
+    ends = filled.argmin(axis=0), filled.argmax(axis=0)
+    spread = np.where(sound, filled[ends[1], points] - filled[ends[0], points], np.nan)
+    errors = np.where(sound, error[ends[0], points] + error[ends[1], points], np.nan)
+    most = np.where(sound, np.maximum(basis[ends[0], points], basis[ends[1], points]), np.nan)
+    return spread, errors, most
 
 
 def table(data: xarray.Dataset) -> list[dict[str, object]]:
     """One row a point: velocities, their range and numerical errors, thresholds that fail."""
-    spread, error = apart(data)
+    spread, error, basis = apart(data)
     return [
         {"key": str(data.key.values[j]), "value": float(data.value[j])}
         | {f"{law} [rad/s]": float(data.rotor_velocity.sel(law=law)[j]) for law in data.law.values}
         | {"range [rad/s]": float(spread[j]), "numerical errors [rad/s]": float(error[j])}
+        | {"change by the basis [rad/s]": float(basis[j])}
         | {f"{law} fails": int(data.fails.sel(law=law)[j].sum()) for law in data.law.values}
         for j in range(data.sizes["point"])
     ]
 
 
 def draw(data: xarray.Dataset) -> Figure:
-    """Velocities above, how far the laws are apart against their numerical errors below."""
+    """Velocities above; below how far the laws are apart, against numerical errors and basis."""
     figure, panels = plt.subplots(
         2, len(SWEEPS), figsize=(7.0, 4.2), sharey="row", sharex="col", layout="constrained"
     )
-    spread, error = apart(data)
+    spread, error, basis = apart(data)
     for column, key in enumerate(SWEEPS):
         words, scale = AXES[key]
         here = data.key.values == key
@@ -156,9 +181,10 @@ def draw(data: xarray.Dataset) -> Figure:
             mark = "os^Dv<>P"[i % 8] + "-"
             above.plot(x, data.rotor_velocity.values[i, here], mark, label=str(law))
         below.semilogy(x, spread[here], "o-", color="black", label="range of the laws")
+        below.semilogy(x, basis[here], "^:", color="#a33c00", label="change by the basis")
         below.semilogy(x, error[here], "s--", color="0.5", label="numerical errors")
         below.set_xlabel(words)
-    panels[0, 0].set_ylabel("rotor velocity (rad/s)")
+    panels[0, 0].set_ylabel("settled velocity (rad/s)")
     panels[1, 0].set_ylabel("difference (rad/s)")
     handles = [*panels[0, 0].get_lines(), *panels[1, 0].get_lines()]
     figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 5))
@@ -166,18 +192,22 @@ def draw(data: xarray.Dataset) -> Figure:
 
 
 def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """Where the laws differ beyond their numerical errors, and what each of them breaks."""
-    spread, error = apart(data)
+    """Where the laws differ beyond numerical errors and basis, and what each of them breaks."""
+    spread, error, basis = apart(data)
     sound = np.isfinite(spread)
     clear = spread[sound] > CLEAR * error[sound]
+    beyond = clear & (spread[sound] > basis[sound])
+    opposite = np.ptp(np.sign(data.rotor_velocity.values[:, sound]), axis=0) > 1.0
     mean = np.abs(data.rotor_velocity.values).mean(axis=0)[sound]
     share = np.median(spread[sound] / np.maximum(mean, 1e-300))
     widest = int(np.nanargmax(spread))
     parts = [
-        f"At {np.count_nonzero(clear)} of {data.sizes['point']} points the laws differ by more than "
+        f"Settled, at {np.count_nonzero(clear)} of {data.sizes['point']} points the laws differ by more than "
         f"{CLEAR:.0f} times their numerical errors; in the median by {100.0 * share:.0f} % of their mean "
         f"speed, most, {spread[widest]:.2g} rad/s, at {data.key.values[widest]} "
-        f"{float(data.value[widest]):.3g}."
+        f"{float(data.value[widest]):.3g}. At {np.count_nonzero(beyond)} they differ by more than the "
+        f"converged basis changes either, and at {np.count_nonzero(opposite)} they turn in opposite "
+        "directions."
     ]
     for law in data.law.values:
         counts = data.fails.sel(law=law).sum("point")

@@ -1,10 +1,17 @@
 """`contactlab compare DIR...`: the laws of several runs side by side, judged, drawn and reported."""
 
+import sys
+from argparse import ArgumentTypeError
+from functools import partial
 from pathlib import Path
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.jobs import refusals
-from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.cli.terminal import COMPLETE, RefusalError, tell
+from contactlab.comparison import ComparisonError, compare
+from contactlab.comparison.findings import conclusion, headline
+from contactlab.comparison.report import SAMPLES, STARTS
+from contactlab.comparison.scorecard import as_text
 from contactlab.results.files import told
 
 
@@ -19,8 +26,9 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser(
         "compare",
-        ". The runs must be of one motor with one drive; every law is run again at finer steps first, so "
-        "that the difference between laws is seen against the numerical error of each.",
+        ". The runs must be of one motor with one drive. What is compared is the motion that it settles to "
+        "with every law, and every difference is weighed against all that could explain it: numerical error, "
+        "basis of the resonator, parameters within their ranges, other starts.",
     )
     parser.add_argument(
         "runs", nargs="+", metavar="DIR", help="a run's folder, its run.nc, or a folder of such folders"
@@ -35,25 +43,66 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--no-refine",
         action="store_true",
-        help="take the runs as they are: no numerical error, no sensitivities",
+        help="a quick look: nothing that tells what a difference between laws is due to",
+    )
+    parser.add_argument(
+        "--transient", action="store_true", help="compare the runs as they were recorded, from their start on"
+    )
+    parser.add_argument(
+        "--samples",
+        type=int,
+        default=SAMPLES,
+        metavar="N",
+        help="rows of the design in which law, parameters, basis and step are drawn together, a power of "
+        "two, or 0 for none; default: %(default)s",
+    )
+    parser.add_argument(
+        "--starts",
+        type=int,
+        default=STARTS,
+        metavar="N",
+        help="from which steady states are looked for; default: %(default)s",
+    )
+    parser.add_argument(
+        "--range",
+        action="append",
+        default=[],
+        type=_range,
+        metavar="KEY=SHARE",
+        help="half the range of a parameter over its value, contact.clearance=0.1, beside or in place of "
+        "what the runs state in `uncertainty`; 0 is known exactly; may be given again",
     )
     given = parser.read(arguments)
-    # Imported here: they bring the plotting, which --help does not need.
-    from contactlab.comparison import ComparisonError, compare
-    from contactlab.comparison.findings import conclusion, differences
-    from contactlab.comparison.scorecard import as_text
-
     output: Path = given.output
     for fault in refusals(output, "Choose another one by --output DIR."):
         raise RefusalError(fault)
     try:
-        data = compare(given.runs, output, refine=not given.no_refine)
+        data = compare(
+            given.runs,
+            output,
+            refine=not given.no_refine,
+            transient=given.transient,
+            samples=given.samples,
+            starts=given.starts,
+            ranges=dict(given.range),
+            announce=partial(tell, stream=sys.stderr),
+        )
     except ComparisonError as error:
         raise RefusalError("\n".join(error.faults)) from error
     except OSError as error:
         raise RefusalError(f"Nothing more can be written to '{output}': {told(error)}") from error
-    print(as_text(data), "", *differences(data), conclusion(data), sep="\n")
+    print(*headline(data), conclusion(data), "", as_text(data), sep="\n")
     if notes := data.attrs["notes"]:
         print(f"\nNotes:\n{notes}")
     print(f"\nWritten to {output}: report.html, scorecard.csv, scorecard.tex, metrics.nc and figures.")
     return COMPLETE
+
+
+def _range(word: str) -> tuple[str, float]:
+    """Read KEY=SHARE."""
+    key, sign, share = word.partition("=")
+    try:
+        return key, float(share)
+    except ValueError:
+        said = f"'{word}' is no range; it must be KEY=SHARE" if sign else f"'{word}' has no share"
+        raise ArgumentTypeError(f"{said}, such as contact.clearance=0.1") from None

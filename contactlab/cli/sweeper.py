@@ -32,8 +32,9 @@ from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
 from contactlab.config.schema import idle_friction
+from contactlab.processes import processors
 from contactlab.results.files import LOG, STATE, told
-from contactlab.sweeps.batch import Batch, Outputs, WorkerError, processors
+from contactlab.sweeps.batch import Batch, Outputs, WorkerError
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
 from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state

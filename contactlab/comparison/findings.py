@@ -1,21 +1,31 @@
 """What the numbers say, in sentences that follow from them by rule."""
 
-from collections.abc import Sequence
 from math import inf, isfinite
 from typing import Final
 
 import xarray
 
 from contactlab.comparison.scorecard import Cell, rows
+from contactlab.comparison.weighing import CLEAR, listed, shares_said, weighed
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 
-# Metrics whose differences between the laws are told.
+# Metrics of transient runs whose differences between the laws are told.
 HEADLINES: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")
-CLEAR: Final = 3.0  # numerical errors beyond which a difference is one between the laws
+
+
+def headline(data: xarray.Dataset) -> list[str]:
+    """Say what must be read first: what is not settled, and whether the laws differ by more than all else."""
+    return [*filter(None, data.attrs["first"].splitlines()), *differences(data)]
 
 
 def differences(data: xarray.Dataset) -> list[str]:
-    """Say how far the laws lie apart, against what is known of their numerical errors."""
+    """Say how far the laws lie apart, against what else could explain it.
+
+    Of settled motors that is everything in `contactlab.comparison.causes.CAUSES`; of runs as they were
+    recorded it is their numerical errors alone.
+    """
+    if "cause" in data.dims:
+        return [*map(str, weighed(data)), *filter(None, [shares_said(data)])]
     known = {metric.key: _difference(metric, cells) for metric, cells in rows(data)}
     return [known[key] for key in HEADLINES if known[key]]
 
@@ -37,14 +47,14 @@ def _difference(metric: Metric, cells: dict[str, Cell]) -> str:
     lost = [label for label, cell in cells.items() if cell.error > abs(cell.value) > 0.0]
     if ratio < 1.0 and lost:
         return (
-            f"{said}; with {_listed(lost)} it does not converge: its numerical error is larger "
+            f"{said}; with {listed(lost)} it does not converge: its numerical error is larger "
             "than itself, and no value is known."
         )
     times = f"{ratio:.2g} times" if ratio < 1e3 else "more than 1000 times"
-    verdict = "one between the laws" if ratio >= CLEAR else "barely resolved"
+    verdict = "resolved" if ratio >= CLEAR else "barely resolved" if ratio >= 1.0 else "not resolved"
     return (
-        f"{said}; the difference, {spread:.3g}{unit}, {times} the numerical errors, is "
-        f"{verdict if ratio >= 1.0 else 'not resolved'}."
+        f"{said}; the difference of the transient, {spread:.3g}{unit}, {times} the numerical errors, is "
+        f"{verdict}; what it owes to basis, parameters and start is not weighed."
     )
 
 
@@ -79,17 +89,12 @@ def conclusion(data: xarray.Dataset) -> str:
     clean = [label for label, failures in counts.items() if not failures]
     if len(clean) == len(counts):
         return "Every law meets all thresholds that apply to it."
-    rest = _listed([f"{label} fails {count}" for label, count in counts.items() if count])
+    rest = listed([f"{label} fails {count}" for label, count in counts.items() if count])
     if not clean:
         return f"No law meets all thresholds that apply to it: {rest}."
     verb = "meets" if len(clean) == 1 else "meet"
-    return f"{_listed(clean)} {verb} all thresholds that apply; {rest}."
+    return f"{listed(clean)} {verb} all thresholds that apply; {rest}."
 
 
 def _capital(words: str) -> str:
     return words[0].upper() + words[1:]
-
-
-def _listed(words: Sequence[str]) -> str:
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last

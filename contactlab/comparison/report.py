@@ -1,7 +1,8 @@
 """Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from html import escape
 from pathlib import Path
 from string import Template
@@ -10,12 +11,17 @@ from typing import Final
 import xarray
 from tqdm import tqdm
 
-from contactlab.comparison.findings import conclusion, differences, verdicts
+from contactlab.comparison.causes import settled_of, with_causes
+from contactlab.comparison.findings import conclusion, headline, verdicts
 from contactlab.comparison.reruns import Refined, refined
-from contactlab.comparison.runs import Source, collect
+from contactlab.comparison.runs import ComparisonError, Source, collect
+from contactlab.comparison.samples import Design, Samples, factors_of
 from contactlab.comparison.scorecard import PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
+
+SAMPLES: Final = 32  # rows of a design: a minute or two for three laws
+STARTS: Final = 6
 
 PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
 
@@ -31,29 +37,56 @@ CAPTIONS: Final = {
 
 
 def compare(
-    sources: Sequence[Source], output: str | Path | None = None, *, refine: bool = True
+    sources: Sequence[Source],
+    output: str | Path | None = None,
+    *,
+    refine: bool = True,
+    transient: bool = False,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    ranges: Mapping[str, float] | None = None,
+    announce: Callable[[str], object] = bool,
 ) -> xarray.Dataset:
-    """Compare contact laws in one motor.
+    """Compare contact laws in one motor, once it has settled.
+
+    Every difference is weighed against the numerical error, the resonator's basis, the parameters within
+    their ranges and other starts; `contactlab.comparison.weighing` has the rule.
 
     Args:
         sources: run folders, their datasets, folders of such folders, or runs in memory; all of one
             motor with one drive.
         output: folder for tables, figures and the report; None writes nothing.
-        refine: whether every law is run again at finer steps, with more friction and on a larger basis;
-            what follows from these is not applicable without.
+        refine: whether every law is run again at finer steps, with more friction, on another basis, from
+            other starts and with other parameters; without, nothing is known of what a difference is due to.
+        transient: whether the runs are compared as they were recorded, from their start on.
+        samples: rows of the design in which law, parameters, basis and step are drawn together, a power of
+            two; about six times as many steady states. 0 draws none.
+        starts: from which each law's steady states are looked for.
+        ranges: half the range of a parameter over its value, by full key, beside or in place of what the
+            section `uncertainty` of the runs states; 0 is known exactly.
+        announce: told how long the drawn motors will take, before they are made.
 
     Returns:
         Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
-        `law` and `term`.
+        `law` and `term`, and what `contactlab.comparison.causes.with_causes` adds.
 
     Raises:
-        ComparisonError: the runs cannot be compared; a sentence each.
+        ComparisonError: the runs cannot be compared so; a sentence each.
         OSError: the folder cannot be written to.
     """
-    runs, notes = collect(sources)
+    if samples < 0 or samples & (samples - 1):
+        raise ComparisonError(
+            [f"samples is {samples}; it must be a power of two, or 0 for none. {SAMPLES} is usual."]
+        )
+    runs, notes = collect(sources, transient=transient)
     bar = tqdm(runs, unit=" laws", disable=None, delay=1.0, leave=False)
-    laws = [refined(run) if refine else Refined(run) for run in bar]
+    again = partial(refined, transient=transient, refine=refine, starts=starts)
+    laws = [again(run) for run in bar]
+    drawn = None
+    if refine and not transient:
+        drawn = _drawn(settled_of(laws), samples, ranges or {}, announce)
     data = scorecard(laws, notes)
+    data = data.assign_attrs(first="") if transient else with_causes(data, laws, drawn)
     if output is None:
         return data
     # It brings the plotting.
@@ -61,14 +94,32 @@ def compare(
 
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
-    with whole_netcdf(folder / "metrics.nc") as partial:
-        data.to_netcdf(partial, engine="netcdf4")
+    with whole_netcdf(folder / "metrics.nc") as part:
+        data.to_netcdf(part, engine="netcdf4")
     report = page(data, draw_all(laws, data, folder))
     texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data), "report.html": report}
     for name, text in texts.items():
-        with whole_file(folder / name) as partial:
-            partial.write_text(text, encoding="utf-8")
+        with whole_file(folder / name) as part:
+            part.write_text(text, encoding="utf-8")
     return data
+
+
+def _drawn(
+    laws: Sequence[Refined], count: int, ranges: Mapping[str, float], announce: Callable[[str], object]
+) -> Samples | None:
+    """Let motors settle that are drawn together; none where there is nothing to draw."""
+    if not laws:
+        return None
+    factors = factors_of(laws, ranges)
+    if not count:
+        return None
+    design = Design(laws, factors, count)
+    announce(
+        f"{design.size} motors are drawn and brought to their steady states; that takes about "
+        f"{tqdm.format_interval(design.estimate)}. Fewer by --samples."
+    )
+    bar = tqdm(design.run(), total=design.size, unit=" motors", disable=None, leave=False)
+    return design.samples([*bar])
 
 
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
@@ -79,8 +130,8 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
+        "headline": _list(headline(data)),
         "conclusion": escape(conclusion(data)),
-        "differences": _list(differences(data)),
         "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
         "scorecard": "\n".join(_row(*row) for row in table),
         "pictures": "\n".join(map(_picture, pictures)),

@@ -30,8 +30,12 @@ class ComparisonError(ValueError):
         super().__init__("\n".join(self.faults))
 
 
-def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
+def collect(sources: Sequence[Source], *, transient: bool = False) -> tuple[list[Run], list[str]]:
     """Read the runs, each once, and check that they can be compared.
+
+    Args:
+        sources: where they are.
+        transient: whether they must have lasted as long; settled motors do not know how long they took.
 
     Returns:
         The runs, in the order given, and notes on what could not be checked.
@@ -60,7 +64,7 @@ def collect(sources: Sequence[Source]) -> tuple[list[Run], list[str]]:
             faults.append(str(error))
     labels = [_label(run, runs) for run in runs]
     labelled = [replace(run, label=label) for run, label in zip(runs, labels, strict=True)]
-    if faults := faults or [*_differences(runs)] or [*_repeated(labelled)]:
+    if faults := faults or [*_differences(runs, transient=transient)] or [*_repeated(labelled)]:
         raise ComparisonError(faults)
     return labelled, [*_untold(runs)]
 
@@ -96,7 +100,7 @@ def _read(name: str, source: Path | xarray.DataTree) -> Run:
     return replace(run, source=name, label=run.law or Path(name).stem)
 
 
-def _differences(runs: Sequence[Run]) -> Iterator[str]:
+def _differences(runs: Sequence[Run], *, transient: bool) -> Iterator[str]:
     """Say what sets runs apart other than their laws."""
     said = []
     for key in dict.fromkeys(key for run in runs for key in run.settings):
@@ -104,7 +108,8 @@ def _differences(runs: Sequence[Run]) -> Iterator[str]:
         if section not in FREE:
             told = [run for run in runs if section in run.configuration]
             said.append(_unlike(key, [(run, run.settings.get(key)) for run in told]))
-    said.append(_unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs]))
+    if transient:
+        said.append(_unlike("solver.duration [s]", [(run, float(run.time[-1])) for run in runs]))
     return filter(None, said)
 
 

@@ -13,6 +13,7 @@ from yaml import safe_dump
 
 from contactlab import metrics
 from contactlab.comparison.reruns import Refined
+from contactlab.comparison.settled import QUANTITIES
 from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS, Metric, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.provenance import checkout_state, versions
@@ -103,17 +104,24 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
 def _judged(law: Refined) -> tuple[dict[str, float], dict[str, float]]:
     """Give values and numerical errors by metric."""
     if not law.steps:
-        return metrics.assess(law.run), {}
+        means = dict(zip(QUANTITIES, law.means[-1].values.tolist(), strict=True)) if law.means else {}
+        return metrics.assess(law.best) | means, {}
     steps = [metrics.assess(run) for _, run in law.steps]
     errors = {key: float(law.error([each[key] for each in steps])) for key in steps[-1]}
     found = steps[-1] | metrics.assess_steps(law.steps)
+    if law.means:
+        error = law.error([each.values for each in law.means], each=True) + law.means[-1].errors
+        found |= dict(zip(QUANTITIES, law.means[-1].values.tolist(), strict=True))
+        errors |= dict(zip(QUANTITIES, error.tolist(), strict=True))
     return found | metrics.assess_variants(law.base, **law.variants), errors
 
 
 def _refinement(law: Refined) -> str:
     """Say what the law's values were found at."""
+    if not law.steps:
+        return "the settled motor, steps as recorded" if law.means else "as recorded"
     said = f"{law.control} {', '.join(f'{step:.3g}' for step, _ in law.steps)}"
-    return said if law.steps else "as recorded"
+    return f"the settled motor, {said}" if law.means else said
 
 
 def energy_flow(run: Run) -> dict[str, float]:

@@ -32,6 +32,14 @@ _TOLERANCE = Parameter(
     hint="Leave it out for the solver's own default.",
 )
 _SAMPLES = _said("table whose columns are keys and whose rows are runs")
+_known = partial(
+    Parameter,
+    "",
+    "1",
+    at_least=0.0,
+    below=1.0,
+    hint="It is half of the range over the value; 0 is a value that is known exactly.",
+)
 _CHUNK = _said("runs kept together as they are finished", at_least=1)
 
 
@@ -65,6 +73,23 @@ class Sweep(Checked):
     samples: Annotated[str | None, _SAMPLES] = None
     chunk: Annotated[int | None, _CHUNK] = None
     workers: Annotated[int | None, _said("processes at work", at_least=1)] = None
+
+
+@final
+@dataclass(frozen=True)
+class Uncertainty(Checked):
+    """How well a motor's parameters are known, half a range over the value: no motion depends on it."""
+
+    friction_spread: Annotated[float, _known("of the friction coefficient: dry steel has 0.2 to 0.4")] = 0.33
+    stiffness_spread: Annotated[
+        float,
+        _known(
+            "of contact stiffness: a tip whose radius is half as large, or 1.7 times, has 0.7 or 1.3 of it"
+        ),
+    ] = 0.3
+    clearance_spread: Annotated[
+        float, _known("of the clearance: surfaces that are lapped to 0.2 um and 1 um apart")
+    ] = 0.2
 
 
 Keys: TypeAlias = dict[str, "DeclaredField | Section"]
@@ -138,12 +163,16 @@ GROUPS: Final[dict[str, Section]] = {
     "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor)}}),
     "solver": Section({"default": keys_of(Solver)}),
     "record": Section({"default": keys_of(Record)}),
+    "uncertainty": Section({"default": keys_of(Uncertainty)}),
     "sweep": Section({"default": keys_of(Sweep)}),
 }
 """The groups but that of the laws, in the order of a configuration."""
 
 NOT_OF_A_RUN: Final = frozenset({"sweep"})
-"""The groups that say how runs are made: they may be left out, and a run's own configuration has none."""
+"""The groups that say how runs are made: a run's own configuration has none."""
+
+NO_NUMBERS: Final = NOT_OF_A_RUN | {"uncertainty"}
+"""The groups on which no number of a run depends: they may be left out."""
 
 
 def keys_of_law(owner: Any) -> Keys:

@@ -5,11 +5,7 @@ since a short run is half Python; they are forked where that can be done, with t
 start at once and take over whatever makes the motors.
 """
 
-import gc
 import multiprocessing
-import os
-import signal
-import threading
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -28,6 +24,7 @@ from contactlab.engine import prepare
 from contactlab.engine.callback import is_of_a_signal
 from contactlab.laws import LawError
 from contactlab.metrics import METRICS, Run, assess
+from contactlab.processes import START_METHOD, begin_worker, processors
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.dataset import SERIES
 from contactlab.sweeps.state import Status, status_of
@@ -45,18 +42,9 @@ Report = Callable[[int], object]
 MOST_IN_PIECE: Final = 50
 """Runs that a worker is given at once; four pieces a worker at least, so that all end together."""
 
-START_METHOD: Final = "fork" if "fork" in multiprocessing.get_all_start_methods() else None
-
 
 class WorkerError(RuntimeError):
     """A worker process died; the message is a sentence."""
-
-
-def processors() -> int:
-    """Count the processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @final
@@ -168,22 +156,8 @@ _WORKER: Final[list[Callable[[Sequence[int]], Answers]]] = []
 
 def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
     """Make this process a worker."""
-    # A fork has the command's handlers too: signals to the whole group are for that to answer.
-    for name in ("SIGINT", "SIGUSR1", "SIGUSR2"):
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    # What is there stays as it is: looking it over would copy the memory that a fork shares.
-    gc.freeze()
+    begin_worker()
     _WORKER[:] = [partial(_answers, setup_at, outputs)]
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    """End this process as soon as nobody waits for it any more: a command that is killed tells nobody."""
-    if (parent := multiprocessing.parent_process()) is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _work(cells: Sequence[int]) -> Answers:

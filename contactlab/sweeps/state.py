@@ -19,6 +19,7 @@ from pydantic import TypeAdapter
 
 from contactlab import metrics
 from contactlab.config import Setup
+from contactlab.config.groups import NO_NUMBERS
 from contactlab.fingerprint import Fingerprint, is_own
 from contactlab.laws import law_class
 from contactlab.laws.registry import provenance
@@ -116,7 +117,8 @@ def read_state(folder: Path) -> State | None:
 
 def key_of(setup: Setup) -> str:
     """Give the digest of what a run's numbers depend on: configuration, version, code, whose law it is."""
-    parts = (json.dumps(setup.configuration, sort_keys=True), *_code_of(type(setup.law)))
+    numbers = {group: keys for group, keys in setup.configuration.items() if group not in NO_NUMBERS}
+    parts = (json.dumps(numbers, sort_keys=True), *_code_of(type(setup.law)))
     return sha256("\0".join(parts).encode()).hexdigest()
 
 

@@ -1,0 +1,184 @@
+"""A difference between laws held against all that could explain it: what is the law's, and what is not shown.
+
+A difference is due to the law where it is larger than the largest change that any other cause makes of
+either law's value, and than `CLEAR` times the numerical errors of both. What was not tried may explain it.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+from math import isfinite
+from typing import Final, final
+
+import numpy as np
+import xarray
+
+from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NUMERICAL, PARAMETERS
+from contactlab.metrics import METRICS, Metric
+
+CLEAR: Final = 3.0  # numerical errors beyond which a difference is one between the laws
+SMALL: Final = 0.05  # share of a variance below which a factor does not matter
+
+
+@final
+@dataclass(frozen=True)
+class Weighed:
+    """One quantity of two laws: how far they are apart, and how far each cause moves either.
+
+    Args:
+        metric: the quantity.
+        laws: their labels, that of the smaller value first.
+        values: in the same order, SI.
+        weights: by cause, that of the numerical errors `CLEAR` times their sum; NaN where it is not known.
+        parameters: what was drawn of them, in words.
+        lost: laws whose value does not converge.
+    """
+
+    metric: Metric
+    laws: tuple[str, str]
+    values: tuple[float, float]
+    weights: dict[str, float]
+    parameters: str
+    lost: tuple[str, ...]
+
+    @property
+    def apart(self) -> float:
+        """Difference of the two."""
+        return self.values[1] - self.values[0]
+
+    @property
+    def unknown(self) -> list[str]:
+        """Causes whose weight is not known."""
+        return [cause for cause in CAUSES if not isfinite(self.weights[cause])]
+
+    @property
+    def possible(self) -> list[str]:
+        """Causes that could explain the difference, the largest first."""
+        found = [cause for cause in CAUSES if self.weights[cause] >= self.apart]
+        return sorted(found, key=lambda cause: -self.weights[cause])
+
+    @property
+    def due_to_law(self) -> bool:
+        """Whether the difference stands above everything else."""
+        return self.apart > 0.0 and not self.unknown and not self.possible
+
+    def __str__(self) -> str:
+        name, unit = self.metric.brief[0].upper() + self.metric.brief[1:], self.metric.unit
+        if self.metric.key == "rotor_velocity":
+            name = "Settled rotor velocity"
+        (low, high), (one, other) = self.laws, self.values
+        if self.apart == 0.0:
+            return f"{name}: {one:.3g}{unit} with every law."
+        said = f"{name}: {one:.3g} ({low}) to {other:.3g}{unit} ({high}), {self.apart:.2g} apart."
+        if self.lost:
+            return (
+                f"{said} With {listed(self.lost)} it does not converge: its numerical error is larger than "
+                "itself, and no value is known."
+            )
+        if len(self.unknown) == len(CAUSES):
+            return (
+                f"{said} Nothing is known of what else could explain it, neither numerical errors nor "
+                "basis, parameters and other starts, so it is not shown to be due to the law."
+            )
+        if self.due_to_law:
+            less = sorted(CAUSES, key=lambda cause: -self.weights[cause])
+            named = listed([self._named(cause) for cause in less])
+            return f"{said} It is due to the law: all else moves it less, {named}."
+        parts = []
+        if self.possible:
+            parts.append(f"may be {' or '.join(map(self._named, self.possible))}")
+        if self.unknown:
+            verb = "do" if len(self.unknown) > 1 or PARAMETERS in self.unknown else "does"
+            parts.append(f"was not weighed against what {listed([_WORDS[c] for c in self.unknown])} {verb}")
+        return f"{said} It {', and '.join(parts)}, so it is not shown to be due to the law."
+
+    def _named(self, cause: str) -> str:
+        """Name a cause with its weight."""
+        words = _WORDS[cause]
+        if cause == PARAMETERS:
+            words = f"{self.parameters} within their ranges" if self.parameters else "the parameters"
+        sign = f"{CLEAR:g} times " if cause == NUMERICAL else ""
+        weight = self.weights[cause] / CLEAR if cause == NUMERICAL else self.weights[cause]
+        return f"{words} ({sign}{weight:.2g})"
+
+
+_WORDS: Final = {
+    NUMERICAL: "the numerical error",
+    BASIS: "the basis",
+    PARAMETERS: "the parameters",
+    ATTRACTORS: "the start",
+}
+
+
+def weighed(data: xarray.Dataset) -> list[Weighed]:
+    """Give the laws that are furthest apart, of every quantity that two of them have."""
+    found = []
+    for key in map(str, data["quantity"].values):
+        values = data["value"].sel(metric=key)
+        known = values.where(np.isfinite(values), drop=True)
+        if known.size > 1:
+            found.append(_pair(data, key, str(known.idxmin().item()), str(known.idxmax().item())))
+    return found
+
+
+def pairs(data: xarray.Dataset, key: str = "rotor_velocity") -> list[Weighed]:
+    """Give every two laws that have a quantity."""
+    values = data["value"].sel(metric=key)
+    known = values.where(np.isfinite(values), drop=True).sortby(values)
+    return [_pair(data, key, str(a), str(b)) for a, b in combinations(known["law"].values, 2)]
+
+
+def _pair(data: xarray.Dataset, key: str, low: str, high: str) -> Weighed:
+    """Weigh one quantity of two laws."""
+    # All have one value where the smallest is the largest: then any other law is the second.
+    both = data.sel(law=[low, high])
+    values, of_quantity = both["value"].sel(metric=key).values, both.sel(quantity=key)
+    moved = np.maximum(
+        of_quantity["greatest"].values - values[:, None], values[:, None] - of_quantity["least"].values
+    )
+    # What is not known of one law is not known of both.
+    weights = dict(zip(CAUSES, moved.max(axis=0).tolist(), strict=True))
+    errors = moved[:, CAUSES.index(NUMERICAL)]
+    weights[NUMERICAL] = CLEAR * float(errors.sum())
+    lost = tuple(law for law, x, e in zip((low, high), values, errors, strict=True) if e > abs(x) > 0.0)
+    apart = float(values[1] - values[0])
+    names = listed([name.split(" +-")[0] for name in data.attrs["parameters"].split(", ")])
+    drawn = "" if data.attrs["parameters"] == "nothing" else f"the {names}"
+    return Weighed(
+        METRICS[key],
+        (low, high),
+        (float(values[0]), float(values[1])),
+        weights,
+        drawn,
+        lost if weights[NUMERICAL] >= apart else (),
+    )
+
+
+def shares_said(data: xarray.Dataset) -> str:
+    """Say what the factors have of the variance of the settled velocity; empty where nothing was drawn."""
+    if "total_order" not in data:
+        return ""
+    told = []
+    for name, row in zip(
+        data["factor"].values, data["total_order"].sel(quantity="rotor_velocity").values, strict=True
+    ):
+        share, low, high = (float(x) for x in row)
+        if not isfinite(share):
+            return "The settled rotor velocity is the same whatever is drawn, or too few motors settle."
+        words = f"{name} {share:.2f} ({max(low, 0.0):.2f} to {high:.2f})"
+        told.append((share, f"{words}, cannot tell" if unclear(share, low, high) else words))
+    ordered = [words for _, words in sorted(told, key=lambda pair: -pair[0])]
+    return (
+        "Shares in the variance of the settled rotor velocity, each with what it does together with others "
+        f"and its 95 % interval: {'; '.join(ordered)}."
+    )
+
+
+def unclear(share: float, low: float, high: float) -> bool:
+    """Tell whether an interval is wider than the share that it is of, and not all but zero."""
+    return high - low > abs(share) and high > SMALL
+
+
+def listed(words: "list[str] | tuple[str, ...]") -> str:
+    """Write a list as a sentence does."""
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
