@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.datasheet.electrodes import currents, dielectric_loss
 from contactlab.orbits.period_map import PeriodMap
-from contactlab.orbits.statistics import mean_with_error
+from contactlab.settling.statistics import mean_with_error
 from contactlab.trajectory import Trajectory
 
 Number = tuple[float, float]
