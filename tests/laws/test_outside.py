@@ -205,8 +205,8 @@ IDLE = f"{FRICTION} is set, but law=smooth has no friction coefficient of that n
     "arguments",
     [
         ["law=smooth", f"{FRICTION}=0.2"],
-        ["-m", "law=smooth", f"{FRICTION}=0.1,0.2"],
-        ["-m", "law=smooth", f"{FRICTION}=0.1,0.2", METRICS],
+        pytest.param(["-m", "law=smooth", f"{FRICTION}=0.1,0.2"], marks=pytest.mark.long),
+        pytest.param(["-m", "law=smooth", f"{FRICTION}=0.1,0.2", METRICS], marks=pytest.mark.long),
         ["-m", "law=smooth", f"{FRICTION}=0.2", "contact.clearance=0,1e-6", METRICS],
     ],
 )
@@ -219,7 +219,7 @@ def test_a_friction_coefficient_on_which_nothing_depends_is_refused(
 
 
 def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(elsewhere: Elsewhere) -> None:
-    arguments = ("-m", "law=smooth,hertz_penalty", f"{FRICTION}=0.1,0.2", SHORT)
+    arguments = ("-m", "law=smooth,hertz_penalty", f"{FRICTION}=0.1,0.2", SHORT, "record.picture=false")
     status, _, err = elsewhere.command(*arguments, "hydra.sweep.dir=friction")
     assert status == 0, err
     assert err.count(IDLE) == 1
@@ -241,7 +241,7 @@ def test_a_law_without_it_is_told_of_where_laws_are_compared_over_friction(elsew
         ("leaving", "the law leaving raised SystemExit: 0"),
     ],
 )
-@pytest.mark.parametrize("verb", [(), ("-m",)], ids=["run", "sweep"])
+@pytest.mark.parametrize("verb", [(), pytest.param(("-m",), marks=pytest.mark.long)], ids=["run", "sweep"])
 def test_a_law_that_contradicts_itself_is_refused_before_anything_is_written(
     elsewhere: Elsewhere, name: str, words: str, verb: tuple[str, ...]
 ) -> None:
