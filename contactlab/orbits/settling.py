@@ -33,7 +33,7 @@ SHORTEST_FLIGHT: Final = 0.02
 WATCHED: Final = 0.125
 """Part of an orbit's settling time over which a motor is watched on its way there."""
 
-FORETOLD: Final = 0.1
+FORETOLD: Final = 0.2
 """What the multipliers may miss of the motor's way in this time, in parts of it."""
 
 ARRIVED: Final = 1e-8
