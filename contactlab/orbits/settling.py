@@ -11,7 +11,7 @@ from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.laws import PenaltyLaw
 from contactlab.motor import ModalState, NormalModes
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap, period_of
+from contactlab.orbits.period_map import BELT, BrokenOffError, PeriodMap, period_of
 from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.orbits.steady_state import Steady
 from contactlab.settling.statistics import chaos_indicator, repeats_after, trend
@@ -33,7 +33,7 @@ SHORTEST_FLIGHT: Final = 0.02
 WATCHED: Final = 0.125
 """Part of an orbit's settling time over which a motor is watched on its way there."""
 
-FORETOLD: Final = 0.1
+FORETOLD: Final = 0.2
 """What the multipliers may miss of the motor's way in this time, in parts of it."""
 
 ARRIVED: Final = 1e-8
@@ -196,9 +196,12 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
             f"its velocity, {mean:.4g} rad/s in the mean, has changed by {change:.2g} rad/s. Run it longer, "
             "by `longest`; a load that drives it, without damping of the rotor, may do so for ever."
         )
-    indicator = chaos_indicator(late.series["slip_velocity"][1:])
+    indicator = chaos_indicator(late.series["tip_slope"][1:])
     kind = "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
-    return Steady(setup, kind, 0, late, None, done, clock.belt, phase=clock.phase)
+    # In a contact that lasts, the steps of a rigid law do not divide the period.
+    if count := repeats_after(_strobes(late)[-TAIL:], run.contact_step / clock.period):
+        kind = "periodic"
+    return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
 
 
 def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
@@ -238,6 +241,12 @@ def _section_of(period: Trajectory) -> float | None:
 
 
 def _strobes(run: Trajectory) -> Array:
-    """Give what is recorded of the state once a period, shape (period, quantity)."""
-    names = ("tip_normal_displacement", "tip_slope", "slip_velocity", "rotor_velocity")
-    return np.column_stack([run.series[name][1:] for name in names])
+    """Give what is recorded of the state once a period, in parts of the largest, shape (period, quantity)."""
+    series = {name: values[1:] for name, values in run.series.items()}
+    energy = series["kinetic_energy"] + series["strain_energy"]
+    inertia, most = run.motor.rotor.inertia, float(energy.max())
+    moving = series["rotor_velocity"] * (np.sqrt(0.5 * inertia / most) if inertia < BELT and most else 0.0)
+    tip = np.array([series["tip_normal_displacement"], series["tip_tangential_displacement"]])
+    # One of them may be held by the contact and be no more than round-off.
+    tip /= np.abs(tip).max() or 1.0
+    return np.column_stack([moving, energy / (most or 1.0), *tip])

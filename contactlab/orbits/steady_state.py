@@ -63,11 +63,11 @@ class Steady:
 
     @property
     def closure(self) -> float:
-        """Distance of the orbit that was found from the closed one, |P(z) - z| / (1 - |lambda|) over |z| [1]."""
+        """Distance of what was found from a closed orbit, |P(z) - z| / (1 - |lambda|) over |z| [1]."""
         if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
             return 0.0
         gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
-        return gap / size / max(1.0 - abs(self.orbit.multipliers[0]), np.finfo(float).eps)
+        return gap / size / max(1.0 - float(abs(self.orbit.multipliers[0])), float(np.finfo(float).eps))
 
     def mean(self, rates: Array) -> tuple[float, float]:
         """Give the mean of rates over the record intervals of the motion, and its error.

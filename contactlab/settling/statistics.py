@@ -7,8 +7,11 @@ from scipy.stats import t as student
 
 from contactlab.arrays import Array
 
-WINDOW: Final = 5.0
-"""Times the correlation time over which correlations are summed."""
+WINDOW: Final = 2.5
+"""Times the sum of the correlations over which they are summed, five times their memory."""
+
+MOST_ALIKE: Final = 0.9
+"""Share of a sequence that is alike, beyond which its variance is not told any more."""
 
 CONFIDENCE: Final = 0.95
 
@@ -23,25 +26,28 @@ def mean_with_error(values: Array) -> tuple[float, float]:
     """Give the mean of a stationary sequence and half the width of its 95 % interval.
 
     Values that follow each other are alike for some time; as many count as one as their correlations sum
-    up to, 1 + 2 sum rho_k, over a window of five times that sum.
+    up to, 1 + 2 sum rho_k, over a window that follows from that sum. The mean that is taken off lowers
+    variance and sum, which is put right; the window says how well the sum is known.
 
-    Source: Sokal, in Functional Integration (1997) 131, sec. 3.
+    Source: Sokal, in Functional Integration (1997) 131, sec. 3; Wolff, Comput. Phys. Commun. 156 (2004)
+    143, eqs. 41 to 49.
     """
-    mean = float(values.mean())
+    mean, count = float(values.mean()), values.size
     rest = values - mean
-    variance = float(rest @ rest) / values.size
+    variance = float(rest @ rest) / count
     if variance <= (np.finfo(float).eps * mean) ** 2:
         return mean, 0.0
     # Padded, so that the end does not meet the start.
-    power = np.abs(np.fft.rfft(rest, 2 * values.size)) ** 2
-    correlation = np.fft.irfft(power)[: values.size] / (values.size * variance)
+    power = np.abs(np.fft.rfft(rest, 2 * count)) ** 2
+    correlation = np.fft.irfft(power)[:count] / (count * variance)
     sums = 2.0 * np.cumsum(correlation) - 1.0
-    outside = np.arange(values.size) >= WINDOW * sums
+    outside = np.arange(count) >= WINDOW * sums
+    last = int(outside.argmax()) if outside.any() else count // 2
+    looked = (2.0 * last + 1.0) / count
     # What swings about its mean is taken for independent, which is to the safe side.
-    alike = max(float(sums[outside.argmax() if outside.any() else -1]), 1.0)
-    independent = values.size / alike
-    quantile = student.ppf(0.5 + 0.5 * CONFIDENCE, max(independent - 1.0, 1.0))
-    return mean, float(quantile * np.sqrt(variance / independent))
+    alike = max(float(sums[last]), 1.0) * (1.0 + looked) / count
+    spread = np.sqrt(variance * alike / (1.0 - min(alike, MOST_ALIKE)))
+    return mean, float(student.ppf(0.5 + 0.5 * CONFIDENCE, max(1.0 / looked, 1.0)) * spread)
 
 
 def trend(values: Array) -> tuple[float, float]:
@@ -58,14 +64,12 @@ def repeats_after(states: Array, tolerance: float) -> int:
     """Give the number of periods after which a motion repeats itself, 0 if it does not.
 
     Args:
-        states: one a period, scaled alike, shape (period, quantity); the second half is looked at.
-        tolerance: of the largest difference, in parts of the largest value.
+        states: one a period, shape (period, quantity); the second half is looked at.
+        tolerance: of the largest difference, in the unit of the states.
     """
     late = states[len(states) // 2 :]
-    scale = np.abs(late).max(axis=0)
-    scale[scale == 0.0] = 1.0
     for count in range(1, min(MOST_PERIODS, len(late) - 1) + 1):
-        if np.all(np.abs(late[count:] - late[:-count]) <= tolerance * scale):
+        if np.all(np.abs(late[count:] - late[:-count]) <= tolerance):
             return count
     return 0
 
