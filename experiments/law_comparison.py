@@ -92,7 +92,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         for value in (values[[4, 10]] if short else values)
     ]
     names = list(laws_with(setup, NAMED))
-    judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.threshold]
+    judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.judges_law]
     shape = (len(names), len(points))
     velocity, error, stick = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
     fails = np.zeros((*shape, len(judged)), dtype=np.int8)

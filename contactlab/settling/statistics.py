@@ -3,7 +3,7 @@
 from typing import Final
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from contactlab.arrays import Array
 
@@ -19,13 +19,24 @@ ANGLES: Final = 100
 """Frequencies of the 0-1 test, whose median decides."""
 
 
+REPEATS: Final = 1e-3
+"""Relative difference of states at which a motion is taken for one that repeats itself."""
+
+REGULAR: Final = 0.2
+CHAOTIC: Final = 0.8
+"""Values of the 0-1 test that tell them apart; between them is no telling."""
+
+LEAST_TESTED: Final = 200
+"""Values of the 0-1 test: a tenth of them are the lags of a random walk, and fewer than twenty show none."""
+
+
 def mean_with_error(values: Array) -> tuple[float, float]:
     """Give the mean of a stationary sequence and half the width of its 95 % interval, by batch means.
 
     Source: Law, Simulation Modeling and Analysis (2015), sec. 9.5.3.
     """
     batches = values[values.size % BATCHES :].reshape(BATCHES, -1).mean(axis=1)
-    width = student.ppf(0.5 + 0.5 * CONFIDENCE, BATCHES - 1) * batches.std(ddof=1) / np.sqrt(BATCHES)
+    width = stdtrit(BATCHES - 1, 0.5 + 0.5 * CONFIDENCE) * batches.std(ddof=1) / np.sqrt(BATCHES)
     return float(batches.mean()), float(width)
 
 
@@ -71,3 +82,11 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
         moved -= mean_square * (1.0 - np.cos(c * lags)) / (1.0 - np.cos(c))
         found.append(np.corrcoef(lags, moved)[0, 1])
     return float(np.median(found))
+
+
+def kind_without_period(values: Array) -> str:
+    """Tell what a settled motion that does not repeat itself is; 'irregular' where that cannot be told."""
+    if values.size < LEAST_TESTED:
+        return "irregular"
+    indicator = chaos_indicator(values)
+    return "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
