@@ -15,16 +15,10 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 Measure = Callable[[Any], float]
 
-VERDICTS: Final = (
-    "n/a",
-    "pass",
-    "fail",
-    "-",
-    "settled",
-    "not settled",
-)  # in the order of their flags in a file
+VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled")
+"""In the order of their flags in a file. A metric without a threshold is only reported, and one that judges
+the length of a run, and no law, has words of its own."""
 NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED = VERDICTS
-"""A metric without a threshold is only reported; one of the run's length judges the run, and no law."""
 
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven

@@ -7,12 +7,12 @@ from contactlab.settling.verdict import SHARE
 
 @metric(
     "(|Omega_n - Omega_inf| + error) / max(|Omega_inf|, ripple, swing / 100)",
-    "largest share by which the mean rotor velocity at the end of the run may be off that of the steady state",
+    "largest share by which the mean rotor velocity at the end of a run may be off its steady one",
     bound=SHARE,
     words=(SETTLED, UNSETTLED),
-    reason="laws differ by some per cent in what a motor does when it has settled: what the start has left must "
-    "be less. It is the run that is too short, and no fault of its law; where the velocity is less than its own "
-    "ripple or a hundredth of what it has changed by, those are the scale",
+    reason="laws differ by some per cent in what a motor does when it has settled: what the start has left "
+    "must be less. It is the run that is too short, and no fault of its law; where the velocity is less than "
+    "its own ripple or a hundredth of what it has changed by, those are the scale",
     source="`contactlab.settling`",
 )
 def unsettled_share(run: Run) -> float:
@@ -21,8 +21,8 @@ def unsettled_share(run: Run) -> float:
 
 @metric(
     "Omega_inf",
-    "mean rotor velocity of the steady state, from the exponential approach of the means of whole drive periods "
-    "in the last half of the run",
+    "mean rotor velocity of the steady state, from the exponential approach of the means of whole drive "
+    "periods in the last half of the run",
     "rad s-1",
     source="Seber and Wild (2003), Nonlinear Regression, sec. 5.3",
 )
@@ -50,7 +50,7 @@ def velocity_drift(run: Run) -> float:
 
 @metric(
     "|P_n - P_n-1| / P_n, P = sum p_n of a period",
-    "relative change of the contacts' normal impulse from a drive period to the next",
+    "relative change of the contacts' normal impulse from a period to the next",
 )
 def impulse_drift(run: Run) -> float:
     return run.settling.impulse_drift

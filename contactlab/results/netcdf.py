@@ -131,7 +131,7 @@ def settling_in(tree: xarray.DataTree) -> Settling:
 
 
 def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
-    """Give the drive's period that a dataset's attributes tell, or else its configuration [s]; zero for none."""
+    """Give the drive's period that attributes tell, or else a configuration [s]; zero for none."""
     told = attributes.get("drive_period")
     return float(told) if isinstance(told, int | float | np.number) else period_told(configuration)
 

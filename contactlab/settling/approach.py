@@ -14,8 +14,9 @@ curvature   what is linear near the limit is not far from it. The fit is a step 
             f(x) = dx/dk, whose error is f''/(2 f') distance^2; with f' changing by its own size over what
             x has changed since the start, the swing, it is distance^2 / (2 swing).
 
-Over 300 motors with drawn laws, drives, clearances, frictions, inertias and loads, cut after 32 to 512 periods,
-the error covered the long run's mean in 96 % of those cases in which it was at most half of the velocity.
+Over 178 motors with drawn laws, drives, clearances, frictions, inertias and loads, cut after 32 to 512
+periods of the drive, the error covered the mean of the long run in 96 % of the 1683 cases in which it was at
+most half of the velocity, and in 99.5 % of the 661 that are called settled.
 
 Source: Seber and Wild, Nonlinear Regression (2003), sec. 5.3 (limits of the profile), 6.2 (correlation).
 """
@@ -40,8 +41,8 @@ SLOWEST: Final = 0.1
 that is slower is not to be seen."""
 
 STILL: Final = 1.0
-"""Slowest rate of what shows no trend: had it an approach that takes longer than a window, and so than half of
-all that it has done since the start, that would have shown."""
+"""Slowest rate of what shows no trend: had it an approach that takes longer than a window, half of all that
+it has done since the start, that would have shown."""
 
 FASTEST: Final = 60.0
 """Rate of an approach of which double precision sees nothing at the end of its window."""

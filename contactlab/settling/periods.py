@@ -1,4 +1,4 @@
-"""What a run does in each period of its drive: mean rotor velocity and impulses, from the recorded numbers."""
+"""What a run does in each period of its drive, mean rotor velocity and impulse, from recorded numbers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from contactlab.motor.drive import Drive, NoPeriodError, period_of
 Columns = Mapping[str, NDArray[Any]]
 
 COARSEST: Final = 1.0 / 8.0
-"""Record interval over the period beyond which the rotor's angle between records is not known: the jump of its
-acceleration at a contact makes an error of the change of velocity in a period times an eighth of this."""
+"""Record interval over the period beyond which the rotor's angle between records is not known: the jump of
+its acceleration at a contact makes an error of the velocity's change in a period times an eighth of this."""
 
 CLOCK: Final = 1e-9
 """Part of a period that is round-off of the times."""
@@ -84,18 +84,18 @@ class Recorded:
         names = ("time", "rotor_angle", "rotor_velocity", "gap")
         if missing := [name for name in names if name not in columns]:
             raise UnknownError(f"the run has no {' and no '.join(missing)}")
-        series = [np.asarray(columns[name], dtype=np.float64) for name in names]
+        time, angle, velocity, gap = (np.asarray(columns[name], dtype=np.float64) for name in names)
         starts, impulses, separations = (
             np.asarray(rows.get(name, ()), dtype=np.float64)
             for name in ("start_time", "normal_impulse", "separation_velocity")
         )
         if starts.size != impulses.size:
             raise UnknownError("the run's contacts have no impulse")
-        if not all(np.isfinite(values).all() for values in (*series, starts, impulses)):
+        if not all(np.isfinite(values).all() for values in (time, angle, velocity, gap, starts, impulses)):
             raise UnknownError("some of the run's numbers are not finite")
         cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
-        until = float(starts[cut].min(initial=series[0][-1]))
-        return cls(period, *series, starts[~cut], impulses[~cut], until)
+        until = float(starts[cut].min(initial=time[-1]))
+        return cls(period, time, angle, velocity, gap, starts[~cut], impulses[~cut], until)
 
 
 @final
@@ -150,7 +150,7 @@ def periods_of(run: Recorded, least: int) -> Periods:
     ends = end - length * np.arange(count, -1, -1)
     bins = np.searchsorted(ends, run.start_time, side="right") - 1
     inside = (bins >= 0) & (bins < count)
-    impulse = np.bincount(bins[inside], run.normal_impulse[inside], minlength=count)
+    impulse: Array = np.bincount(bins[inside], run.normal_impulse[inside], count).astype(np.float64)
     records = np.searchsorted(time, ends - CLOCK * length)
     records[-1] = min(records[-1], time.size - 1)
     last = slice(max(int(records[-2]) - 1, 0), int(records[-1]) + 1)

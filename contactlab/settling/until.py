@@ -40,8 +40,8 @@ def check_until_steady(drive: Drive, record_interval: float) -> None:
     most = COARSEST * period_of(drive)
     if record_interval > most:
         raise ValueError(
-            f"record.interval is {record_interval:.6g} s; with solver.until=steady it must be at most an eighth "
-            f"of the drive's period, {most:.6g} s, by which the rotor's mean velocity is known. Record more often."
+            f"record.interval is {record_interval:.6g} s; with solver.until=steady it must be at most "
+            f"{most:.6g} s, an eighth of the drive's period, to tell the rotor's velocity. Record more often."
         )
 
 
@@ -55,9 +55,9 @@ def simulate_until_steady(
     start: dict[str, Any] | None = None,
     **others: Any,
 ) -> Trajectory:
-    """Simulate as `contactlab.engine.simulate` does until the motor has settled, and at most for the duration.
+    """Simulate as `contactlab.engine.simulate` does, until the motor has settled, at most for the duration.
 
-    The run ends on a record: records, contacts, ledger and state are those of the run over the whole duration,
+    The run ends on a record: records, contacts, ledger and state are those of the run over all the duration,
     bit for bit, up to there. One that is still on its way is as long as it was asked for.
 
     Raises:
@@ -111,7 +111,7 @@ def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float],
 
 
 def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
-    """Give a run and that which goes on from it as one; the contact that the cut left is whole in the second."""
+    """Give a run and what goes on from it as one; the contact that was cut is whole in the second."""
     ended = ~np.isnan(first.contacts["separation_velocity"])
 
     def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:

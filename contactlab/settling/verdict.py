@@ -61,7 +61,7 @@ class Settling:
 
     @property
     def share(self) -> float:
-        """Largest share by which the velocity at the end is off its steady one [1]; NaN if that is not known."""
+        """Largest share by which the velocity at the end is off its steady one [1]; NaN if not known."""
         off = abs(self.now - self.velocity) + self.error
         if self.reason or not isfinite(off):
             return nan
@@ -98,8 +98,8 @@ class Settling:
             return f"cannot tell: {self.reason}"
         if not isfinite(self.error):
             return (
-                f"cannot tell: {self.now:.4g} rad/s changes by {abs(self.drift):.2g} rad/s per period, and the "
-                "run does not show where to"
+                f"cannot tell: {self.now:.4g} rad/s at the end changes by {abs(self.drift):.2g} rad/s per "
+                "period, and the run does not show where to"
             )
         return f"cannot tell: {self.now:.4g} rad/s at the end, and {self.estimate} estimated"
 
@@ -123,7 +123,7 @@ class Settling:
         )
 
     def way_out(self, end: float) -> str:
-        """Say how a motor that has not settled by the end of a run [s] may; empty where that is no question."""
+        """Say how a motor that has not settled by the end of a run [s] may; empty where it has."""
         if self.verdict == SETTLED or not self.longer:
             return ""
         longer = f"solver.until=steady solver.duration={10.0 * end:.1g}"
@@ -153,7 +153,7 @@ def with_error(value: float, error: float) -> str:
 
 
 def settling_of(columns: Columns, rows: Columns, period: float) -> Settling:
-    """Judge a run by its series over time, its contacts (`contactlab.variables`) and its drive's period [s]."""
+    """Judge a run by its series, its contacts (see `contactlab.variables`) and its drive's period [s]."""
     try:
         run = periods_of(Recorded.of(columns, rows, period), LEAST_VALUES)
     except UnknownError as unknown:
