@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final, get_args
 
 import xarray
 
@@ -16,6 +16,7 @@ from contactlab.metrics import read_run
 from contactlab.motor import Motor
 from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
+from contactlab.settling.until import Until
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 
@@ -30,8 +31,9 @@ KEYS: Final = {
     "record_interval": ("record", "interval"),
     "contact_step": ("solver", "contact_step"),
     "tolerance": ("solver", "tolerance"),
+    "until": ("solver", "until"),
 }
-"""Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
+"""Where a configuration holds the settings of a run, in the order of the arguments of `simulate`."""
 
 
 @final
@@ -128,6 +130,7 @@ def simulate(
     record_interval: float | None = None,
     contact_step: float | None = None,
     tolerance: float | None = None,
+    until: Until | None = None,
     start: Solution | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
@@ -145,6 +148,8 @@ def simulate(
         contact_step: step of a rigid law, or longest step of a compliant one [s]; the law's default, or less
             where the tip has fast modes.
         tolerance: error of a step of a compliant law [1]; the engine's default. Rigid laws have none.
+        until: 'steady' ends the run once the motor has settled, and at the latest after the duration;
+            'duration' is the default.
         start: a run whose end is this one's start: in two parts or in one, a motor does the same to the last
             bit, as long as motor, law and numbers are the same.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
@@ -158,10 +163,14 @@ def simulate(
         contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
     """
     numbers = (duration, record_interval, contact_step, tolerance)
-    given = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
+    given: dict[str, Any] = {name: x for name, x in zip(KEYS, numbers, strict=False) if x is not None}
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
         given[name] = float(value)
+    if until is not None:
+        if until not in get_args(Until):
+            raise ValueError(f"until is {until!r}; it must be {' or '.join(map(repr, get_args(Until)))}.")
+        given["until"] = until
     if start is not None:
         check_kind("The start", start, Solution)
         if not start.state:

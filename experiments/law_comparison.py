@@ -110,7 +110,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         (key, float(value)) for key, values in SWEEPS.items() for value in (values[[4]] if short else values)
     ]
     names = list(laws_with(setup, NAMED))
-    judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.threshold]
+    judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.judges_law]
     task = partial(at_point, setup, 100 if short else LONGEST)
     if short:
         found = [*map(task, points)]

@@ -60,7 +60,7 @@ def _difference(metric: Metric, cells: dict[str, Cell]) -> str:
 
 def verdicts(data: xarray.Dataset) -> dict[str, list[str]]:
     """Say of every law what it passes, and what it fails with value, bound and reason."""
-    judged = [(metric, cells) for metric, cells in rows(data) if metric.threshold]
+    judged = [(metric, cells) for metric, cells in rows(data) if metric.judges_law]
     said = {}
     for label in map(str, data["law"].values):
         found = [cells[label].verdict for _, cells in judged]

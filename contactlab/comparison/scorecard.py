@@ -19,7 +19,8 @@ from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.provenance import checkout_state, versions
 
 EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
-FLAGS: Final = "not_applicable pass fail reported"  # `VERDICTS` as words of the CF conventions
+FLAGS: Final = "not_applicable pass fail reported settled not_settled"
+"""`VERDICTS` as words of the CF conventions."""
 
 ENERGY_TERMS: Final = {
     "damping_loss": "viscous damping",

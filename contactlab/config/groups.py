@@ -19,6 +19,7 @@ from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
+from contactlab.settling.until import Until
 
 _Names = list[str] | str | None
 _said = partial(Parameter, "", "1")
@@ -31,6 +32,7 @@ _TOLERANCE = Parameter(
     at_most=1e-2,
     hint="Leave it out for the solver's own default.",
 )
+_UNTIL = _said("end at the duration, or when the motor has settled, then at the latest")
 _SAMPLES = _said("table whose columns are keys and whose rows are runs")
 _known = partial(
     Parameter,
@@ -49,6 +51,7 @@ class Solver(Checked):
     """How long and how finely to integrate."""
 
     duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
+    until: Annotated[Until, _UNTIL] = "duration"
     contact_step: Annotated[float | None, _STEP] = None
     tolerance: Annotated[float | None, _TOLERANCE] = None
 
@@ -167,6 +170,9 @@ GROUPS: Final[dict[str, Section]] = {
     "sweep": Section({"default": keys_of(Sweep)}),
 }
 """The groups but that of the laws, in the order of a configuration."""
+
+ADDED: Final = frozenset({"solver.until"})
+"""Keys that configurations of earlier versions lack, which ran as their defaults say."""
 
 NOT_OF_A_RUN: Final = frozenset({"sweep"})
 """The groups that say how runs are made: a run's own configuration has none."""

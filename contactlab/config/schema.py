@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 from contactlab.checks import SMALLEST_STEP, is_kind
 from contactlab.config.faults import ConfigurationError, unknown_key
-from contactlab.config.groups import GROUPS, NO_NUMBERS, Keys, Section, keys_of_law, known_keys, laws
+from contactlab.config.groups import ADDED, GROUPS, NO_NUMBERS, Keys, Section, keys_of_law, known_keys, laws
 from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
@@ -67,7 +67,9 @@ class Examination:
             key = f"{before}{name}"
             try:
                 if name not in given:
-                    if key not in NO_NUMBERS:
+                    if key in ADDED and isinstance(below, DeclaredField):
+                        values[name] = below.default
+                    elif key not in NO_NUMBERS:
                         raise UnitError(f"{key} is missing; it must be given. Add it to the configuration.")
                 elif isinstance(below, Section):
                     values[name] = {}

@@ -30,6 +30,7 @@ from contactlab.motor import (
     Rotor,
     Steel,
 )
+from contactlab.settling.until import STEADY, Until, check_until_steady, simulate_until_steady
 from contactlab.trajectory import Trajectory
 
 RESONANCE = 1e-9
@@ -49,6 +50,7 @@ class Setup:
         contact_step: largest step in contact [s], the default of law and motor where none was given.
         tolerance: relative tolerance in contact [1]; None for a law that takes none.
         configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
+        until: 'duration', or 'steady' to end once the motor has settled, at the latest after the duration.
     """
 
     motor: Motor
@@ -58,11 +60,13 @@ class Setup:
     contact_step: float
     tolerance: float | None
     configuration: dict[str, Any]
+    until: Until = "duration"
 
     def run(self, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own."""
         names = ("duration", "record_interval", "contact_step", "tolerance")
-        return simulate(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
+        run = simulate_until_steady if self.until == STEADY else simulate
+        return run(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
 
 
 def build(configuration: Values | Sequence[str] = ()) -> Setup:
@@ -92,6 +96,8 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         drive["frequency"] = float(modes.natural_frequency[0])
     tones = _two_mode(**drive)
     _refuse_undamped_resonance(first, tones, modes)
+    if solver["until"] == STEADY:
+        _refuse_unseen_periods(tones, resolved["record"]["interval"])
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -161,6 +167,13 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
         if told.startswith(f"{name}: "):
             sentence = f"law.{told.removeprefix(f'{name}: ')}"
         raise ConfigurationError([sentence]) from error
+
+
+def _refuse_unseen_periods(drive: Drive, interval: float) -> None:
+    try:
+        check_until_steady(drive, interval)
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error
 
 
 def _refuse_undamped_resonance(given: float | None, drive: Drive, modes: NormalModes) -> None:

@@ -3,7 +3,7 @@
 The catalogues keep the order of the modules that are imported here, and of the functions in them.
 """
 
-from contactlab.metrics import balances, constraints, response
+from contactlab.metrics import balances, constraints, response, settled
 from contactlab.metrics.catalogue import (
     FAIL,
     INVARIANTS,

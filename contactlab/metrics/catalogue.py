@@ -15,8 +15,10 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 Measure = Callable[[Any], float]
 
-VERDICTS: Final = ("n/a", "pass", "fail", "-")  # in the order of their flags in a file
-NOT_APPLICABLE, PASS, FAIL, REPORTED = VERDICTS  # a metric without a threshold is only reported
+VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled")
+"""In the order of their flags in a file. A metric without a threshold is only reported, and one that judges
+the length of a run, and no law, has words of its own."""
+NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED = VERDICTS
 
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
@@ -34,6 +36,7 @@ class Metric:
     meaning: str
     units: str  # SI, in the words of the CF conventions; "1" without
     bound: float = inf  # the largest value that passes; infinite where it is only reported
+    words: tuple[str, str] = (PASS, FAIL)  # up to the bound and beyond it
     reason: str = ""  # for the bound
     source: str = ""
     invariant: bool = False  # holds whatever the law: where it fails, the solver or the file is wrong
@@ -44,6 +47,11 @@ class Metric:
     def threshold(self) -> str:
         """What the value must be, "<= 0.01"; empty for a number that is only reported."""
         return f"<= {self.bound:g}" if isfinite(self.bound) else ""
+
+    @property
+    def judges_law(self) -> bool:
+        """Whether a value beyond its bound is held against the law."""
+        return bool(self.threshold) and FAIL in self.words
 
     @property
     def brief(self) -> str:
@@ -61,12 +69,12 @@ class Metric:
         return self.unit and f" [{self.unit[1:]}]"
 
     def verdict(self, value: float) -> str:
-        """Give PASS, FAIL, NOT_APPLICABLE for a NaN, or REPORTED."""
+        """Give one of its `words`, NOT_APPLICABLE for a NaN, or REPORTED."""
         if isnan(value):
             return NOT_APPLICABLE
         if not self.threshold:
             return REPORTED
-        return PASS if value <= self.bound else FAIL
+        return self.words[value > self.bound]
 
 
 METRICS: Final[dict[str, Metric]] = {}  # of one run

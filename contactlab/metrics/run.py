@@ -17,7 +17,9 @@ from contactlab.arrays import Array
 from contactlab.config.nesting import flat
 from contactlab.laws.registry import PARTS, law_class
 from contactlab.results.files import damage
-from contactlab.results.netcdf import configuration_of
+from contactlab.results.netcdf import configuration_of, period_in
+from contactlab.settling.periods import drive_period
+from contactlab.settling.verdict import Settling, settling_of
 from contactlab.trajectory import Trajectory
 from contactlab.variables import Variable
 
@@ -95,6 +97,7 @@ class Run:
             law=trajectory.law.name,
             law_parameters=trajectory.law.describe(),
             contact_step=trajectory.contact_step,
+            attributes={"drive_period": drive_period(trajectory.motor.drive)},
             sound=trajectory.ending.reached_end,
         )
 
@@ -120,6 +123,11 @@ class Run:
             return 1.0 / self.setting("drive.frequency")
         except (NotApplicableError, ZeroDivisionError):
             return 0.0
+
+    @cached_property
+    def settling(self) -> Settling:
+        """Whether the motor has settled, and to what."""
+        return settling_of(self.columns, self.rows, period_in(self.attributes, self.configuration))
 
     def holds(self, *names: str) -> bool:
         """Tell whether all of these stand at the root."""

@@ -14,7 +14,7 @@ from contactlab.motor import ModalState, NormalModes
 from contactlab.orbits.period_map import BELT, BrokenOffError, PeriodMap, period_of
 from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.orbits.steady_state import Steady
-from contactlab.settling.statistics import chaos_indicator, repeats_after, trend
+from contactlab.settling.statistics import REPEATS, repeats_after, trend
 from contactlab.trajectory import Ending, Trajectory
 
 FORGOTTEN: Final = 1e-3
@@ -39,20 +39,14 @@ FORETOLD: Final = 0.2
 ARRIVED: Final = 1e-8
 """Distance from an orbit, in parts of its state, at which a motor is there."""
 
-REPEATS: Final = 1e-3
-"""Relative difference of states at which a motion is taken for one that repeats itself."""
-
 SETTLED: Final = 1e-9
-"""The same for a motion that has done so, though no orbit was found; over this many periods:"""
+"""Relative difference of states of a motion that repeats itself, though no orbit was found; over this many
+periods:"""
 
 TAIL: Final = 48
 
 SAME: Final = 1e-6
 """And for two cycles of an orbit that are one."""
-
-REGULAR: Final = 0.2
-CHAOTIC: Final = 0.8
-"""Values of the 0-1 test that tell them apart; between them is no telling."""
 
 DRIFT: Final = 3.0
 """Errors by which the halves of a long run may differ."""

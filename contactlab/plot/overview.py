@@ -18,8 +18,9 @@ from contactlab.arrays import Array
 from contactlab.plot.recording import COLUMNS, Recording, drawable, envelope, extent, recording_of, steps
 from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
-from contactlab.results.netcdf import reached_end
+from contactlab.results.netcdf import reached_end, settling_in
 from contactlab.results.summary import prefixed, prefixed_unit
+from contactlab.settling.verdict import UNTOLD, Settling
 
 DENSE: Final[dict[Any, Any]] = STYLE | {
     "figure.dpi": 300,
@@ -77,6 +78,7 @@ def draw_overview(tree: xarray.DataTree) -> Figure:
         force = figure.add_subplot(below[1], sharex=gap)
         _draw_title(figure, run.series, run.contacts.sizes["contact"])
         _draw_velocity(velocity, run)
+        _draw_steady(velocity, settling_in(tree))
         _draw_path(path, window)
         _draw_gap(gap, window)
         _draw_force(force, window)
@@ -141,6 +143,23 @@ def _draw_velocity(axes: Axes, run: Recording) -> None:
         axes.set_xlim(time[0] / scale, time[-1] / scale)
     axes.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")
+
+
+def _draw_steady(axes: Axes, settling: Settling) -> None:
+    """Draw the estimated velocity of the steady state with its error, and say whether the run came there."""
+    words = settling.short.replace("-", "\u2212").replace("+\u2212", "\u00b1")
+    axes.set_title(words, loc="right", fontsize=7, pad=4)
+    if settling.verdict == UNTOLD:
+        return
+    low, high = axes.get_ylim()
+    room = 0.04 * (high - low)
+    axes.axhspan(
+        settling.velocity - settling.error, settling.velocity + settling.error,
+        color=COLOURS["rotor"], linewidth=0.0, zorder=0,
+    )  # fmt: skip
+    axes.axhline(settling.velocity, color="0.35", linewidth=0.6, linestyle=(0, (6, 4)))
+    # A wide band shall not press the run together.
+    axes.set_ylim(min(low, settling.velocity - room), max(high, settling.velocity + room))
 
 
 def _draw_path(axes: Axes, window: Recording) -> None:

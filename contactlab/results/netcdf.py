@@ -23,6 +23,8 @@ from contactlab.laws.registry import provenance
 from contactlab.motor import Motor
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import checkout_state, code_digest, versions
+from contactlab.settling.periods import drive_period, period_told
+from contactlab.settling.verdict import Settling, settling_of
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import Variable
 
@@ -120,6 +122,20 @@ def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
+def settling_in(tree: xarray.DataTree) -> Settling:
+    """Judge whether the motor of a dataset has settled, from its numbers; they may be those of anybody."""
+    root = tree.to_dataset(inherit=False).variables
+    contacts = tree.children.get("contacts", xarray.DataTree()).to_dataset(inherit=False).variables
+    columns, rows = ({str(k): v.values for k, v in group.items()} for group in (root, contacts))
+    return settling_of(columns, rows, period_in(tree.attrs, configuration_of(tree)))
+
+
+def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
+    """Give the drive's period that attributes tell, or else a configuration [s]; zero for none."""
+    told = attributes.get("drive_period")
+    return float(told) if isinstance(told, int | float | np.number) else period_told(configuration)
+
+
 def write_tree(tree: xarray.DataTree, path: Path) -> str:
     """Write what `to_datatree` gives to a netCDF-4 file, whole or not at all, and give its digest.
 
@@ -175,6 +191,8 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
     law = trajectory.law
     code = versions()
     revision, dirty = checkout_state()
+    period = drive_period(trajectory.motor.drive)
+    columns = {**trajectory.series, variables.TIME.name: trajectory.time}
     return {
         "Conventions": "CF-1.11",
         "title": TITLE + law.title,
@@ -191,6 +209,8 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "code_digest": code_digest(),
         "git_revision": revision,
         "git_dirty": dirty,
+        "drive_period": period,
+        **settling_of(columns, trajectory.contacts, period).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "ending": Ending(trajectory.ending).name.lower(),
         "message": trajectory.message,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from contactlab.results.netcdf import TITLE, configuration_of, reached_end
+from contactlab.results.netcdf import TITLE, configuration_of, reached_end, settling_in
 
 
 def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
@@ -35,10 +35,12 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
     # Plus nothing: a rotor at rest has no sign.
     velocity = float(root["rotor_velocity"][-1]) + 0.0
     peak = float(np.max(contacts["peak_normal_force"].values, initial=0.0))
+    settling = settling_in(tree)
     lines = {
         "law": _law(attributes),
         "contacts": _contacts(tree, contacts),
         "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
+        "steady state": f"{settling.sentence}. {settling.way_out(end)}".rstrip(),
         "peak normal force": f"{peak:.4g} N",
     }
     if root["load_work"].values.any():

@@ -3,7 +3,7 @@
 from typing import Final
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from contactlab.arrays import Array
 
@@ -20,6 +20,17 @@ MOST_PERIODS: Final = 16
 
 ANGLES: Final = 100
 """Frequencies of the 0-1 test, whose median decides."""
+
+
+REPEATS: Final = 1e-3
+"""Relative difference of states at which a motion is taken for one that repeats itself."""
+
+REGULAR: Final = 0.2
+CHAOTIC: Final = 0.8
+"""Values of the 0-1 test that tell them apart; between them is no telling."""
+
+LEAST_TESTED: Final = 200
+"""Values of the 0-1 test: a tenth of them are the lags of a random walk, and fewer than twenty show none."""
 
 
 def mean_with_error(values: Array) -> tuple[float, float]:
@@ -47,7 +58,7 @@ def mean_with_error(values: Array) -> tuple[float, float]:
     # What swings about its mean is taken for independent, which is to the safe side.
     alike = max(float(sums[last]), 1.0) * (1.0 + looked) / count
     spread = np.sqrt(variance * alike / (1.0 - min(alike, MOST_ALIKE)))
-    return mean, float(student.ppf(0.5 + 0.5 * CONFIDENCE, max(1.0 / looked, 1.0)) * spread)
+    return mean, float(stdtrit(max(1.0 / looked, 1.0), 0.5 + 0.5 * CONFIDENCE) * spread)
 
 
 def trend(values: Array) -> tuple[float, float]:
@@ -100,3 +111,11 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
         moved -= mean_square * (1.0 - np.cos(c * lags)) / (1.0 - np.cos(c))
         found.append(np.corrcoef(lags, moved)[0, 1])
     return float(np.median(found))
+
+
+def kind_without_period(values: Array) -> str:
+    """Tell what a settled motion that does not repeat itself is; 'irregular' where that cannot be told."""
+    if values.size < LEAST_TESTED:
+        return "irregular"
+    indicator = chaos_indicator(values)
+    return "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"

@@ -25,6 +25,7 @@ from contactlab.engine.callback import is_of_a_signal
 from contactlab.laws import LawError
 from contactlab.metrics import METRICS, Run, assess
 from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.dataset import SERIES
 from contactlab.sweeps.state import Status, status_of
@@ -187,7 +188,8 @@ def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
     try:
         setup = setup_at(cell)
-        run = setup.run(record_interval=setup.record_interval if outputs.sampled else setup.duration)
+        sampled = outputs.sampled or setup.until == STEADY
+        run = setup.run(record_interval=setup.record_interval if sampled else setup.duration)
         status, reason = status_of(run.ending), run.message
         if run.ending.reached_end:
             metrics = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)

@@ -11,7 +11,7 @@ from contactlab import variables
 from contactlab.laws import HertzPenalty
 from contactlab.motor import RitzResonator
 from contactlab.motor.drive import Drive
-from contactlab.motor.motor import Motor
+from contactlab.motor.motor import ModalState, Motor
 from contactlab.trajectory import Ending, Trajectory
 
 Array = NDArray[np.float64]
@@ -60,6 +60,7 @@ def synthetic_trajectory(
         statistics={"free_flights": starts.size + 1, "contact_steps": 30 * starts.size},
         ending=ending,
         message=message,
+        final=ModalState(*np.zeros((2, 0))),
     )
 
 

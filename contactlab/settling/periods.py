@@ -1,0 +1,185 @@
+"""What a run does in each period of its drive, mean rotor velocity and impulse, from recorded numbers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import floor
+from typing import Any, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.arrays import Array
+from contactlab.motor.drive import Drive, NoPeriodError, period_of
+
+Columns = Mapping[str, NDArray[Any]]
+
+COARSEST: Final = 1.0 / 8.0
+"""Record interval over the period beyond which the rotor's angle between records is not known: the jump of
+its acceleration at a contact makes an error of the velocity's change in a period times an eighth of this."""
+
+CLOCK: Final = 1e-9
+"""Part of a period that is round-off of the times."""
+
+
+def drive_period(drive: Drive) -> float:
+    """Give the period of a drive [s]; zero where it has none."""
+    try:
+        return period_of(drive)
+    except NoPeriodError:
+        return 0.0
+
+
+def period_told(configuration: Mapping[str, Any]) -> float:
+    """Give the period of the drive that a configuration tells [s]; of its first tone where it has no second.
+
+    Zero where there is none.
+    """
+    told = configuration.get("drive")
+    told = told if isinstance(told, Mapping) else {}
+    try:
+        return drive_period(Drive.two_mode(**told))
+    except (TypeError, ValueError):
+        first = told.get("frequency")
+        return 1.0 / first if isinstance(first, int | float) and first > 0.0 else 0.0
+
+
+class UnknownError(ValueError):
+    """The numbers do not tell whether a motor has settled; the message goes on from 'cannot tell:'.
+
+    Args:
+        reason: the message.
+        longer: whether a longer run would tell.
+    """
+
+    def __init__(self, reason: str, *, longer: bool = False) -> None:
+        super().__init__(reason)
+        self.longer = longer
+
+
+@final
+@dataclass(frozen=True)
+class Recorded:
+    """The columns of a run that tell what it does in a period, SI.
+
+    Args:
+        period: of the drive [s]; zero where there is none.
+        time, angle, velocity: of the rotor at the records.
+        gap: at the records.
+        start_time, normal_impulse: a number a contact, of those that have ended.
+        whole_until: time from which on a contact lasts that has not [s]; the end where there is none.
+    """
+
+    period: float
+    time: Array
+    angle: Array
+    velocity: Array
+    gap: Array
+    start_time: Array
+    normal_impulse: Array
+    whole_until: float
+
+    @classmethod
+    def of(cls, columns: Columns, rows: Columns, period: float) -> "Recorded":
+        """Take them out of the series and the contacts of a run; an UnknownError names what is not there."""
+        names = ("time", "rotor_angle", "rotor_velocity", "gap")
+        if missing := [name for name in names if name not in columns]:
+            raise UnknownError(f"the run has no {' and no '.join(missing)}")
+        time, angle, velocity, gap = (np.asarray(columns[name], dtype=np.float64) for name in names)
+        starts, impulses, separations = (
+            np.asarray(rows.get(name, ()), dtype=np.float64)
+            for name in ("start_time", "normal_impulse", "separation_velocity")
+        )
+        if starts.size != impulses.size:
+            raise UnknownError("the run's contacts have no impulse")
+        if not all(np.isfinite(values).all() for values in (time, angle, velocity, gap, starts, impulses)):
+            raise UnknownError("some of the run's numbers are not finite")
+        cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
+        until = float(starts[cut].min(initial=time[-1]))
+        return cls(period, time, angle, velocity, gap, starts[~cut], impulses[~cut], until)
+
+
+@final
+@dataclass(frozen=True)
+class Periods:
+    """Whole periods of the drive, counted back from the end.
+
+    They begin in the middle of the longest pause between touch-downs, so that none is counted now here, now
+    there.
+
+    Args:
+        length: of a period [s].
+        velocity: mean rotor velocity of each [rad/s].
+        ripple: range of the rotor velocity within the last [rad/s].
+        least_gap: of each [m].
+        impulse: normal impulse of the contacts that begin in each [N s].
+    """
+
+    length: float
+    velocity: Array
+    ripple: float
+    least_gap: Array
+    impulse: Array
+
+
+def periods_of(run: Recorded, least: int) -> Periods:
+    """Take a run apart into at least so many periods.
+
+    The angle at the ends of a period is Hermite's polynomial between the records around it, and the impulses
+    are those of whole contacts: neither depends on where the records fall.
+
+    Raises:
+        UnknownError: the drive has no period, the records are too far apart, or the run is too short.
+    """
+    length, time = run.period, run.time
+    if not length > 0.0:
+        raise UnknownError("the drive has no period")
+    widest = float(np.diff(time).max(initial=0.0))
+    if widest > COARSEST * length:
+        raise UnknownError(
+            f"records lie {widest:.3g} s apart, more than an eighth of the drive's period, {length:.3g} s; a "
+            "smaller record.interval tells"
+        )
+    late = run.start_time[run.start_time > 0.5 * (time[0] + time[-1])]
+    end = float(time[-1]) - _pause((time[-1] - late) / length) * length
+    # The impulse of a contact that the end cuts is not whole.
+    end -= length if end > run.whole_until else 0.0
+    count = floor((end - time[0]) / length + CLOCK)
+    if count < least:
+        words = f"the run has {max(count, 0)} whole periods of the drive, and it takes {least} to tell"
+        raise UnknownError(words, longer=True)
+    ends = end - length * np.arange(count, -1, -1)
+    bins = np.searchsorted(ends, run.start_time, side="right") - 1
+    inside = (bins >= 0) & (bins < count)
+    impulse: Array = np.bincount(bins[inside], run.normal_impulse[inside], count).astype(np.float64)
+    records = np.searchsorted(time, ends - CLOCK * length)
+    records[-1] = min(records[-1], time.size - 1)
+    last = slice(max(int(records[-2]) - 1, 0), int(records[-1]) + 1)
+    return Periods(
+        length,
+        np.diff(_angle_at(run, ends)) / length,
+        float(np.ptp(run.velocity[last])),
+        np.minimum.reduceat(run.gap, records[:-1]),
+        impulse,
+    )
+
+
+def _pause(phases: Array) -> float:
+    """Give the middle of the longest pause between touch-downs, in periods before the end."""
+    phases = np.sort(phases % 1.0)
+    if not phases.size:
+        return 0.0
+    pauses = np.diff(np.append(phases, phases[0] + 1.0))
+    longest = int(pauses.argmax())
+    return float((phases[longest] + 0.5 * pauses[longest]) % 1.0)
+
+
+def _angle_at(run: Recorded, times: Array) -> Array:
+    """Give the rotor's angle at times between records, by Hermite's cubic."""
+    after = np.clip(np.searchsorted(run.time, times), 1, run.time.size - 1)
+    before = after - 1
+    step = run.time[after] - run.time[before]
+    x = np.clip((times - run.time[before]) / step, 0.0, 1.0)
+    rise = run.angle[after] - run.angle[before]
+    first, second = step * run.velocity[before], step * run.velocity[after]
+    cubic = first + x * (3.0 * rise - 2.0 * first - second + x * (first + second - 2.0 * rise))
+    return np.asarray(run.angle[before] + x * cubic)

@@ -1,0 +1,131 @@
+"""Run a motor until it has settled: the run that was never cut, up to where it ends.
+
+It goes on in stretches from the state that each leaves, and is judged after every one, so that it takes no
+memory for what does not come.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import count
+from math import ceil
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.engine.simulation import ON_GRID, simulate
+from contactlab.laws import ContactLaw
+from contactlab.motor import Drive, Motor
+from contactlab.motor.drive import period_of
+from contactlab.settling.approach import LEAST_VALUES
+from contactlab.settling.periods import COARSEST
+from contactlab.settling.verdict import SETTLED, settling_of
+from contactlab.trajectory import Trajectory
+
+Until = Literal["duration", "steady"]
+"""What a run lasts until: its duration, or at most that."""
+
+STEADY: Final = "steady"
+
+GROWTH: Final = 1.25
+"""Of a run from a look to the next: it is too long by less than this, and a look costs a few ms."""
+
+
+def check_until_steady(drive: Drive, record_interval: float) -> None:
+    """Refuse what a run that shall end when it has settled cannot tell that by.
+
+    Raises:
+        ValueError: the drive does not repeat itself, or the records are too far apart; a sentence.
+    """
+    most = COARSEST * period_of(drive)
+    if record_interval > most:
+        raise ValueError(
+            f"record.interval is {record_interval:.6g} s; with solver.until=steady it must be at most "
+            f"{most:.6g} s, an eighth of the drive's period, to tell the rotor's velocity. Record more often."
+        )
+
+
+def simulate_until_steady(
+    motor: Motor,
+    law: ContactLaw,
+    *,
+    duration: float,
+    record_interval: float,
+    progress: Callable[[float], None] | None = None,
+    start: dict[str, Any] | None = None,
+    **others: Any,
+) -> Trajectory:
+    """Simulate as `contactlab.engine.simulate` does, until the motor has settled, at most for the duration.
+
+    The run ends on a record: records, contacts, ledger and state are those of the run over all the duration,
+    bit for bit, up to there. One that is still on its way is as long as it was asked for.
+
+    Raises:
+        ValueError: as of `contactlab.engine.simulate` and of `check_until_steady`.
+    """
+    check_until_steady(motor.drive, record_interval)
+    period = period_of(motor.drive)
+    begin = float(start["end"]) if start else 0.0
+    run, look = None, (LEAST_VALUES + 2) * period
+    while True:
+        done = float(start["end"]) - begin if start else 0.0
+        # Nearly the whole of it is the whole: no stretch is so short that a step does not fit in.
+        last = GROWTH * look >= duration
+        ahead = duration - done if last else _to_record(start, record_interval, begin + look)
+        piece = simulate(
+            motor,
+            law,
+            duration=ahead,
+            record_interval=min(record_interval, ahead),
+            progress=progress if run is None else _without_zero(progress),
+            start=start,
+            **others,
+        )
+        run = piece if run is None else _joined(run, piece)
+        start = piece.state
+        if last or not piece.ending.reached_end or _has_settled(run, period):
+            return run
+        look *= GROWTH
+
+
+def _to_record(start: dict[str, Any] | None, interval: float, until: float) -> float:
+    """Give the time that a run has to go on to end on the first record from then on, to the last bit."""
+    now, origin = (float(start["end"]), float(start["origin"])) if start else (0.0, 0.0)
+    if start and abs(now - (origin + round((now - origin) / interval) * interval)) > ON_GRID * interval:
+        origin = now
+    for number in count(ceil((until - origin) / interval)):
+        end = origin + number * interval
+        if now + (end - now) == end:
+            break
+    return end - now
+
+
+def _has_settled(run: Trajectory, period: float) -> bool:
+    columns = {**run.series, "time": run.time}
+    return settling_of(columns, run.contacts, period).verdict == SETTLED
+
+
+def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:
+    """Give the progress of a run that goes on: that the engine is compiled was told before."""
+    return progress and (lambda time: progress(time) if time > 0.0 else None)
+
+
+def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
+    """Give a run and what goes on from it as one; the contact that was cut is whole in the second."""
+    ended = ~np.isnan(first.contacts["separation_velocity"])
+
+    def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:
+        return np.concatenate((before[:-1], after))
+
+    return replace(
+        second,
+        duration=first.duration + second.duration,
+        record_interval=first.record_interval,
+        time=both(first.time, second.time),
+        series={name: both(values, second.series[name]) for name, values in first.series.items()},
+        contact_mode=both(first.contact_mode, second.contact_mode),
+        contacts={
+            name: np.concatenate((values[ended], second.contacts[name]))
+            for name, values in first.contacts.items()
+        },
+    )

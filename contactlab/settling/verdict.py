@@ -1,0 +1,200 @@
+"""Whether a run has settled, to which velocity and in what kind of motion, and how that is said."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import floor, isfinite, isnan, log10, nan
+from typing import Any, Final, final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.settling.approach import LEAST_VALUES, approach
+from contactlab.settling.periods import Columns, Periods, Recorded, UnknownError, periods_of
+from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after
+
+SETTLED, UNSETTLED, UNTOLD = "settled", "not settled", "cannot tell"
+
+SHARE: Final = 0.01
+"""Largest share by which the velocity of a motor that has settled may be off its steady one: what remains is
+below what laws differ in."""
+
+AS_GOOD_AS_NONE: Final = 0.01
+"""Velocity over what it has changed by since the start, below which a rotor is taken to come to rest."""
+
+FADING: Final = 0.9
+"""What is left of a fluctuation from the last quarter but one to the last, below which it dies down."""
+
+LATE: Final = 4
+"""A run's last part of so many shows what it does in the end."""
+
+WITHOUT_CONTACT: Final = "without contact"
+
+
+@final
+@dataclass(frozen=True)
+class Settling:
+    """What a run's recorded numbers say of the steady state of its motor.
+
+    Args:
+        velocity, error: estimated mean rotor velocity of the steady state, and its error to 95 % [rad/s];
+            NaN where nothing is estimated, infinite error where the run does not show how far it goes.
+        now: mean rotor velocity at the end of the run [rad/s].
+        drift: change of the mean rotor velocity from a period to the next, at the end [rad/s].
+        impulse_drift: relative change of the normal impulse from a period to the next, at the end [1].
+        scale: by which a difference of velocities is measured [rad/s]: the estimate, or the range of the
+            velocity within a period where that is larger, or a small part of what it has changed by.
+        kind: of motion, of a run that has settled: 'period one', 'period 2', ..., 'quasi-periodic',
+            'chaotic', 'irregular' or 'without contact'; empty where none is to be told.
+        reason: why nothing can be told; empty where something can.
+        longer: whether a longer run tells more.
+    """
+
+    velocity: float = nan
+    error: float = nan
+    now: float = nan
+    drift: float = nan
+    impulse_drift: float = nan
+    scale: float = nan
+    kind: str = ""
+    reason: str = ""
+    longer: bool = True
+
+    @property
+    def share(self) -> float:
+        """Largest share by which the velocity at the end is off its steady one [1]; NaN if not known."""
+        off = abs(self.now - self.velocity) + self.error
+        if self.reason or not isfinite(off):
+            return nan
+        return off / self.scale if off > 0.0 else 0.0
+
+    @property
+    def verdict(self) -> str:
+        """'settled', 'not settled' or 'cannot tell'."""
+        if isnan(self.share):
+            return UNTOLD
+        if self.share <= SHARE:
+            return SETTLED
+        return UNSETTLED if abs(self.now - self.velocity) > self.error else UNTOLD
+
+    @property
+    def motion(self) -> str:
+        """The kind of motion of a run that has settled; no other has one."""
+        return self.kind if self.verdict == SETTLED else ""
+
+    @property
+    def estimate(self) -> str:
+        """The estimate with its error, '-2.25 +- 0.28 rad/s'."""
+        return f"{with_error(self.velocity, self.error)} rad/s"
+
+    @cached_property
+    def sentence(self) -> str:
+        """All of it in a line of plain ASCII."""
+        if self.verdict == SETTLED:
+            kind = self.motion or "in a motion whose kind is not to be told yet"
+            return f"settled: {kind}, {self.estimate}, changes by {abs(self.drift):.2g} rad/s per period"
+        if self.verdict == UNSETTLED:
+            return f"not settled: {self._apart} the estimated {self.estimate}"
+        if self.reason:
+            return f"cannot tell: {self.reason}"
+        if not isfinite(self.error):
+            return (
+                f"cannot tell: {self.now:.4g} rad/s at the end changes by {abs(self.drift):.2g} rad/s per "
+                "period, and the run does not show where to"
+            )
+        return f"cannot tell: {self.now:.4g} rad/s at the end, and {self.estimate} estimated"
+
+    @property
+    def _apart(self) -> str:
+        """Say how far the velocity at the end is from the estimate."""
+        if self.now * self.velocity < 0.0 or abs(self.velocity) <= self.error:
+            return f"{self.now:.4g} rad/s at the end, against"
+        share = abs(self.now / self.velocity - 1.0)
+        return f"{100.0 * share:.2g} % {'below' if abs(self.now) < abs(self.velocity) else 'above'}"
+
+    @property
+    def short(self) -> str:
+        """The same in a few words."""
+        if self.verdict == SETTLED:
+            return f"settled{self.motion and ': '}{self.motion}, {self.estimate}"
+        return (
+            f"not settled: {self.estimate} estimated"
+            if self.verdict == UNSETTLED
+            else "settled or not: cannot tell"
+        )
+
+    def way_out(self, end: float) -> str:
+        """Say how a motor that has not settled by the end of a run [s] may; empty where it has."""
+        if self.verdict == SETTLED or not self.longer:
+            return ""
+        longer = f"solver.until=steady solver.duration={10.0 * end:.1g}"
+        return f"Let it run on, {longer}, or find its steady state at once: contactlab steady."
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a dataset tells of it: 1 settled, 0 not, -1 cannot tell; numbers in rad/s."""
+        return {
+            "settled": {SETTLED: 1, UNSETTLED: 0, UNTOLD: -1}[self.verdict],
+            "settled_velocity": self.velocity,
+            "settled_velocity_error": self.error,
+            "motion": self.motion,
+            "settling": self.sentence,
+        }
+
+
+def with_error(value: float, error: float) -> str:
+    """Write a value to the second digit of its error, and at most to six digits."""
+    if not (isfinite(value) and isfinite(error)):
+        return f"{value:.4g} +- {error:.2g}"
+    digits = 6
+    if 0.0 < error < abs(value):
+        digits = min(floor(log10(abs(value))) - floor(log10(error)) + 2, digits)
+    # Plus nothing: a rotor at rest has no sign.
+    return f"{value + 0.0:#.{digits}g} +- {error:.2g}" if error > 0.0 else f"{value + 0.0:.{digits}g} +- 0"
+
+
+def settling_of(columns: Columns, rows: Columns, period: float) -> Settling:
+    """Judge a run by its series, its contacts (see `contactlab.variables`) and its drive's period [s]."""
+    try:
+        run = periods_of(Recorded.of(columns, rows, period), LEAST_VALUES)
+    except UnknownError as unknown:
+        return Settling(reason=str(unknown), longer=unknown.longer)
+    found = approach(run.velocity)
+    swing = float(np.abs(run.velocity - found.now).max())
+    told = isfinite(found.error)
+    impulse = approach(run.impulse)
+    touching = bool(run.impulse[-max(run.impulse.size // LATE, 1) :].any())
+    return Settling(
+        found.limit if told else nan,
+        found.error,
+        found.now,
+        found.drift,
+        abs(impulse.drift / impulse.now) if touching and impulse.now else 0.0,
+        max(abs(found.limit), run.ripple, AS_GOOD_AS_NONE * swing),
+        _kind_of(run) if touching else WITHOUT_CONTACT,
+        "" if touching else _still_nearing(run.least_gap),
+    )
+
+
+def _still_nearing(gap: Array) -> str:
+    """Say that a tip which is free may yet touch."""
+    found = approach(gap)
+    if found.distance <= 0.0 or found.limit - found.error > 0.0:
+        return ""
+    return f"the tip is free, but comes nearer to the rotor, of which it is {found.now:.2g} m clear at least"
+
+
+def _kind_of(run: Periods) -> str:
+    """Tell what kind of motion the last half of the periods shows, in velocity and impulse."""
+    half = run.velocity.size // 2
+    scale = max(float(np.abs(run.velocity[half:]).mean()), run.ripple) or 1.0
+    states = np.column_stack([run.velocity[half:] / scale, run.impulse[half:] / run.impulse[half:].mean()])
+    # Of what moves on by less than it shakes, only the shaking tells the kind.
+    steps = np.arange(len(states))
+    shaking = states - np.column_stack([np.polyval(np.polyfit(steps, x, 1), steps) for x in states.T])
+    count = repeats_after(1.0 + shaking, REPEATS)
+    if count == 1:
+        return "period one"
+    before, after = (float(np.std(part[:, 1])) for part in np.array_split(shaking, 2))
+    if after < FADING * before:
+        return ""
+    return f"period {count}" if count else kind_without_period(shaking[:, 1])
