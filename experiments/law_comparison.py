@@ -21,7 +21,7 @@ from tqdm import tqdm
 
 import contactlab as cl
 from contactlab.config import compose
-from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 from contactlab.metrics.convergence import FINER, richardson
 

@@ -55,8 +55,9 @@ class Orbit:
     @classmethod
     def at(cls, section: PeriodMap, z: Array) -> "Orbit":
         """Take a closed orbit's derivative."""
-        every, along = np.eye(z.size), np.full(z.size, z.size**-0.5)
-        jacobian = np.column_stack([derivative_of(section, z, direction) for direction in every])
+        every, along = STEP * _size(z) * np.eye(z.size), np.full(z.size, z.size**-0.5)
+        ahead, behind = np.split(_ends(section, np.vstack([z + every, z - every])), 2)
+        jacobian = (ahead - behind).T / (2.0 * STEP * _size(z))
         fine, coarse = jacobian @ along, derivative_of(section, z, along, ROUGH * STEP)
         roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
         return cls(section, z, jacobian, roughness)
@@ -92,7 +93,10 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     for _ in range(MOST_ITERATIONS):
         if np.linalg.norm(left) <= CLOSED * _size(z):
             return Orbit.at(section, z)
-        move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
+        try:
+            move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
+        except np.linalg.LinAlgError:
+            raise NoOrbitError("a coordinate that nothing brings back has no place of its own") from None
         length = float(np.linalg.norm(move))
         move *= min(1.0, radius / length)
         after = _gap(section, z + move)
@@ -125,7 +129,15 @@ def updated(jacobian: Array, move: Array, change: Array) -> Array:
 def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
     """Give dP/dz by forward differences from P(z), at half the price and to half the digits."""
     length = STEP * _size(z)
-    return np.column_stack([(section(z + length * along) - image) / length for along in np.eye(z.size)])
+    return np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
+
+
+def _ends(section: PeriodMap, starts: Array) -> Array:
+    """Give the states after others that lie together, or say that there is no derivative."""
+    ends = section.ends(starts)
+    if not np.isfinite(ends).all():
+        raise NoOrbitError("the motor breaks off or does not run from next to it")
+    return ends
 
 
 def _gap(section: PeriodMap, z: Array) -> Array:
