@@ -146,7 +146,7 @@ def _dataset(setups: Sequence[Setup]) -> xarray.Dataset:
     code = versions()
     return xarray.Dataset(
         values,
-        coords={"law": labels, "configuration": ("law", configurations)},
+        coords={"law": labels, "point": np.arange(shape[1]), "configuration": ("law", configurations)},
         attrs={
             "Conventions": "CF-1.11",
             "title": f"Data sheet of a standing-wave piezoelectric motor: {', '.join(labels)}",

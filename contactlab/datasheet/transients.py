@@ -26,9 +26,6 @@ LONGEST: Final = 4000
 DIED_DOWN: Final = 20.0
 """Times 1 / (zeta omega) of the slowest mode after which a resonator rests."""
 
-CREEP: Final = 1e-3
-"""Velocity over that without load at which a rotor is drawn through a contact without drive."""
-
 
 def start_time(setup: Setup, velocity: float) -> Number:
     """Give the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
@@ -69,15 +66,16 @@ def stop_time(setup: Setup, settled: Motor, velocity: float) -> tuple[Number, Nu
 def holding_torque(setup: Setup, velocity: float) -> Number:
     """Give the load that moves the rotor when the drive is off [N m], and its error.
 
-    The rotor is drawn through the contact of the resting resonator at `CREEP` times the velocity without
-    load: with Coulomb friction the torque is the same at any velocity, and the rotor holds against less.
+    The rotor is drawn through the contact of the resting resonator at the velocity without load: with
+    Coulomb friction the torque is the same at any velocity, and the rotor holds against less. Much slower,
+    the tip would stick to it for longer than the resonator needs to rest.
     """
     motor = _silent(setup.motor)
     decay = motor.modes.damping[motor.modes.damping > 0.0].min(initial=np.inf)
     rest = max(int(np.ceil(DIED_DOWN / (decay * PeriodMap(setup).period))), 1)
 
     def once(setup: Setup) -> float:
-        clock = PeriodMap(replace(setup, motor=motor), belt=CREEP * velocity)
+        clock = PeriodMap(replace(setup, motor=motor), belt=velocity)
         run = clock.run(_start_of(clock), rest)
         return abs(motor.geometry.rotor_radius * float(run.series["friction_force"][-1]))
 
@@ -97,24 +95,26 @@ def _start_of(clock: PeriodMap) -> Array:
 
 
 def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
-    """Run a motor from its start until its velocity passes a target, or the tip has left the rotor.
+    """Run a motor from its start until its mean velocity over a period passes a target, or the tip has left.
 
-    Gives the time [s], by a line between the ends of two periods, whether it passes, and the last velocity.
+    Gives the time [s], by a line between the middles of two periods, whether it passes, and the last
+    velocity [rad/s].
     """
     z = _start_of(clock)
     before = clock.velocity_of(z) - target
     for piece in range(LONGEST // PIECE):
         run = clock.run(z, PIECE, 1)
-        distance = run.series["rotor_velocity"] - target
-        passed = np.flatnonzero(distance * before <= 0.0)
+        distance = np.append(before, np.diff(run.series["rotor_angle"]) / clock.period - target)
+        passed = np.flatnonzero(distance[1:] * distance[0] <= 0.0)
         if passed.size and before != 0.0:
-            i = int(passed[0])
+            i = int(passed[0]) + 1
             part = distance[i] / (distance[i] - distance[i - 1])
-            return (piece * PIECE + i - float(part)) * clock.period, True, target
+            return (piece * PIECE + i - 0.5 - float(part)) * clock.period, True, target
+        before = float(distance[-1])
         if not run.contacts["start_time"].size:
             break
         z = clock.end_of(run)
-    return (piece + 1) * PIECE * clock.period, False, float(distance[-1] + target)
+    return ((piece + 1) * PIECE - 0.5) * clock.period, False, float(distance[-1] + target)
 
 
 def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Number:
