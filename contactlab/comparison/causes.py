@@ -136,6 +136,6 @@ def _said_first(laws: Sequence[Refined]) -> Iterator[str]:
             continue
         if abs(recorded - velocity) > UNSETTLED * abs(velocity):
             yield (
-                f"The recorded run of {label} had not settled: it ends at {recorded:.3g} rad/s; what is "
-                f"compared is the settled motor, at {velocity:.3g} rad/s."
+                f"The recorded run of {label} had not settled: in its last quarter it turns at "
+                f"{recorded:.3g} rad/s; what is compared is the settled motor, at {velocity:.3g} rad/s."
             )

@@ -12,11 +12,12 @@ import xarray
 from tqdm import tqdm
 
 from contactlab.comparison.causes import settled_of, with_causes
-from contactlab.comparison.findings import conclusion, headline, verdicts
+from contactlab.comparison.findings import conclusion, differences, headline, verdicts
 from contactlab.comparison.reruns import Refined, refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Samples, factors_of
-from contactlab.comparison.scorecard import PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
+from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
+from contactlab.comparison.weighing import unclear
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
@@ -26,13 +27,22 @@ STARTS: Final = 6
 PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
 
 CAPTIONS: Final = {
+    "settled_quantities": "{headline} The settled motor with every law (marks), and how far each cause moves it "
+    "(bars): one as long as marks are apart is of a cause that may explain their difference. A question "
+    "mark is a cause that is not known.",
+    "variance_shares": "What law, parameters, basis and step have of the variance of the settled rotor "
+    "velocity over all motors drawn, with 95 % intervals.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
-    "rigid impacts grow without bound as the step falls; they are named, not drawn.",
-    "tip_trajectory": "Path of the tip in the last two drive periods.",
+    "rigid impacts grow without bound as the step falls; they are named, not drawn. {motion}",
+    "tip_trajectory": "Path of the tip in the last two drive periods. {motion}",
     "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
     "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
-    "energy_flow": "Where the work of the drive has gone by the end of the run.",
-    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods.",
+    "energy_flow": "Where the work of the drive has gone. {motion}",
+    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods. {motion}",
+}
+MOTION: Final = {
+    True: "The settled motion; one period of it where it repeats itself.",
+    False: "The transient, from the start of the recorded runs to their end.",
 }
 
 
@@ -134,7 +144,8 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
         "conclusion": escape(conclusion(data)),
         "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
         "scorecard": "\n".join(_row(*row) for row in table),
-        "pictures": "\n".join(map(_picture, pictures)),
+        "pictures": "\n".join(_picture(path, data) for path in pictures),
+        "shares": _shares(data),
         "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
         "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
         "definitions": "\n".join(_definition(metric) for metric, _ in table),
@@ -160,8 +171,35 @@ def _row(metric: Metric, cells: dict[str, Cell]) -> str:
     return f"{line}</tr>"
 
 
-def _picture(path: Path) -> str:
-    said, data = escape(CAPTIONS[path.stem]), b64encode(path.read_bytes()).decode()
+def _shares(data: xarray.Dataset) -> str:
+    """Make the table of the shares in the variance of the settled velocity; nothing where none was drawn."""
+    if "total_order" not in data:
+        return ""
+    here = data.sel(quantity="rotor_velocity")
+    lines = []
+    for name, alone, both in zip(
+        data["factor"].values, here["first_order"].values, here["total_order"].values, strict=True
+    ):
+        cells = "".join(
+            f"<td>{share:.2f} <small>{low:.2f} to {high:.2f}</small></td>"
+            for share, low, high in (alone, both)
+        )
+        doubt = "cannot tell" if unclear(*both) else ""
+        lines.append(f"<tr><td>{escape(str(name))}</td>{cells}<td>{doubt}</td></tr>".replace("-", MINUS))
+    head = "<tr><th>factor</th><th>alone</th><th>with others</th><th></th></tr>"
+    ranges = escape(str(data.attrs["parameters"]).replace("+-", PLUS_MINUS))
+    return (
+        "<h2>Shares in the variance of the settled rotor velocity</h2>"
+        f"<p>Of {data.sizes['motor']} motors drawn together: every law, both bases and three steps equally "
+        f"likely, {ranges}.</p><div class='box'><table>{head}{''.join(lines)}</table></div>"
+    )
+
+
+def _picture(path: Path, scores: xarray.Dataset) -> str:
+    settled = "cause" in scores.dims
+    first = next(iter(differences(scores)), "")
+    said = escape(CAPTIONS[path.stem].format(motion=MOTION[settled], headline=first).strip())
+    data = b64encode(path.read_bytes()).decode()
     image = f"<img alt='{said}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{said}</figcaption></figure>"
 
