@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 WIDTH: Final = 5.2  # inches; the words are still read where a phone makes it its own width
 LINE: Final = 0.13  # height of a line of a legend [in]
+ONE_LINE: Final = 45  # letters of all labels that stand in one line
 LONGEST_LABEL: Final = 30  # letters in a line of a label
 
 DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
@@ -34,6 +35,7 @@ def legend_above(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
     """Put the legend above the panels, where it covers nothing."""
     handles, labels = axes.get_legend_handles_labels()
     columns = min(len(labels), 3 if max(map(len, labels)) < LONGEST_LABEL else 2)
+    columns = len(labels) if sum(map(len, labels)) < ONE_LINE else columns
     labels = [fill(label, LONGEST_LABEL) for label in labels]
     # The panels keep their size, however many laws there are.
     lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
-from contactlab.comparison.canvas import LONGEST_LABEL, NOTE, THIN, drawing, legend_above, style
+from contactlab.comparison.canvas import LONGEST_LABEL, THIN, drawing, legend_above, style
 from contactlab.comparison.causes import CAUSES, NUMERICAL
 from contactlab.comparison.weighing import CLEAR, unclear
 from contactlab.metrics import METRICS, needed
@@ -43,7 +43,7 @@ def _draw_quantity(panel: Axes, data: xarray.Dataset, key: str) -> None:
     value = data["value"].sel(metric=key).values
     ends = np.stack([data[name].sel(quantity=key).values for name in ("least", "greatest")])
     known = np.isfinite(value)
-    if _spans_decades(np.append(ends[np.isfinite(ends)], value[known])):
+    if _spans_decades(value[known], ends):
         panel.set_xscale("log")
     for number, cause in enumerate(CAUSES):
         low, high = value - ends[0, :, number], ends[1, :, number] - value
@@ -69,9 +69,10 @@ def _draw_quantity(panel: Axes, data: xarray.Dataset, key: str) -> None:
     panel.margins(x=0.08)
 
 
-def _spans_decades(values: Array) -> bool:
-    positive = values[values > 0.0]
-    return positive.size > 1 and bool(np.all(values >= 0.0)) and positive.max() > WIDE * positive.min()
+def _spans_decades(values: Array, ends: Array) -> bool:
+    """Tell whether positive values with their bars want a logarithmic axis."""
+    reached = np.append(ends[ends > 0.0], values)
+    return bool(values.size and np.all(values > 0.0) and reached.max() > WIDE * reached.min())
 
 
 def draw_shares(data: xarray.Dataset) -> Figure:
@@ -81,7 +82,7 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     total, first = here["total_order"].values, here["first_order"].values
     needed(np.isfinite(total).all())
     order = np.argsort(-total[:, 0], kind="stable")
-    figure, (axes,) = drawing(1, 1, 0.9 + 0.32 * order.size)
+    figure, (axes,) = drawing(1, 1, 0.9 + 0.36 * order.size)
     place = np.arange(order.size)
     for rows, offset, words, number in ((total, -0.18, "with others", 0), (first, 0.18, "alone", 1)):
         share, low, high = rows[order].T
@@ -89,12 +90,11 @@ def draw_shares(data: xarray.Dataset) -> Figure:
         axes.barh(place + offset, share.clip(min=0.0), height=0.34, color=colour, label=words)
         reach = [(share.clip(min=0.0) - low).clip(min=0.0), (high - share.clip(min=0.0)).clip(min=0.0)]
         axes.errorbar(share.clip(min=0.0), place + offset, xerr=reach, fmt="none", color="black", capsize=2)
-    axes.set_xlim(0.0, max(1.0, 1.05 * float(total[:, 2].max())))
-    for y, row in zip(place, total[order], strict=True):
-        if unclear(*row):
-            end, across = (1.0, y), axes.get_yaxis_transform()
-            axes.annotate("cannot tell", end, (-4, 0), across, "offset points", va="center", **NOTE)
-    axes.set_yticks(place, here["factor"].values[order])
+    # The estimate's intervals may reach beyond what a share can be.
+    axes.set_xlim(0.0, 1.0)
+    doubt = ["\ncannot tell" if unclear(*row) else "" for row in total[order]]
+    names = [f"{name}{words}" for name, words in zip(here["factor"].values[order], doubt, strict=True)]
+    axes.set_yticks(place, names)
     axes.invert_yaxis()
     axes.set_xlabel("share of the variance of the settled rotor velocity")
     return legend_above(figure, axes)

@@ -19,8 +19,16 @@ UNSETTLED: Final = 0.01  # relative distance of a recorded run's velocity from t
 APART: Final = 1e-6  # relative distance of two settled velocities that are not one
 
 
-def with_causes(data: xarray.Dataset, laws: Sequence[Refined], samples: Samples | None) -> xarray.Dataset:
+def with_causes(
+    data: xarray.Dataset, laws: Sequence[Refined], factors: Sequence[Factor], samples: Samples | None
+) -> xarray.Dataset:
     """Add to the scorecard of settled motors what every cause makes of a law's values, and the shares.
+
+    Args:
+        data: the scorecard.
+        laws: in its order.
+        factors: what there is to be drawn; none where nothing was asked.
+        samples: what was drawn; None where nothing was.
 
     Returns:
         With `least` and `greatest` over (law, cause, quantity), the range of values that a cause gives,
@@ -31,7 +39,11 @@ def with_causes(data: xarray.Dataset, laws: Sequence[Refined], samples: Samples 
     least = np.full((len(laws), len(CAUSES), len(QUANTITIES)), np.nan)
     greatest = least.copy()
     for number, law in enumerate(laws):
-        for cause, moved in _moved(law, samples, places.get(id(law))).items():
+        moves = _moved(law, samples, places.get(id(law)))
+        if factors and not any(factor.keys for factor in factors) and NUMERICAL in moves:
+            # All parameters are known exactly.
+            moves[PARAMETERS] = np.zeros((1, len(QUANTITIES)))
+        for cause, moved in moves.items():
             # A law without contact has no stick share, and nothing moves it.
             known = np.isfinite(moved).any(axis=0)
             value, at = law.means[-1].values[known], CAUSES.index(cause)
@@ -48,7 +60,7 @@ def with_causes(data: xarray.Dataset, laws: Sequence[Refined], samples: Samples 
         kind=("law", [law.means[-1].kind if law.means else "not known" for law in laws]),
     )
     found.attrs["first"] = "\n".join(_said_first(laws))
-    found.attrs["parameters"] = "nothing"
+    found.attrs["parameters"] = _listed_ranges([f for f in factors if f.keys]) or "nothing"
     return found if samples is None else _with_samples(found, samples)
 
 
@@ -70,9 +82,6 @@ def _moved(law: Refined, samples: Samples | None, place: int | None) -> dict[str
         moved[ATTRACTORS] = np.array([each.values - as_recorded for each in law.reached])
     if samples is not None and place is not None:
         drawn = samples.of_law(place) - as_recorded
-        if not any(factor.keys for factor in samples.factors):
-            # All are known exactly.
-            drawn = np.zeros((1, len(QUANTITIES)))
         if drawn.size:
             moved[PARAMETERS] = drawn
     return moved
@@ -97,7 +106,6 @@ def _with_samples(data: xarray.Dataset, samples: Samples) -> xarray.Dataset:
         spread=("factor", [factor.spread for factor in samples.factors]),
         estimate=["share", "lower", "upper"],
     )
-    found.attrs["parameters"] = _listed_ranges([f for f in samples.factors if f.keys]) or "nothing"
     if reasons := [reason for reason in samples.reasons if reason]:
         said = f"{len(reasons)} of the {len(samples.reasons)} motors drawn have no steady state: {reasons[0]}"
         found.attrs["notes"] = "\n".join(filter(None, (found.attrs["notes"], said)))

@@ -13,9 +13,9 @@ from tqdm import tqdm
 
 from contactlab.comparison.causes import settled_of, with_causes
 from contactlab.comparison.findings import conclusion, differences, headline, verdicts
-from contactlab.comparison.reruns import Refined, refined
+from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
-from contactlab.comparison.samples import Design, Samples, factors_of
+from contactlab.comparison.samples import Design, Factor, Samples, factors_of
 from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
 from contactlab.comparison.weighing import unclear
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
@@ -92,11 +92,13 @@ def compare(
     bar = tqdm(runs, unit=" laws", disable=None, delay=1.0, leave=False)
     again = partial(refined, transient=transient, refine=refine, starts=starts)
     laws = [again(run) for run in bar]
+    factors: tuple[Factor, ...] = ()
     drawn = None
-    if refine and not transient:
-        drawn = _drawn(settled_of(laws), samples, ranges or {}, announce)
+    if refine and not transient and (complete := settled_of(laws)):
+        factors = factors_of(complete, ranges or {})
+        drawn = _drawn(Design(complete, factors, samples), announce) if samples else None
     data = scorecard(laws, notes)
-    data = data.assign_attrs(first="") if transient else with_causes(data, laws, drawn)
+    data = data.assign_attrs(first="") if transient else with_causes(data, laws, factors, drawn)
     if output is None:
         return data
     # It brings the plotting.
@@ -114,16 +116,8 @@ def compare(
     return data
 
 
-def _drawn(
-    laws: Sequence[Refined], count: int, ranges: Mapping[str, float], announce: Callable[[str], object]
-) -> Samples | None:
-    """Let motors settle that are drawn together; none where there is nothing to draw."""
-    if not laws:
-        return None
-    factors = factors_of(laws, ranges)
-    if not count:
-        return None
-    design = Design(laws, factors, count)
+def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
+    """Let motors settle that are drawn together."""
     announce(
         f"{design.size} motors are drawn and brought to their steady states; that takes about "
         f"{tqdm.format_interval(design.estimate)}. Fewer by --samples."
