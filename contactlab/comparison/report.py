@@ -12,7 +12,7 @@ import xarray
 from tqdm import tqdm
 
 from contactlab.comparison.causes import settled_of, with_causes
-from contactlab.comparison.findings import conclusion, differences, headline, verdicts
+from contactlab.comparison.findings import conclusion, differences, first, verdicts
 from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
@@ -27,8 +27,8 @@ STARTS: Final = 6
 PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
 
 CAPTIONS: Final = {
-    "settled_quantities": "{headline} The settled motor with every law (marks), and how far each cause moves it "
-    "(bars): one as long as marks are apart is of a cause that may explain their difference. A question "
+    "settled_quantities": "{headline} Marks are the settled motor with every law, bars how far each cause "
+    "moves it: one as long as marks are apart is of a cause that may explain their difference. A question "
     "mark is a cause that is not known.",
     "variance_shares": "What law, parameters, basis and step have of the variance of the settled rotor "
     "velocity over all motors drawn, with 95 % intervals.",
@@ -129,16 +129,20 @@ def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
-    table = rows(data)
+    table, said_of = rows(data), differences(data)
+    shown = {path.stem: _picture(path, said_of, settled="cause" in data.dims) for path in pictures}
     code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
-        "headline": _list(headline(data)),
+        "first": _list(first(data)),
+        "headline": escape(next(iter(said_of), "")),
+        "differences": _list(said_of[1:]),
+        "causes": "\n".join(shown.pop(name, "") for name in ("settled_quantities", "variance_shares")),
         "conclusion": escape(conclusion(data)),
         "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
         "scorecard": "\n".join(_row(*row) for row in table),
-        "pictures": "\n".join(_picture(path, data) for path in pictures),
+        "pictures": "\n".join(shown.values()),
         "shares": _shares(data),
         "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
         "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
@@ -189,10 +193,9 @@ def _shares(data: xarray.Dataset) -> str:
     )
 
 
-def _picture(path: Path, scores: xarray.Dataset) -> str:
-    settled = "cause" in scores.dims
-    first = next(iter(differences(scores)), "")
-    said = escape(CAPTIONS[path.stem].format(motion=MOTION[settled], headline=first).strip())
+def _picture(path: Path, said_of: Sequence[str], *, settled: bool) -> str:
+    words = {"motion": MOTION[settled], "headline": next(iter(said_of), "")}
+    said = escape(CAPTIONS[path.stem].format(**words).strip())
     data = b64encode(path.read_bytes()).decode()
     image = f"<img alt='{said}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{said}</figcaption></figure>"
