@@ -86,7 +86,8 @@ def measured(
             means.append(means_of(state))
         there = replace(plain, motor=cl.build(on_other_basis(setup)[0]).motor)
         elsewhere = means_of(settled(there, longest)).values[0]
-    except BrokenOffError as error:
+    # A rigid law refuses to go on from a motion that a period's end has cut in contact.
+    except (BrokenOffError, ValueError) as error:
         print(f"{law.name}: {error}", file=sys.stderr)
         return np.nan, np.nan, np.nan, np.nan, []
     values = assess(steps[-1][1]) | assess_steps(steps)

@@ -9,18 +9,27 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.samples import Factor, Samples
-from contactlab.comparison.settled import LONGEST, QUANTITIES
+from contactlab.comparison.settled import LONGEST, QUANTITIES, Means
 from contactlab.metrics import METRICS, NotApplicableError
 
 NUMERICAL, BASIS, PARAMETERS, ATTRACTORS = "numerical error", "basis", "parameters", "start"
 CAUSES: Final = (NUMERICAL, BASIS, PARAMETERS, ATTRACTORS)
 
 UNSETTLED: Final = 0.01  # relative distance of a recorded run's velocity from the settled one that is told
-APART: Final = 1e-6  # relative distance of two settled velocities that are not one
+FEWEST_DRAWN: Final = 8  # motors of a law; one more would move it further in a ninth of all cases
+WITHOUT_CONTACT: Final = "without contact"
 
 
-def with_causes(data: xarray.Dataset, laws: Sequence[Refined], samples: Samples | None) -> xarray.Dataset:
+def with_causes(
+    data: xarray.Dataset, laws: Sequence[Refined], factors: Sequence[Factor], samples: Samples | None
+) -> xarray.Dataset:
     """Add to the scorecard of settled motors what every cause makes of a law's values, and the shares.
+
+    Args:
+        data: the scorecard.
+        laws: in its order.
+        factors: what there is to be drawn; none where nothing was asked.
+        samples: what was drawn; None where nothing was.
 
     Returns:
         With `least` and `greatest` over (law, cause, quantity), the range of values that a cause gives,
@@ -31,7 +40,11 @@ def with_causes(data: xarray.Dataset, laws: Sequence[Refined], samples: Samples 
     least = np.full((len(laws), len(CAUSES), len(QUANTITIES)), np.nan)
     greatest = least.copy()
     for number, law in enumerate(laws):
-        for cause, moved in _moved(law, samples, places.get(id(law))).items():
+        moves = _moved(law, samples, places.get(id(law)))
+        if factors and not any(factor.keys for factor in factors) and NUMERICAL in moves:
+            # All parameters are known exactly.
+            moves[PARAMETERS] = np.zeros((1, len(QUANTITIES)))
+        for cause, moved in moves.items():
             # A law without contact has no stick share, and nothing moves it.
             known = np.isfinite(moved).any(axis=0)
             value, at = law.means[-1].values[known], CAUSES.index(cause)
@@ -48,7 +61,7 @@ def with_causes(data: xarray.Dataset, laws: Sequence[Refined], samples: Samples 
         kind=("law", [law.means[-1].kind if law.means else "not known" for law in laws]),
     )
     found.attrs["first"] = "\n".join(_said_first(laws))
-    found.attrs["parameters"] = "nothing"
+    found.attrs["parameters"] = _listed_ranges([f for f in factors if f.keys]) or "nothing"
     return found if samples is None else _with_samples(found, samples)
 
 
@@ -70,10 +83,7 @@ def _moved(law: Refined, samples: Samples | None, place: int | None) -> dict[str
         moved[ATTRACTORS] = np.array([each.values - as_recorded for each in law.reached])
     if samples is not None and place is not None:
         drawn = samples.of_law(place) - as_recorded
-        if not any(factor.keys for factor in samples.factors):
-            # All are known exactly.
-            drawn = np.zeros((1, len(QUANTITIES)))
-        if drawn.size:
+        if len(drawn) >= FEWEST_DRAWN:
             moved[PARAMETERS] = drawn
     return moved
 
@@ -97,7 +107,6 @@ def _with_samples(data: xarray.Dataset, samples: Samples) -> xarray.Dataset:
         spread=("factor", [factor.spread for factor in samples.factors]),
         estimate=["share", "lower", "upper"],
     )
-    found.attrs["parameters"] = _listed_ranges([f for f in samples.factors if f.keys]) or "nothing"
     if reasons := [reason for reason in samples.reasons if reason]:
         said = f"{len(reasons)} of the {len(samples.reasons)} motors drawn have no steady state: {reasons[0]}"
         found.attrs["notes"] = "\n".join(filter(None, (found.attrs["notes"], said)))
@@ -110,32 +119,49 @@ def _listed_ranges(factors: Sequence[Factor]) -> str:
 
 def _said_first(laws: Sequence[Refined]) -> Iterator[str]:
     """Say what a reader of the headline must know of the laws before it, a sentence each."""
+    moved = {law.run.label: speed for law in laws if (speed := _unsettled(law)) is not None}
+    if moved:
+        speeds = listed([f"{speed:.3g} rad/s with {label}" for label, speed in moved.items()])
+        yield (
+            f"The recorded motor had not settled: in the last quarter of the run it turns at {speeds}. What "
+            "is compared is the settled motor."
+        )
     for law in laws:
         label = law.run.label
         if not law.means:
             yield f"{label} is taken as recorded: whether its motor has settled is not known."
             continue
-        state = law.means[-1]
-        velocity = state.values[0]
-        if state.kind == "without contact":
+        kind = law.means[-1].kind
+        if kind == WITHOUT_CONTACT:
             yield f"{label} settles without contact: nothing turns the rotor."
-        elif state.kind != "periodic":
+        elif kind != "periodic":
             yield (
-                f"{label} settles to no periodic motion ({state.kind}): its values are means over "
+                f"{label} settles to no periodic motion ({kind}): its values are means over "
                 f"{LONGEST // 2} periods, with statistical errors."
             )
-        others = sorted({f"{each.values[0]:.3g}" for each in law.reached}, key=float)
-        if len(others) > 1:
-            yield (
-                f"{label} settles to more than one motion, by where it starts: at "
-                f"{' and '.join(others)} rad/s."
-            )
-        try:
-            recorded = METRICS["rotor_velocity"].measure(law.run)
-        except NotApplicableError:
-            continue
-        if abs(recorded - velocity) > UNSETTLED * abs(velocity):
-            yield (
-                f"The recorded run of {label} had not settled: it ends at {recorded:.3g} rad/s; what is "
-                f"compared is the settled motor, at {velocity:.3g} rad/s."
-            )
+        if len(law.reached) > 1:
+            speeds = listed([_told(each) for each in law.reached])
+            yield f"{label} settles to more than one motion, by where it starts: {speeds}."
+
+
+def _unsettled(law: Refined) -> float | None:
+    """Give the velocity of a recorded run where it is not the settled one [rad/s]."""
+    if not law.means:
+        return None
+    try:
+        recorded = float(METRICS["rotor_velocity"].measure(law.run))
+    except NotApplicableError:
+        return None
+    velocity = float(law.means[-1].values[0])
+    return recorded if abs(recorded - velocity) > UNSETTLED * abs(velocity) else None
+
+
+def _told(state: Means) -> str:
+    """Tell a steady state by its velocity; without contact the rotor keeps whatever it had."""
+    return WITHOUT_CONTACT if state.kind == WITHOUT_CONTACT else f"{state.values[0]:.3g} rad/s"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Write a list as a sentence does."""
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last

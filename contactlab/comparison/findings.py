@@ -1,12 +1,14 @@
 """What the numbers say, in sentences that follow from them by rule."""
 
+from collections.abc import Iterator
 from math import inf, isfinite
 from typing import Final
 
 import xarray
 
+from contactlab.comparison.causes import listed
 from contactlab.comparison.scorecard import Cell, rows
-from contactlab.comparison.weighing import CLEAR, listed, shares_said, weighed
+from contactlab.comparison.weighing import CLEAR, on_other_basis, pairs, shares_said, weighed
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 
 # Metrics of transient runs whose differences between the laws are told.
@@ -15,19 +17,36 @@ HEADLINES: Final = ("final_rotor_velocity", "peak_force", "stick_share", "fricti
 
 def headline(data: xarray.Dataset) -> list[str]:
     """Say what must be read first: what is not settled, and whether the laws differ by more than all else."""
-    return [*filter(None, data.attrs["first"].splitlines()), *differences(data)]
+    return [*first(data), *differences(data)]
+
+
+def first(data: xarray.Dataset) -> list[str]:
+    """Say what must be known of the laws before their values are read."""
+    return [*filter(None, data.attrs["first"].splitlines())]
 
 
 def differences(data: xarray.Dataset) -> list[str]:
-    """Say how far the laws lie apart, against what else could explain it.
+    """Say how far the laws lie apart, against what else could explain it, the rotor velocity first.
 
     Of settled motors that is everything in `contactlab.comparison.causes.CAUSES`; of runs as they were
     recorded it is their numerical errors alone.
     """
     if "cause" in data.dims:
-        return [*map(str, weighed(data)), *filter(None, [shares_said(data)])]
+        velocity, *others = [*map(str, weighed(data))] or [""]
+        between = [f"Between {low} and {high}: {verdict}" for low, high, verdict in _inner(data)]
+        said = [velocity, on_other_basis(data), *between, *others, shares_said(data)]
+        return [*filter(None, said)]
     known = {metric.key: _difference(metric, cells) for metric, cells in rows(data)}
     return [known[key] for key in HEADLINES if known[key]]
+
+
+def _inner(data: xarray.Dataset) -> Iterator[tuple[str, str, str]]:
+    """Give the pairs of laws that are not the outermost, and what their velocities differ by and why."""
+    every = pairs(data)
+    if len(every) > 1:
+        for pair in every:
+            if pair.apart < max(each.apart for each in every):
+                yield *pair.laws, f"{pair.apart:.2g} rad/s apart. {pair.verdict}"
 
 
 def _difference(metric: Metric, cells: dict[str, Cell]) -> str:

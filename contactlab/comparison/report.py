@@ -12,11 +12,12 @@ import xarray
 from tqdm import tqdm
 
 from contactlab.comparison.causes import settled_of, with_causes
-from contactlab.comparison.findings import conclusion, headline, verdicts
-from contactlab.comparison.reruns import Refined, refined
+from contactlab.comparison.findings import conclusion, differences, first, verdicts
+from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
-from contactlab.comparison.samples import Design, Samples, factors_of
-from contactlab.comparison.scorecard import PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
+from contactlab.comparison.samples import Design, Factor, Samples, factors_of
+from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
+from contactlab.comparison.weighing import unclear
 from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
@@ -26,13 +27,22 @@ STARTS: Final = 6
 PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
 
 CAPTIONS: Final = {
+    "settled_quantities": "{headline} Marks are the settled motor with every law, bars how far each cause "
+    "moves it: one as long as marks are apart is of a cause that may explain their difference. A question "
+    "mark is a cause that is not known.",
+    "variance_shares": "What law, parameters, basis and step have of the variance of the settled rotor "
+    "velocity over all motors drawn, with 95 % intervals.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
-    "rigid impacts grow without bound as the step falls; they are named, not drawn.",
-    "tip_trajectory": "Path of the tip in the last two drive periods.",
+    "rigid impacts grow without bound as the step falls; they are named, not drawn. {motion}",
+    "tip_trajectory": "Path of the tip in the last two drive periods. {motion}",
     "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
     "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
-    "energy_flow": "Where the work of the drive has gone by the end of the run.",
-    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods.",
+    "energy_flow": "Where the work of the drive has gone. {motion}",
+    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods. {motion}",
+}
+MOTION: Final = {
+    True: "The settled motion; one period of it where it repeats itself.",
+    False: "The transient, from the start of the recorded runs to their end.",
 }
 
 
@@ -82,11 +92,13 @@ def compare(
     bar = tqdm(runs, unit=" laws", disable=None, delay=1.0, leave=False)
     again = partial(refined, transient=transient, refine=refine, starts=starts)
     laws = [again(run) for run in bar]
+    factors: tuple[Factor, ...] = ()
     drawn = None
-    if refine and not transient:
-        drawn = _drawn(settled_of(laws), samples, ranges or {}, announce)
+    if refine and not transient and (complete := settled_of(laws)):
+        factors = factors_of(complete, ranges or {})
+        drawn = _drawn(Design(complete, factors, samples), announce) if samples else None
     data = scorecard(laws, notes)
-    data = data.assign_attrs(first="") if transient else with_causes(data, laws, drawn)
+    data = data.assign_attrs(first="") if transient else with_causes(data, laws, factors, drawn)
     if output is None:
         return data
     # It brings the plotting.
@@ -104,16 +116,8 @@ def compare(
     return data
 
 
-def _drawn(
-    laws: Sequence[Refined], count: int, ranges: Mapping[str, float], announce: Callable[[str], object]
-) -> Samples | None:
-    """Let motors settle that are drawn together; none where there is nothing to draw."""
-    if not laws:
-        return None
-    factors = factors_of(laws, ranges)
-    if not count:
-        return None
-    design = Design(laws, factors, count)
+def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
+    """Let motors settle that are drawn together."""
     announce(
         f"{design.size} motors are drawn and brought to their steady states; that takes about "
         f"{tqdm.format_interval(design.estimate)}. Fewer by --samples."
@@ -125,16 +129,21 @@ def _drawn(
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
-    table = rows(data)
+    table, said_of = rows(data), differences(data)
+    shown = {path.stem: _picture(path, said_of, settled="cause" in data.dims) for path in pictures}
     code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
-        "headline": _list(headline(data)),
+        "first": _list(first(data)),
+        "headline": escape(next(iter(said_of), "")),
+        "differences": _list(said_of[1:]),
+        "causes": "\n".join(shown.pop(name, "") for name in ("settled_quantities", "variance_shares")),
         "conclusion": escape(conclusion(data)),
         "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
         "scorecard": "\n".join(_row(*row) for row in table),
-        "pictures": "\n".join(map(_picture, pictures)),
+        "pictures": "\n".join(shown.values()),
+        "shares": _shares(data),
         "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
         "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
         "definitions": "\n".join(_definition(metric) for metric, _ in table),
@@ -160,8 +169,34 @@ def _row(metric: Metric, cells: dict[str, Cell]) -> str:
     return f"{line}</tr>"
 
 
-def _picture(path: Path) -> str:
-    said, data = escape(CAPTIONS[path.stem]), b64encode(path.read_bytes()).decode()
+def _shares(data: xarray.Dataset) -> str:
+    """Make the table of the shares in the variance of the settled velocity; nothing where none was drawn."""
+    if "total_order" not in data:
+        return ""
+    here = data.sel(quantity="rotor_velocity")
+    lines = []
+    for name, alone, both in zip(
+        data["factor"].values, here["first_order"].values, here["total_order"].values, strict=True
+    ):
+        cells = "".join(
+            f"<td>{share:.2f} <small>{low:.2f} to {high:.2f}</small></td>"
+            for share, low, high in (alone, both)
+        )
+        doubt = "cannot tell" if unclear(*both) else ""
+        lines.append(f"<tr><td>{escape(str(name))}</td>{cells}<td>{doubt}</td></tr>".replace("-", MINUS))
+    head = "<tr><th>factor</th><th>alone</th><th>with others</th><th></th></tr>"
+    ranges = escape(str(data.attrs["parameters"]).replace("+-", PLUS_MINUS))
+    return (
+        "<h2>Shares in the variance of the settled rotor velocity</h2>"
+        f"<p>Of {data.sizes['motor']} motors drawn together: every law, both bases and three steps equally "
+        f"likely, {ranges}.</p><div class='box'><table>{head}{''.join(lines)}</table></div>"
+    )
+
+
+def _picture(path: Path, said_of: Sequence[str], *, settled: bool) -> str:
+    words = {"motion": MOTION[settled], "headline": next(iter(said_of), "")}
+    said = escape(CAPTIONS[path.stem].format(**words).strip())
+    data = b64encode(path.read_bytes()).decode()
     image = f"<img alt='{said}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{said}</figcaption></figure>"
 

@@ -126,8 +126,8 @@ def _unlike(key: str, values: Iterable[tuple[Run, Any]]) -> str:
         for value, names in groups.items()
     )
     return (
-        f"{key} is {said}; laws are compared in one motor with one drive over one time, so it must be "
-        "the same in all runs. Leave runs out, or run one of them again."
+        f"{key} is {said}; laws are compared in one motor with one drive, so it must be the same in all "
+        "runs. Leave runs out, or run one of them again."
     )
 
 

@@ -57,7 +57,8 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
         [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)] for row in values
     ]
     configurations = [dict(run.configuration) for run in runs]
-    flows = [energy_flow(law.best) for law in laws]
+    settled = any(law.means for law in laws)
+    flows = [energy_flow(law.best, law.period if settled else 0.0) for law in laws]
     gone = [[flow[term] for term in ENERGY_TERMS] for flow in flows]
     flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
     both, units = ("law", "metric"), {"comment": "units differ by metric, see `units`"}
@@ -125,8 +126,10 @@ def _refinement(law: Refined) -> str:
     return f"the settled motor, {said}" if law.means else said
 
 
-def energy_flow(run: Run) -> dict[str, float]:
+def energy_flow(run: Run, period: float = 0.0) -> dict[str, float]:
     """Give the work of the drive and where it has gone by the end of a run [J]; the terms add up to it.
+
+    A period [s] makes it the mean over times as long.
 
     The ledger is E(t) - E(0) = drive_work - losses - load_work + energy_residual, so that the residual
     counts as energy that has gone nowhere with its sign turned. A run that lacks a series of the ledger
@@ -134,7 +137,8 @@ def energy_flow(run: Run) -> dict[str, float]:
     """
     names = ("drive_work", "energy_residual", *STORED, *SPENT)
     try:
-        gain = {name: run.gain(name) for name in names}
+        share = period / run.gain("time") if period else 1.0
+        gain = {name: share * run.gain(name) for name in names}
     except NotApplicableError:
         return dict.fromkeys(("drive_work", *ENERGY_TERMS), nan)
     flow = {name: gain[name] for name in ("drive_work", *SPENT)}

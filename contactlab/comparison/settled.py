@@ -1,6 +1,6 @@
 """What a law does once its motor has settled: the motion that is judged and drawn, and its means."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -9,7 +9,6 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.metrics import Run, assess
 from contactlab.orbits import Steady, steady
-from contactlab.orbits.period_map import PeriodMap
 
 QUANTITIES: Final = ("rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics whose differences between settled motors are weighed."""
@@ -78,6 +77,9 @@ def motion_of(state: Steady) -> Run:
         # A quarter of four is what metrics of the last periods take.
         trajectory = section.run(z, 1 if state.periods == 1 else 4, RECORDS * state.periods)
     else:
-        section = PeriodMap(state.setup, belt=state.belt)
-        trajectory = section.run(section.end_of(state.motion), DRAWN, RECORDS)
+        before, period = state.motion, 1.0 / float(state.setup.motor.drive.frequency[0])
+        # It goes on where it ended, which may be in contact.
+        trajectory = replace(state.setup, motor=before.motor).run(
+            duration=DRAWN * period, record_interval=period / RECORDS, start=before.state
+        )
     return Run.of_trajectory(trajectory, state.setup.configuration)

@@ -12,7 +12,7 @@ from typing import Final, final
 import numpy as np
 import xarray
 
-from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NUMERICAL, PARAMETERS
+from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NUMERICAL, PARAMETERS, listed
 from contactlab.metrics import METRICS, Metric
 
 CLEAR: Final = 3.0  # numerical errors beyond which a difference is one between the laws
@@ -69,27 +69,32 @@ class Weighed:
         if self.apart == 0.0:
             return f"{name}: {one:.3g}{unit} with every law."
         said = f"{name}: {one:.3g} ({low}) to {other:.3g}{unit} ({high}), {self.apart:.2g} apart."
+        return f"{said} {self.verdict}"
+
+    @property
+    def verdict(self) -> str:
+        """What the difference is due to, or may be."""
         if self.lost:
             return (
-                f"{said} With {listed(self.lost)} it does not converge: its numerical error is larger than "
-                "itself, and no value is known."
+                f"With {listed(self.lost)} it does not converge: its numerical error is larger than itself, "
+                "and no value is known."
             )
         if len(self.unknown) == len(CAUSES):
             return (
-                f"{said} Nothing is known of what else could explain it, neither numerical errors nor "
-                "basis, parameters and other starts, so it is not shown to be due to the law."
+                "Nothing is known of what else could explain it, neither numerical errors nor basis, "
+                "parameters and other starts, so it is not shown to be due to the law."
             )
         if self.due_to_law:
             less = sorted(CAUSES, key=lambda cause: -self.weights[cause])
             named = listed([self._named(cause) for cause in less])
-            return f"{said} It is due to the law: all else moves it less, {named}."
+            return f"It is due to the law: all else moves it less, {named}."
         parts = []
         if self.possible:
             parts.append(f"may be {' or '.join(map(self._named, self.possible))}")
         if self.unknown:
             verb = "do" if len(self.unknown) > 1 or PARAMETERS in self.unknown else "does"
             parts.append(f"was not weighed against what {listed([_WORDS[c] for c in self.unknown])} {verb}")
-        return f"{said} It {', and '.join(parts)}, so it is not shown to be due to the law."
+        return f"It {', and '.join(parts)}, so it is not shown to be due to the law."
 
     def _named(self, cause: str) -> str:
         """Name a cause with its weight."""
@@ -118,6 +123,25 @@ def weighed(data: xarray.Dataset) -> list[Weighed]:
         if known.size > 1:
             found.append(_pair(data, key, str(known.idxmin().item()), str(known.idxmax().item())))
     return found
+
+
+def on_other_basis(data: xarray.Dataset) -> str:
+    """Say how far the outermost laws are apart where their basis is the other one; empty if not known."""
+    key, ends = "rotor_velocity", {}
+    value = data["value"].sel(metric=key)
+    for label in data["law"].values:
+        here = data.sel(law=label, cause=BASIS, quantity=key)
+        # One end is the value itself.
+        reached = float(here["least"] + here["greatest"] - value.sel(law=label))
+        if isfinite(reached):
+            ends[str(label)] = reached
+    if len(ends) < 2:
+        return ""
+    low, *_, high = sorted(ends, key=lambda label: ends[label])
+    return (
+        f"On the other basis: {ends[low]:.3g} ({low}) to {ends[high]:.3g} rad/s ({high}), "
+        f"{ends[high] - ends[low]:.2g} apart."
+    )
 
 
 def pairs(data: xarray.Dataset, key: str = "rotor_velocity") -> list[Weighed]:
@@ -176,9 +200,3 @@ def shares_said(data: xarray.Dataset) -> str:
 def unclear(share: float, low: float, high: float) -> bool:
     """Tell whether an interval is wider than the share that it is of, and not all but zero."""
     return high - low > abs(share) and high > SMALL
-
-
-def listed(words: "list[str] | tuple[str, ...]") -> str:
-    """Write a list as a sentence does."""
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last
