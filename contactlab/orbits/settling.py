@@ -190,8 +190,7 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
             f"its velocity, {mean:.4g} rad/s in the mean, has changed by {change:.2g} rad/s. Run it longer, "
             "by `longest`; a load that drives it, without damping of the rotor, may do so for ever."
         )
-    indicator = chaos_indicator(late.series["tip_slope"][1:])
-    kind = "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
+    kind = kind_without_period(late.series["tip_slope"][1:])
     # In a contact that lasts, the steps of a rigid law do not divide the period.
     if count := repeats_after(_strobes(late)[-TAIL:], run.contact_step / clock.period):
         kind = "periodic"
