@@ -8,7 +8,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.datasheet.measurement import UNKNOWN, Measurement, Number
-from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap

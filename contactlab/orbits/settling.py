@@ -14,7 +14,7 @@ from contactlab.motor import ModalState, NormalModes
 from contactlab.orbits.period_map import BELT, BrokenOffError, PeriodMap, period_of
 from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.orbits.steady_state import Steady
-from contactlab.settling.statistics import REPEATS, repeats_after, trend
+from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
 from contactlab.trajectory import Ending, Trajectory
 
 FORGOTTEN: Final = 1e-3

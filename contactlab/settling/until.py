@@ -13,7 +13,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.engine.simulation import ON_GRID, simulate
+from contactlab.engine.preparation import ON_GRID
+from contactlab.engine.simulation import simulate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Drive, Motor
 from contactlab.motor.drive import period_of
