@@ -33,7 +33,7 @@ from tqdm import tqdm
 import contactlab as cl
 from contactlab.config.nesting import flat, nested
 from contactlab.metrics import Run, assess
-from contactlab.orbits import BrokenOffError
+from contactlab.orbits import BrokenOffError, NotSettledError
 from contactlab.plot.style import STYLE
 from contactlab.results.provenance import versions
 from contactlab.sweeps import Status
@@ -212,7 +212,7 @@ def _settled(
     names = ("rotor_velocity", "error", "periods", "settling_time")
     try:
         state = cl.steady(motor, law, contact_step=step)
-    except BrokenOffError as error:
+    except (BrokenOffError, NotSettledError) as error:
         return dict.fromkeys((*names, *metrics), np.nan), f"{law.name}: {error}"
     time = state.orbit.settling_time if state.orbit else np.nan
     found = assess(Run.of_trajectory(state.motion, {}), metrics) if metrics else {}
