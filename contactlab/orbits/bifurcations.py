@@ -107,11 +107,11 @@ def end_of(place: Place, least: float) -> str:
     point = place.point
     before = f"{point.contacts} contact{'s' * (point.contacts != 1)} a period"
     if point.orbit.roughness > SMOOTH:
-        other = _contacts_nearby(point.orbit) - {point.contacts}
-        words = f" has {' or '.join(map(str, sorted(other)))} contacts and" if other else ""
+        other = sorted(_contacts_nearby(point.orbit) - {point.contacts})
+        nearby = f", {' or '.join(map(str, other))} within {NEARBY:g} of its state" if other else ""
         return (
-            f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}, the softest at "
-            f"{point.softest:.3g} m/s, and what begins within {NEARBY:g} of its state{words} goes another way."
+            f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}{nearby}, and the "
+            f"softest begins at {point.softest:.3g} m/s."
         )
     low, high = 0.0, 2.0 * least
     if place.count_ahead(high) in (point.contacts, -1):
