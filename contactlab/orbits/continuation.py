@@ -104,7 +104,7 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
                     break
             step = 0.5 * min(step, to_edge)
             if step < least:
-                return end_of(last, least)
+                return end_of(last, least, CLOSELY * first)
         yield from events_between(last, place)
         yield place.point
         if at_edge:
@@ -115,7 +115,7 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
                 "nothing touches keeps any velocity."
             )
         if step < CLOSELY * first and place.point.orbit.roughness > SMOOTH:
-            return end_of(place, least)
+            return end_of(place, least, CLOSELY * first)
         step = min(LONGER * step, longest) if found[1] <= EASY else step
 
 
