@@ -61,9 +61,11 @@ from contactlab.motor import (
 )
 from contactlab.orbits import (
     Attractor as Attractor,
+    Basins as Basins,
     Branch as Branch,
     Steady as Steady,
     attractors as attractors,
+    basins as basins,
     branch as branch,
     steady as steady,
 )

@@ -52,9 +52,8 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         own = cl.build([f"law={name}", f"contact.friction_coefficient={law.friction_coefficient}"])
         found = cl.branch(own, "contact.clearance", 3e-6 if short else START, END)
         folds = [p.value for p in found.events if p.mark is Mark.FOLD]
-        data = found.to_xarray()[
-            ["value", "rotor_velocity", "stable", "mark", "softest_approach", "contacts"]
-        ]
+        data = found.to_xarray()[["value", "rotor_velocity", "stable", "mark", "softest_approach"]]
+        data = data.assign_coords(point=np.arange(data.sizes["point"]))
         data["fold"] = folds[0] if folds else np.nan
         data["last"] = found.points[-1].value
         data["end"] = found.end
