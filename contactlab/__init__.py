@@ -60,7 +60,16 @@ from contactlab.motor import (
     Rotor as Rotor,
     Steel as Steel,
 )
-from contactlab.orbits import Steady as Steady, steady as steady
+from contactlab.orbits import (
+    Attractor as Attractor,
+    Basins as Basins,
+    Branch as Branch,
+    Steady as Steady,
+    attractors as attractors,
+    basins as basins,
+    branch as branch,
+    steady as steady,
+)
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate

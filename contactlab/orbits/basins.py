@@ -1,132 +1,286 @@
-"""Attractors of a motor that more than one belongs to: which there are, and how many starts come to each."""
+"""Basins of attraction: to which of its steady states a motor comes from where it starts."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Final, final
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
+import xarray
+from numpy.typing import NDArray
+from scipy.linalg import solve_discrete_lyapunov
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
+from contactlab.orbits.bifurcations import SMOOTH
+from contactlab.orbits.coexisting import at_phase, reach, same, touches
+from contactlab.orbits.dataset import attributes_of, flags
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 from contactlab.orbits.search import LONGEST, Steady, steady
+from contactlab.orbits.shooting import Orbit
 
-SAME: Final = 1e-5
-"""Relative distance of the states of two orbits at one section below which they are one: an orbit is closed
-to 1e-10, which a multiplier of 0.9999 makes 1e-6."""
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-SIGMA: Final = 3.0
-"""Statistical errors by which the means of two motions without an orbit differ at least if they are two."""
+COORDINATES: Final = {
+    "rotor_velocity": ("rad s-1", "rotor velocity at the start"),
+    "drive_phase": ("1", "phase of the drive at the start, in its periods"),
+    "tip_displacement": ("m", "displacement of the tip at the start, in the first mode"),
+    "tip_velocity": ("m s-1", "velocity of the tip at the start, in the first mode"),
+}
+"""Of a start, with unit and meaning."""
 
-WITHOUT_CONTACT: Final = "without contact"
+LOOKS: Final = (30, 90, 270)
+"""Periods after which it is looked whether a motion has come into a ball."""
+
+LARGEST: Final = 0.5
+"""Radius of the first ball that is tried, in parts of |z|."""
+
+SMALLER: Final = 0.25
+"""Ratio of the radii that are tried one after another."""
+
+SMALLEST: Final = 1e-2
+"""Radius below which there is no ball, and a motion must run into its orbit."""
+
+CONTRACTED: Final = 0.8
+"""Share of its distance from an orbit that a motion may have left after a settling time in the ball."""
+
+NEUTRAL: Final = 1e-6
+"""Distance of a multiplier from 1, of which the differences are no longer sure."""
+
+CANNOT_TELL: Final = -1
 
 
 @final
 @dataclass(frozen=True)
-class Attractor:
-    """A steady state and the share of the starts that came to it."""
+class Ball:
+    """A neighbourhood of an orbit that motions do not leave: |x|_M <= radius, |x|_M^2 = x^T M x.
 
-    steady: Steady
-    share: float
+    M solves A^T M A / rho^2 - M + 1 = 0 for the derivative A of the map, with rho between its largest
+    multiplier and 1, so that in this norm a small deviation falls in every period. How far the law of the
+    small holds is found by trial: from both ends of each axis of the ball and of the one half as large the
+    motor runs for a settling time, and must come nearer. That is a check at points, not a proof.
+    """
+
+    orbit: Orbit
+    norm: Array
+    radius: float
+
+    @classmethod
+    def around(cls, orbit: Orbit) -> "Ball":
+        """Find the largest of some balls about an orbit; radius 0 where there is none."""
+        times = max(1.0, np.ceil(orbit.settling_time / orbit.map.period))
+        if times > LONGEST or orbit.roughness > SMOOTH:
+            return cls(orbit, np.eye(orbit.state.size), 0.0)
+        rho = 0.5 * (1.0 + abs(orbit.multipliers[0]))
+        norm = solve_discrete_lyapunov(orbit.jacobian.T / rho, np.eye(orbit.state.size))
+        # The longest axis of an ellipsoid is that of the smallest eigenvalue, which comes first.
+        size, axes = np.linalg.eigh(norm)
+        ends = [side * axis for axis in (axes / np.sqrt(size)).T for side in (-1.0, 1.0)]
+        ball = cls(orbit, norm, 0.0)
+        radius = LARGEST * float(np.linalg.norm(orbit.state) * np.sqrt(size[0]))
+        least = radius * SMALLEST / LARGEST
+        while radius > least:
+            if all(ball._comes_nearer(part * radius * end, times) for end in ends for part in (1.0, 0.5)):
+                return replace(ball, radius=radius)
+            radius *= SMALLER
+        return ball
+
+    def distance(self, z: Array) -> float:
+        """Give |z - z_orbit|_M."""
+        x = z - self.orbit.state
+        return float(np.sqrt(x @ self.norm @ x))
+
+    def holds(self, z: Array) -> bool:
+        """Tell whether a state at the section of the orbit lies in the ball."""
+        return self.distance(z) <= self.radius
+
+    def _comes_nearer(self, x: Array, times: float) -> bool:
+        z = self.orbit.state + x
+        try:
+            later = self.orbit.map.end_of(self.orbit.map.run(z, times))
+        # A rigid law refuses a start inside the rotor.
+        except (BrokenOffError, ValueError):
+            return False
+        return self.distance(later) <= CONTRACTED * self.distance(z)
 
 
-def attractors(
-    setup: Setup,
-    count: int = 8,
-    seed: int = 0,
-    *,
-    velocity: float | None = None,
-    excitation: float = 2.0,
-    longest: int = LONGEST,
-) -> tuple[Attractor, ...]:
-    """Find the steady states that a motor comes to from its own start and from others drawn at random.
-
-    Drawn are the velocity of the rotor, evenly within +-`velocity`, and that of every mode, evenly within
-    +-`excitation` times the amplitude that it has without contact. The modes start where they start in the
-    setup, so that no start lies inside the rotor.
+@final
+@dataclass(frozen=True)
+class Basins:
+    """Where starts go.
 
     Args:
-        setup: motor and law; its own start is the first of those that are tried.
-        count: of the starts in all.
-        seed: of the random numbers.
-        velocity: [rad/s]; None is the largest with which the tip moves along the rotor without contact.
-        excitation: [1].
-        longest: as of `contactlab.steady`.
+        setup: of the motor; its own start is changed in two coordinates.
+        axes: values of two of `COORDINATES`, in SI.
+        labels: place in `attractors` of each start, -1 where it cannot be told, shape (first, second).
+        attractors: the steady states that were reached.
+    """
 
-    Returns:
-        What was reached, by falling share. The shares sum to less than 1 where runs broke off.
+    setup: Setup
+    axes: dict[str, Array]
+    labels: NDArray[np.int8]
+    attractors: tuple[Steady, ...]
+
+    @cached_property
+    def shares(self) -> tuple[float, ...]:
+        """The share of the starts that comes to each attractor."""
+        return tuple(float(np.mean(self.labels == i)) for i in range(len(self.attractors)))
+
+    @property
+    def unresolved(self) -> int:
+        """The starts of which it cannot be told where they go."""
+        return int(np.sum(self.labels == CANNOT_TELL))
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Give the labels over both coordinates, and what is known of each attractor."""
+        names = ["cannot_tell", *(f"attractor_{i}" for i in range(len(self.attractors)))]
+        of_labels = flags("attractor to which the motor comes", names, first=CANNOT_TELL)
+        velocity = np.array([one.velocity for one in self.attractors]).reshape(-1, 2)
+        largest = [np.nan if one.orbit is None else abs(one.orbit.multipliers[0]) for one in self.attractors]
+        columns: dict[str, tuple[object, str, str]] = {
+            "share": (list(self.shares), "1", "share of the starts that come to it"),
+            "velocity": (velocity[:, 0], "rad s-1", "mean rotor velocity"),
+            "velocity_error": (velocity[:, 1], "rad s-1", "statistical error of the mean"),
+            "largest_multiplier": (largest, "1", "largest modulus of a multiplier; NaN without an orbit"),
+            "periods": ([one.periods for one in self.attractors], "1", "drive periods; 0 without an orbit"),
+        }
+        data = xarray.Dataset(
+            {n: ("attractor", v, {"units": u, "long_name": w}) for n, (v, u, w) in columns.items()}
+        )
+        kinds = ["neutral" if is_neutral(one) and touches(one) else one.kind for one in self.attractors]
+        words = "kind of motion; the rotor of a neutral one keeps any velocity in a range"
+        data["kind"] = ("attractor", kinds, {"long_name": words})
+        for name, values in self.axes.items():
+            unit, words = COORDINATES[name]
+            data[name] = (name, values, {"units": unit, "long_name": words})
+        data["label"] = (tuple(self.axes), self.labels, of_labels)
+        data.attrs = {
+            "title": f"Basins of attraction, {self.setup.law.title}",
+            "unresolved": self.unresolved,
+            **attributes_of(self.setup),
+        }
+        return data
+
+    def plot(self) -> "Figure":
+        """Draw the map of the labels, the attractors' velocities in its legend."""
+        # It brings matplotlib.
+        from contactlab.plot.orbits import draw_basins
+
+        return draw_basins(self.to_xarray())
+
+
+def default_axes(setup: Setup, count: int = 24) -> dict[str, Array]:
+    """Give the rotor's velocity and the phase of the drive, which nobody who switches a motor on can choose.
+
+    The velocity goes up to the largest of the tip along the rotor without contact, either way.
+    """
+    fastest = reach(setup)
+    return {"rotor_velocity": np.linspace(-fastest, fastest, count), "drive_phase": np.arange(count) / count}
+
+
+def basins(
+    setup: Setup,
+    axes: Mapping[str, Array] | None = None,
+    *,
+    longest: int = LONGEST,
+    report: Callable[[int], None] | None = None,
+) -> Basins:
+    """Map which of its steady states a motor comes to, over two coordinates of its start.
+
+    A motion that comes into a `Ball` about a known orbit belongs to it; one that comes into none within
+    some hundred periods goes on as `contactlab.steady` does, and adds what it finds.
+
+    Args:
+        setup: the motor.
+        axes: values of two of `COORDINATES`; by default those of `default_axes`.
+        longest: as of `contactlab.steady`.
+        report: called with the number of starts that are done.
 
     Raises:
+        ValueError: there are not two coordinates, or one that there is none of.
         NoPeriodError: the drive does not repeat itself.
     """
-    found: list[tuple[Steady, int]] = []
-    for start in _starts(setup, count, seed, velocity, excitation):
+    given = {name: np.asarray(v, dtype=np.float64) for name, v in (axes or default_axes(setup)).items()}
+    if len(given) != 2 or not given.keys() <= COORDINATES.keys():
+        raise ValueError(
+            f"The coordinates of the start are {', '.join(given) or 'none'}; they must be two of "
+            f"{', '.join(COORDINATES)}."
+        )
+    shape = tuple(values.size for values in given.values())
+    labels = np.full(shape, CANNOT_TELL, dtype=np.int8)
+    found: list[Steady] = []
+    balls: list[Ball | None] = []
+    for done, place in enumerate(np.ndindex(*shape)):
+        start = {name: float(values[i]) for (name, values), i in zip(given.items(), place, strict=True)}
         try:
-            reached = steady(start, longest=longest)
-        except BrokenOffError:
-            continue
-        known = next((i for i, (other, _) in enumerate(found) if same(other, reached)), None)
-        if known is None:
-            found.append((replace(reached, setup=setup), 1))
-        else:
-            found[known] = (found[known][0], found[known][1] + 1)
-    found.sort(key=lambda pair: -pair[1])
-    return tuple(Attractor(reached, times / count) for reached, times in found)
+            section, z = started(setup, start)
+            label = _fallen_into(balls, section, z)
+            if label is None:
+                reached = steady(_setup_at(section, z), longest=longest)
+                label = next(
+                    (i for i, other in enumerate(found) if _of_one_basin(other, reached)), len(found)
+                )
+                if label == len(found):
+                    found.append(reached)
+                    orbit = reached.orbit
+                    balls.append(Ball.around(orbit) if orbit is not None and touches(reached) else None)
+            labels[place] = label
+        # A rigid law refuses a start inside the rotor.
+        except (BrokenOffError, ValueError):
+            labels[place] = CANNOT_TELL
+        if report is not None:
+            report(done + 1)
+    return Basins(setup, given, labels, tuple(found))
 
 
-def same(one: Steady, other: Steady) -> bool:
-    """Tell whether two steady states of a motor are one: orbits by their states, others by their means."""
-    if (one.kind, one.periods) != (other.kind, other.periods):
-        return False
-    if one.kind == WITHOUT_CONTACT:
-        # A rotor that nothing touches keeps whatever velocity it has.
-        return True
-    if one.orbit is None or other.orbit is None:
-        (a, error_a), (b, error_b) = one.velocity, other.velocity
-        return bool(abs(a - b) <= SIGMA * np.hypot(error_a, error_b))
-    target = other.orbit
-    z = at_phase(one.orbit.map, one.orbit.state, target.map.phase)
-    once = replace(target.map, periods=1)
-    for _ in range(one.periods):
-        if np.linalg.norm(z - target.state) <= SAME * np.linalg.norm(target.state):
-            return True
-        z = once(z)
-    return False
-
-
-def at_phase(section: PeriodMap, z: Array, phase: float) -> Array:
-    """Give the state that follows one of a section when the drive next has another phase."""
-    part = (phase - section.phase) % 1.0
-    return section.end_of(section.run(z, part / section.periods)) if part else z
-
-
-def amplitudes(setup: Setup) -> Array:
-    """Give the amplitude of every mode's velocity without contact, tones added up [m/s kg^1/2]."""
-    modes, drive = setup.motor.modes, setup.motor.drive
-    rate = drive.angular_frequency
-    stiffness, damping = modes.stiffness[:, None], modes.damping[:, None]
-    found = np.abs(modes.coupling @ drive.phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
-    return np.asarray(found.sum(axis=1))
-
-
-def reach(setup: Setup) -> float:
-    """Give a bound of the tip's velocity along the rotor without contact, over the rotor's radius [rad/s]."""
+def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]:
+    """Give the section and the state in which a motor starts that has these coordinates."""
     motor = setup.motor
-    along = motor.geometry.tip_length * np.abs(motor.modes.tip_slope) @ amplitudes(setup)
-    return float(along / motor.geometry.rotor_radius)
+    modes = motor.modes
+    zero = np.zeros(modes.stiffness.size)
+    own = motor.start or ModalState(zero, zero)
+    displacement, velocity = own.displacement.copy(), own.velocity.copy()
+    if "tip_displacement" in start:
+        displacement[0] = start["tip_displacement"] / modes.tip_displacement[0]
+    if "tip_velocity" in start:
+        velocity[0] = start["tip_velocity"] / modes.tip_displacement[0]
+    section = PeriodMap(setup, phase=start.get("drive_phase", 0.0) % 1.0)
+    turning = start.get("rotor_velocity", motor.rotor.initial_velocity)
+    return section, section.state_of(ModalState(displacement, velocity), turning)
 
 
-def _starts(
-    setup: Setup, count: int, seed: int, velocity: float | None, excitation: float
-) -> Iterator[Setup]:
-    """Give the setup itself, and then with other starts."""
-    rng, motor = np.random.default_rng(seed), setup.motor
-    fastest = reach(setup) if velocity is None else velocity
-    modal = excitation * amplitudes(setup)
-    at = np.zeros(modal.size) if motor.start is None else motor.start.displacement
-    yield setup
-    for _ in range(count - 1):
-        rotor = replace(motor.rotor, initial_velocity=float(rng.uniform(-fastest, fastest)))
-        start = ModalState(at, rng.uniform(-modal, modal))
-        yield replace(setup, motor=replace(motor, rotor=rotor, start=start))
+def is_neutral(one: Steady) -> bool:
+    """Tell whether a rotor keeps whatever velocity it has, within a range at least.
+
+    That is so where nothing touches it, and where contacts of opposite slip take and give the same impulse.
+    """
+    largest = 1.0 if one.orbit is None else abs(one.orbit.multipliers[0])
+    return bool(one.periods and largest > 1.0 - NEUTRAL)
+
+
+def _of_one_basin(one: Steady, other: Steady) -> bool:
+    """Tell whether two steady states are one, or of one family that nothing holds in its place."""
+    return (is_neutral(one) and is_neutral(other) and touches(one) == touches(other)) or same(one, other)
+
+
+def _fallen_into(balls: list[Ball | None], section: PeriodMap, z: Array) -> int | None:
+    """Give the ball that a motion comes into first."""
+    known = [(i, ball) for i, ball in enumerate(balls) if ball is not None and ball.radius > 0.0]
+    for periods in LOOKS if known else ():
+        for i, ball in known:
+            target = ball.orbit.map
+            # From the start each time: a run that goes on in the middle of a contact is another one.
+            if ball.holds(target.end_of(section.run(z, periods + (target.phase - section.phase) % 1.0))):
+                return i
+    return None
+
+
+def _setup_at(section: PeriodMap, z: Array) -> Setup:
+    """Give the setup of a motor that starts in the state that follows when the drive next has phase 0."""
+    z = at_phase(section, z, 0.0)
+    motor, count = section.setup.motor, section.scale.size
+    start = ModalState(z[:count] / section.scale, z[count : 2 * count])
+    rotor = replace(motor.rotor, initial_velocity=section.velocity_of(z))
+    return replace(section.setup, motor=replace(motor, start=start, rotor=rotor))

@@ -102,31 +102,39 @@ def _grazing(last: Place, place: Place, length: float) -> tuple[float, BranchPoi
     return high, replace(place_at(last.curve, at, last.tangent).point, mark=Mark.GRAZING)
 
 
-def end_of(place: Place, least: float) -> str:
-    """Say why a branch goes no further than a place, after steps as small as `least`."""
+def end_of(place: Place, least: float, reach: float) -> str:
+    """Say why a branch goes no further than a place.
+
+    Args:
+        place: the last one.
+        least: the smallest step that was tried.
+        reach: how far ahead on the tangent a grazing is looked for.
+    """
     point = place.point
     before = f"{point.contacts} contact{'s' * (point.contacts != 1)} a period"
-    if point.orbit.roughness > SMOOTH:
-        other = _contacts_nearby(point.orbit) - {point.contacts}
-        words = f" has {' or '.join(map(str, sorted(other)))} contacts and" if other else ""
-        return (
-            f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}, the softest at "
-            f"{point.softest:.3g} m/s, and what begins within {NEARBY:g} of its state{words} goes another way."
-        )
-    low, high = 0.0, 2.0 * least
-    if place.count_ahead(high) in (point.contacts, -1):
+    # The tangent at a rough orbit leads astray, but for one without contact.
+    if point.orbit.roughness <= SMOOTH or not point.contacts:
+        low, high = 0.0, least
+        while (beyond := place.count_ahead(high)) == point.contacts and high < reach:
+            low, high = high, 2.0 * high
+        if beyond not in (point.contacts, -1):
+            while high - low > LOCATED * reach:
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if place.count_ahead(middle) == point.contacts else (low, middle)
+            value, beyond = place.curve.value(place.y + high * place.tangent), place.count_ahead(high)
+            return (
+                f"It ends at {value:.9g} in a grazing: it has {before} before and would have {beyond} "
+                "beyond, where the map is not smooth."
+            )
+    if point.orbit.roughness <= SMOOTH:
         return (
             f"It ends at {point.value:.9g}, beyond which no orbit was found near the last one with steps "
             f"down to {least:.1e}."
         )
-    while high - low > LOCATED * least:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if place.count_ahead(middle) == point.contacts else (low, middle)
-    value, beyond = place.curve.value(place.y + high * place.tangent), place.count_ahead(high)
-    return (
-        f"It ends at {value:.9g} in a grazing: it has {before} before and would have {beyond} beyond, where "
-        "the map is not smooth."
-    )
+    other = sorted(_contacts_nearby(point.orbit) - {point.contacts})
+    nearby = f", {' or '.join(map(str, other))} within {NEARBY:g} of its state" if other else ""
+    softest = f", and the softest begins at {point.softest:.3g} m/s" if point.contacts else ""
+    return f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}{nearby}{softest}."
 
 
 def _contacts_nearby(orbit: Orbit) -> set[int]:

@@ -64,8 +64,7 @@ def follow(
         map_at: gives the period map of a value of the parameter; section and periods are those of `first`.
         first, value: where the branch begins.
         end: of the parameter's range, which begins at `value`.
-        step: length of the first step; a fiftieth of range and state by default. The longest is four times
-            that.
+        step: length of the first step; a fiftieth of range and state by default. The longest is twice that.
         most: points after which it is left as it is.
     """
     start = Curve(map_at, first.map.phase, first.map.periods, float(np.linalg.norm(first.state)), value, end)
@@ -90,7 +89,7 @@ def _where_it_grazes(points: Sequence[BranchPoint], span: float) -> str:
 def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, str]:
     """Give the points one after another, and in the end the sentence why there are no more."""
     place = place_at(curve, y, np.eye(y.size)[-1])
-    step, longest, least = first, 4.0 * first, SHORTEST * first
+    step, longest, least = first, 2.0 * first, SHORTEST * first
     yield place.point
     while True:
         last = _resectioned(place)
@@ -105,7 +104,7 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
                     break
             step = 0.5 * min(step, to_edge)
             if step < least:
-                return end_of(last, least)
+                return end_of(last, least, CLOSELY * first)
         yield from events_between(last, place)
         yield place.point
         if at_edge:
@@ -116,7 +115,7 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
                 "nothing touches keeps any velocity."
             )
         if step < CLOSELY * first and place.point.orbit.roughness > SMOOTH:
-            return end_of(place, least)
+            return end_of(place, least, CLOSELY * first)
         step = min(LONGER * step, longest) if found[1] <= EASY else step
 
 

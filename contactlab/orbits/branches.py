@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 import xarray
-import yaml
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import unknown_key
@@ -15,10 +14,10 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.orbits.continuation import follow
 from contactlab.orbits.curve import BranchPoint, MapAt, Mark
+from contactlab.orbits.dataset import attributes_of, flags
 from contactlab.orbits.period_map import PeriodMap
 from contactlab.orbits.search import steady
-from contactlab.results.netcdf import REFERENCES
-from contactlab.results.provenance import checkout_state, code_digest, versions
+from contactlab.parameter import from_cf
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +57,6 @@ class Branch:
     def to_xarray(self) -> xarray.Dataset:
         """Give a dataset over `point`, the multipliers over `multiplier`, the largest first."""
         multipliers = np.array([point.orbit.multipliers for point in self.points])
-        drive_periods = self.points[0].orbit.map.periods
         columns: dict[str, tuple[str, str, Callable[[BranchPoint], float]]] = {
             "value": (self.unit, f"{self.parameter}, {self.meaning}", lambda p: p.value),
             "rotor_velocity": ("rad s-1", "mean angular velocity of the rotor", lambda p: p.velocity),
@@ -80,25 +78,18 @@ class Branch:
         largest = {"units": "1", "long_name": "largest modulus of a multiplier"}
         data["largest_multiplier"] = ("point", np.abs(multipliers[:, 0]), largest)
         stable = np.array([point.orbit.stable for point in self.points], dtype=np.int8)
-        data["stable"] = ("point", stable, _flags("whether the orbit is stable", ("unstable", "stable")))
+        data["stable"] = ("point", stable, flags("whether the orbit is stable", ("unstable", "stable")))
         marks = np.array([point.mark for point in self.points], dtype=np.int8)
-        data["mark"] = ("point", marks, _flags("what happens there", [mark.name.lower() for mark in Mark]))
-        revision, dirty = checkout_state()
+        data["mark"] = ("point", marks, flags("what happens there", [mark.name.lower() for mark in Mark]))
         data.attrs = {
-            "Conventions": "CF-1.11",
             "title": f"Periodic orbits over {self.parameter}, {self.setup.law.title}",
-            "source": f"contactlab {versions()['contactlab_version']}, pseudo-arclength continuation",
-            "references": f"{REFERENCES} Contact law: {self.setup.law.source}.",
-            "law": self.setup.law.name,
             "parameter": self.parameter,
-            "drive_periods": drive_periods,
+            "drive_periods": self.points[0].orbit.map.periods,
             "end": self.end,
-            "configuration": yaml.safe_dump(self.setup.configuration, sort_keys=False, allow_unicode=True),
-            **versions(),
-            "code_digest": code_digest(),
-            "git_revision": revision,
-            "git_dirty": dirty,
+            **attributes_of(self.setup),
         }
+        if self.parameter != BELT and (belt := self.points[0].orbit.map.belt) is not None:
+            data.attrs["belt"] = belt
         return data
 
     def plot(self) -> "Figure":
@@ -125,7 +116,7 @@ def branch(
             rotor is held [rad/s].
         start, end: of the range, in SI.
         belt: velocity at which the rotor is held while something else changes [rad/s]; None is free.
-        step: first step, in parts of the range and of the state; the longest is four times that.
+        step: first step, in parts of the range and of the state; the longest is twice that.
 
     Raises:
         ConfigurationError: there is no such key, or one of the values is none that it takes.
@@ -161,6 +152,11 @@ def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
     return map_at
 
 
+def unit_of(setup: Setup, parameter: str) -> str:
+    """Give the unit in which a parameter is written; a ConfigurationError says that it is none."""
+    return from_cf(_declared(setup, parameter)[0])
+
+
 def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
     """Give unit and meaning of a parameter."""
     if parameter == BELT:
@@ -170,9 +166,3 @@ def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
         raise ConfigurationError([unknown_key(parameter, "", [BELT, *declared])])
     found = declared[parameter]
     return found.units, found.meaning
-
-
-def _flags(meaning: str, names: tuple[str, ...] | list[str]) -> dict[str, object]:
-    """Give the CF attributes of an enumerated quantity."""
-    values = np.arange(len(names), dtype=np.int8)
-    return {"long_name": meaning, "flag_values": values, "flag_meanings": " ".join(names)}

@@ -1,0 +1,134 @@
+"""Pictures of steady states: branches of periodic orbits, and basins of attraction."""
+
+from itertools import groupby
+from typing import Any, Final
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.style import context
+
+from contactlab.parameter import from_cf
+from contactlab.plot.style import STYLE
+from contactlab.results.summary import prefixed_unit
+
+MARKERS: Final = {
+    "fold": "s",
+    "branching": "P",
+    "period_doubling": "D",
+    "neimark_sacker": "o",
+    "grazing": "v",
+}
+"""Of the events of a branch, by name."""
+
+LINES: Final = {True: "-", False: "--"}
+"""Of stable and unstable orbits."""
+
+UNKNOWN: Final = "0.75"
+"""Colour of starts of which it cannot be told where they go."""
+
+SPREAD: Final = 5.0
+"""Ratio of largest multipliers from which on their axis is logarithmic."""
+
+
+def draw_branch(data: xarray.Dataset) -> Figure:
+    """Draw mean rotor velocity and largest multiplier over the parameter, events marked."""
+    with context(STYLE):
+        figure = Figure(figsize=(5.2, 4.0), layout="constrained")
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
+        # A velocity that is given says nothing.
+        shown = "torque" if "belt" in (data.attrs["parameter"], *data.attrs) else "rotor_velocity"
+        draw_curve(upper, data, shown)
+        draw_curve(lower, data, "largest_multiplier")
+        upper.set_ylabel({"torque": "mean torque (N m)"}.get(shown, "mean rotor velocity (rad/s)"))
+        lower.set_ylabel("largest multiplier")
+        lower.axhline(1.0, color="0.5", linewidth=0.6, zorder=0)
+        if float(data.largest_multiplier.max()) > SPREAD:
+            lower.set_yscale("log")
+        unit, _ = _unit(data)
+        lower.set_xlabel(f"{data.attrs['parameter']}{f' ({unit})' if unit else ''}")
+        handles, labels = upper.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    return figure
+
+
+def draw_curve(axes: Axes, data: xarray.Dataset, name: str, **style: Any) -> None:
+    """Draw a quantity of a branch, solid where it is stable and dashed elsewhere, with its events."""
+    value, quantity = data["value"].values / _unit(data)[1], data[name].values
+    stable = data["stable"].values.astype(bool)
+    colour = style.pop("color", matplotlib.rcParams["axes.prop_cycle"].by_key()["color"][0])
+    named = set()
+    for kind, points in groupby(range(1, stable.size), lambda i: bool(stable[i])):
+        stretch = [*points]
+        # It begins at the point before, so that solid and dashed lines meet.
+        there = slice(stretch[0] - 1, stretch[-1] + 1)
+        label = "stable" if kind else "unstable"
+        shown = label if label not in named else None
+        axes.plot(value[there], quantity[there], LINES[kind], color=colour, label=shown, **style)
+        named.add(label)
+    names = data["mark"].attrs["flag_meanings"].split()
+    for number, event in enumerate(names):
+        there = data["mark"].values == number
+        if event in MARKERS and there.any():
+            axes.plot(
+                value[there],
+                quantity[there],
+                MARKERS[event],
+                color="black",
+                markerfacecolor="white",
+                label=event.replace("_", " "),
+                zorder=3,
+            )
+
+
+def draw_basins(data: xarray.Dataset) -> Figure:
+    """Draw to which attractor starts go, over both of their coordinates."""
+    with context(STYLE):
+        figure = Figure(figsize=(5.2, 4.2), layout="constrained")
+        axes = figure.subplots()
+        labels = data["label"]
+        x, y = (data[name] for name in labels.dims)
+        colours = [UNKNOWN, *matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]]
+        count = data.sizes["attractor"]
+        chosen = [colours[0], *(colours[1 + i % (len(colours) - 1)] for i in range(count))]
+        axes.pcolormesh(
+            x.values,
+            y.values,
+            labels.values.T,
+            cmap=ListedColormap(chosen),
+            vmin=-1.5,
+            vmax=count - 0.5,
+            shading="nearest",
+            rasterized=True,
+        )
+        for set_label, one in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+            unit = one.attrs["units"]
+            set_label(f"{one.attrs['long_name']}{'' if unit == '1' else f' ({from_cf(unit)})'}")
+        handles = [Patch(color=chosen[1 + i], label=_told(data.isel(attractor=i))) for i in range(count)]
+        if int(data.attrs["unresolved"]):
+            share = int(data.attrs["unresolved"]) / labels.size
+            handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: cannot tell"))
+        figure.legend(handles=handles, loc="outside upper center", ncols=1)
+    return figure
+
+
+def _told(attractor: xarray.Dataset) -> str:
+    """Tell share, kind and velocity of an attractor."""
+    kind, share = str(attractor["kind"].values), 100.0 * float(attractor["share"])
+    velocity, error = float(attractor["velocity"]), float(attractor["velocity_error"])
+    moves = f", {velocity:.4g}{f' ± {error:.1g}' if error else ''} rad/s"
+    if kind in ("without contact", "neutral"):
+        return f"{share:.3g} %: {kind}, any velocity{' in a range' if kind == 'neutral' else ''}"
+    return f"{share:.3g} %: {kind}{moves}"
+
+
+def _unit(data: xarray.Dataset) -> tuple[str, float]:
+    """Give the unit in which the parameter is read best, empty for a number, and its size in SI."""
+    units = data["value"].attrs["units"]
+    if units.isalpha():
+        return prefixed_unit(float(np.abs(data["value"]).max()), units)
+    return ("" if units == "1" else from_cf(units)), 1.0

@@ -1,0 +1,125 @@
+"""Periodic orbits of the motor over its clearance: where they fold, and where the last contact grazes.
+
+A motor whose clearance grows does not lose its contact gently. Under a rigid law the branch of orbits that
+touch folds at a clearance beyond the one that the tip just bridges without contact; between the two, the
+motor that runs goes on running and the one that is switched on does not touch.
+"""
+
+import sys
+
+import numpy as np
+import xarray
+from harness import laws_of, main
+from matplotlib.figure import Figure
+from matplotlib.style import context
+
+import contactlab as cl
+from contactlab.orbits.curve import Mark
+from contactlab.plot.orbits import LINES, MARKERS
+from contactlab.plot.style import STYLE
+
+SAYS = "The clearance is given, what happens to the motor where it grows is not looked at."
+LAWS = ("hertz_penalty", "lagrange_stick", "newton")
+START, END = 1e-6, 4.5e-6
+"""Of the clearance [m]."""
+
+AGREE = 1e-3
+"""Relative difference of the clearance at which a branch ends from the one that the tip bridges."""
+
+
+def bridged(motor: cl.Motor) -> float:
+    """The largest clearance that the tip bridges without contact [m], by the closed form of its motion."""
+    drive, modes, geometry = motor.drive, motor.modes, motor.geometry
+    rate = drive.angular_frequency
+    stiffness, damping = modes.stiffness[:, None], modes.damping[:, None]
+    response = modes.coupling @ drive.phasors / (stiffness - rate**2 + 1j * damping * rate)
+    # The second tone has a whole number of periods in one of the first.
+    turns = np.exp(1j * np.outer(rate, np.linspace(0.0, 1.0 / drive.frequency[0], 200_001)))
+    u, slope = (part @ (response @ turns).real for part in (modes.tip_displacement, modes.tip_slope))
+    radius, length = geometry.rotor_radius, geometry.tip_length
+    fall = 2.0 * length * np.sin(0.5 * slope) ** 2
+    aside = radius - np.sqrt(radius**2 - (length * np.sin(slope)) ** 2)
+    return float(np.max(u - fall - aside))
+
+
+def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
+    """The branch of every law; the short form is the last third of one."""
+    laws = laws_of(setup)
+    names = ("lagrange_stick",) if short else LAWS
+    parts = []
+    for name in names:
+        law = laws.get(name) or cl.Newton(laws["lagrange_stick"].friction_coefficient)
+        own = cl.build([f"law={name}", f"contact.friction_coefficient={law.friction_coefficient}"])
+        found = cl.branch(own, "contact.clearance", 3e-6 if short else START, END)
+        folds = [p.value for p in found.events if p.mark is Mark.FOLD]
+        data = found.to_xarray()[["value", "rotor_velocity", "stable", "mark", "softest_approach"]]
+        data = data.assign_coords(point=np.arange(data.sizes["point"]))
+        data["fold"] = folds[0] if folds else np.nan
+        data["last"] = found.points[-1].value
+        data["end"] = found.end
+        parts.append(data.drop_attrs(deep=False).expand_dims(law=[name]))
+    every = xarray.concat(parts, "law", join="outer", fill_value={"stable": np.int8(0), "mark": np.int8(0)})
+    every["bridged"] = bridged(setup.motor)
+    return every
+
+
+def table(data: xarray.Dataset) -> list[dict[str, object]]:
+    """Fold and end of every law."""
+    return [
+        {
+            "law": name,
+            "fold [m]": float(data.fold.sel(law=name)),
+            "last contact [m]": float(data["last"].sel(law=name)),
+            "bridged without contact [m]": float(data.bridged),
+            "end": str(data.end.sel(law=name).values),
+        }
+        for name in data.law.values
+    ]
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Velocity over clearance, whole and near the end."""
+    with context(STYLE):
+        figure = Figure(figsize=(7.2, 3.2), layout="constrained")
+        whole, near = figure.subplots(1, 2)
+        edge = float(data.bridged)
+        colours = ("#0072B2", "#D55E00", "#009E73")
+        for ax in (whole, near):
+            for name, colour in zip(data.law.values, colours, strict=False):
+                one = data.sel(law=name)
+                there = np.isfinite(one["value"].values)
+                value, velocity = 1e6 * one["value"].values[there], one.rotor_velocity.values[there]
+                stable, mark = one.stable.values[there].astype(bool), one.mark.values[there]
+                for kind, line in LINES.items():
+                    shown = np.where(stable == kind, velocity, np.nan)
+                    ax.plot(value, shown, linestyle=line, color=colour, label=str(name) if kind else None)
+                folds = mark == Mark.FOLD
+                ax.plot(value[folds], velocity[folds], MARKERS["fold"], color=colour, markerfacecolor="white")
+            ax.axvline(1e6 * edge, color="0.5", linewidth=0.6, zorder=0)
+            ax.set_xlabel("clearance (µm)")
+        whole.set_ylabel("mean rotor velocity (rad/s)")
+        near.set_xlim(1e6 * edge - 0.004, 1e6 * edge + 0.008)
+        near.set_ylim(1.5, 2.6)
+        near.text(1e6 * edge, 1.52, " bridged without contact", fontsize=7, va="bottom")
+        whole.legend(loc="upper left")
+    return figure
+
+
+def finding(data: xarray.Dataset) -> tuple[str, bool]:
+    """Where the branches fold and end, against the clearance that the tip bridges."""
+    edge = float(data.bridged)
+    apart = np.abs(data["last"] / edge - 1.0)
+    folds = {str(name): float(f) for name, f in zip(data.law.values, data.fold.values, strict=True)}
+    folded = {name: value for name, value in folds.items() if np.isfinite(value)}
+    words = ", ".join(f"{1e6 * value:.4f} µm ({name})" for name, value in folded.items())
+    sentence = (
+        f"Without contact the tip bridges {1e6 * edge:.4f} µm, and there the last contact grazes under every "
+        f"law, within {float(apart.max()):.1e} of it. The orbits fold before, at {words}: from there down to "
+        "the grazing a running motor keeps its contact and a resting one never gets any."
+    )
+    rigid = [folds[str(name)] > edge for name in data.law.values if name != "hertz_penalty"]
+    return sentence, bool((apart <= AGREE).all() and all(rigid))
+
+
+if __name__ == "__main__":
+    sys.exit(main(__name__))
