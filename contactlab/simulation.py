@@ -31,9 +31,11 @@ KEYS: Final = {
     "record_interval": ("record", "interval"),
     "contact_step": ("solver", "contact_step"),
     "tolerance": ("solver", "tolerance"),
-    "until": ("solver", "until"),
 }
-"""Where a configuration holds the settings of a run, in the order of the arguments of `simulate`."""
+"""Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
+
+PLACES: Final = KEYS | {"until": ("solver", "until")}
+"""The same of all that says how a run is made."""
 
 
 @final
@@ -163,7 +165,7 @@ def simulate(
         contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
     """
     numbers = (duration, record_interval, contact_step, tolerance)
-    given: dict[str, Any] = {name: x for name, x in zip(KEYS, numbers, strict=False) if x is not None}
+    given: dict[str, Any] = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
         given[name] = float(value)
@@ -242,6 +244,6 @@ def changed(setup: Setup, given: dict[str, Any]) -> Setup:
     """Give a setup with other numbers, which its configuration tells too."""
     configuration = {name: dict(section) for name, section in setup.configuration.items()}
     for name, value in given.items():
-        section, key = KEYS[name]
+        section, key = PLACES[name]
         configuration.setdefault(section, {})[key] = value
     return replace(setup, **given, configuration=configuration)

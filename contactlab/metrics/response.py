@@ -115,19 +115,33 @@ def force_bandwidth(run: Run) -> float:
 
 
 @metric(
-    "mean Omega", "mean rotor velocity of the last whole drive periods", "rad s-1", source="paper, fig. 8"
+    "mean Omega",
+    "mean rotor velocity of the last whole drive periods; the motor's where the run has settled, see "
+    "`unsettled_share`",
+    "rad s-1",
+    source="paper, fig. 8",
 )
 def rotor_velocity(run: Run) -> float:
     span = run.last_periods()
     return run.gain("rotor_angle", span) / run.gain("time", span)
 
 
-@without_records("Omega(T)", "rotor velocity at the last record", "rad s-1", usual=True)
+@without_records(
+    "Omega(T)",
+    "rotor velocity at the last record; one of a transient where the run has not settled",
+    "rad s-1",
+    usual=True,
+)
 def final_rotor_velocity(run: Run) -> float:
     return float(run.series("rotor_velocity")[-1])
 
 
-@metric("mean(-R F)", "mean torque of friction on the rotor in the last whole drive periods", "N m")
+@metric(
+    "mean(-R F)",
+    "mean torque of friction on the rotor in the last whole drive periods; the motor's where the run has "
+    "settled, when it is that of load and damping",
+    "N m",
+)
 def torque(run: Run) -> float:
     span = run.last_periods()
     # A mean force stands for the interval that ends at its time.
@@ -138,7 +152,8 @@ def torque(run: Run) -> float:
 
 @metric(
     "dW_l / dW_d",
-    "work on the load over work of the drive in the last whole drive periods; none where the load drives",
+    "work on the load over work of the drive in the last whole drive periods; none where the load drives, "
+    "and the motor's where the run has settled",
 )
 def efficiency(run: Run) -> float:
     span = run.last_periods()

@@ -91,7 +91,8 @@ class Settling:
         """All of it in a line of plain ASCII."""
         if self.verdict == SETTLED:
             kind = self.motion or "in a motion whose kind is not to be told yet"
-            return f"settled: {kind}, {self.estimate}, changes by {abs(self.drift):.2g} rad/s per period"
+            drift = f", changes by {abs(self.drift):.2g} rad/s per period" if "period" in kind else ""
+            return f"settled: {kind}, {self.estimate}{drift}"
         if self.verdict == UNSETTLED:
             return f"not settled: {self._apart} the estimated {self.estimate}"
         if self.reason:

@@ -19,6 +19,7 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import Value, flat
 from contactlab.config.quantity import describe
 from contactlab.config.schema import declared_in
+from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.batch import Outputs
 from contactlab.sweeps.dataset import Axis
@@ -35,7 +36,7 @@ NOTHING: Final = (
 MOST_JOBS: Final = 100_000
 """Runs that leave a folder each, which takes a fifth of a second beside the run."""
 
-_TIMES: Final = ("solver.duration", "record.interval")
+_TIMES: Final = ("solver.duration", "solver.until", "record.interval")
 
 Configuration = Mapping[str, Any]
 
@@ -152,6 +153,11 @@ def planned(
     combined = zip(*listing, strict=True) if samples and groups else product(*listing)
     choices = tuple(dict.fromkeys(combined))
     bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
+    if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
+        words = (
+            "solver.until is steady and series are kept; they must be at the same times in every run. Keep "
+        )
+        raise ConfigurationError([f"{words}none, or leave it out."])
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = _trials(bases, values)
     declared = declared_in(_sound(composer, trials).configuration) if values else {}

@@ -26,6 +26,9 @@ def test_every_number_is_that_of_the_trajectory() -> None:
         "law": "hertz_penalty (stiffness 1e+10, friction_coefficient 0.3, contact step 2 us)",
         "contacts": "16, 960 us in contact, 240 us of it sticking",
         "rotor velocity": "-0.441758 rad/s after 5 ms",
+        "steady state": "cannot tell: the run has 15 whole periods of the drive, and it takes 40 to tell. "
+        "Let it run on, solver.until=steady solver.duration=0.05, or find its steady state at once: "
+        "contactlab steady.",
         "peak normal force": "9 N",
         "normal impulse": "0.00550039 N s in all",
         "ledger residual": "-9.6e-14 J, 7.1e-12 of the drive work",

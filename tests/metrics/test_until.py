@@ -1,0 +1,128 @@
+"""A run that ends once its motor has settled is the run that was never cut, up to there."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.config import ConfigurationError
+from contactlab.metrics import Run
+from contactlab.results.summary import summarise
+from contactlab.settling.until import simulate_until_steady
+from contactlab.trajectory import Trajectory
+
+FAST = ("rotor.inertia=1e-5", "record.interval=1e-5", "solver.duration=0.4")
+"""A rotor that settles in some hundred periods."""
+
+
+def setup(*others: str, until: str = "steady") -> cl.Setup:
+    return cl.build([*FAST, f"solver.until={until}", *others])
+
+
+def assert_begins(whole: Trajectory, part: Trajectory) -> None:
+    count = part.time.size
+    assert np.array_equal(part.time, whole.time[:count])
+    assert np.array_equal(part.contact_mode, whole.contact_mode[:count])
+    for name, values in part.series.items():
+        assert np.array_equal(values, whole.series[name][:count]), name
+    ended = int(np.isfinite(part.contacts["separation_velocity"]).sum())
+    assert part.contacts["start_time"].size - ended <= 1
+    for name, values in part.contacts.items():
+        assert np.array_equal(values[:ended], whole.contacts[name][:ended], equal_nan=True), name
+
+
+@pytest.mark.parametrize("law", ["hertz_penalty", "lagrange_stick", "newton"])
+def test_a_run_until_steady_is_the_beginning_of_the_uncut_run_to_the_last_bit(law: str) -> None:
+    part = setup(f"law={law}").run()
+    assert part.complete
+    assert 0.01 < part.time[-1] < 0.3
+    assert_begins(setup(f"law={law}", until="duration").run(duration=part.time[-1] + 0.01), part)
+    found = Run.of_trajectory(part, {}).settling
+    assert found.verdict == "settled"
+    # One look earlier it had not.
+    before = setup(f"law={law}", until="duration").run(duration=part.time[-1] / 1.3)
+    assert Run.of_trajectory(before, {}).settling.verdict != "settled"
+
+
+def test_it_goes_on_from_a_state_that_falls_between_records_as_the_uncut_run_does() -> None:
+    whole = setup(until="duration")
+    state = whole.run(duration=0.00123456).state
+    part = setup().run(start=state)
+    assert part.time[0] == 0.00123456
+    assert_begins(whole.run(start=state, duration=part.duration + 0.01), part)
+
+
+def test_what_has_not_settled_in_its_duration_is_the_plain_run_and_says_so() -> None:
+    given = ("rotor.inertia=4.8e-5", "solver.duration=0.02")
+    part, plain = (setup(*given, until=until).run() for until in ("steady", "duration"))
+    assert part.time.size == plain.time.size
+    assert_begins(plain, part)
+    assert part.statistics == plain.statistics
+    assert np.array_equal(part.final.displacement, plain.final.displacement)
+    text = summarise(cl.simulate(setup(*given)).tree)
+    assert "steady state       not settled: 38 % below the estimated -2.2" in text
+    assert "solver.duration=0.2," in text
+
+
+def test_a_duration_that_no_look_divides_is_reached_to_the_last_bit() -> None:
+    slow = setup("rotor.inertia=1e-3")
+    for duration in (0.0131, 0.01641, 0.0327, 0.05):
+        assert simulate_until_steady(slow.motor, slow.law, duration=duration, record_interval=1e-5).time[
+            -1
+        ] == pytest.approx(duration, rel=1e-15)
+
+
+def test_progress_tells_of_one_run() -> None:
+    told: list[float] = []
+    end = setup().run(progress=told.append).time[-1]
+    assert told.count(0.0) == 1
+    assert told == sorted(told)
+    assert told[-1] == end
+
+
+def test_python_and_the_configuration_say_it_alike(tmp_path: Path) -> None:
+    asked, told = cl.simulate(setup(until="duration"), until="steady"), cl.simulate(setup())
+    assert asked.tree.attrs["configuration"] == told.tree.attrs["configuration"]
+    assert np.array_equal(asked["time"], told["time"])
+    assert (
+        cl.simulate(asked.setup.motor, asked.setup.law, duration=0.4, record_interval=1e-5, until="steady")[
+            "time"
+        ][-1]
+        == told["time"][-1]
+    )
+    told.save(tmp_path / "run.nc")
+    loaded = cl.load(tmp_path / "run.nc")
+    assert loaded.setup is not None
+    assert loaded.setup.until == "steady"
+    with pytest.raises(ValueError, match="until is 'end'; it must be 'duration' or 'steady'"):
+        cl.simulate(setup(), until="end")  # type: ignore[arg-type]
+
+
+def test_a_sweep_of_numbers_ends_its_runs_alike() -> None:
+    base = [*FAST, "solver.until=steady"]
+    found = cl.sweep({"clearance": [0.5e-6, 1e-6]}, base=base, metrics=["settled_velocity"], workers=1)
+    for value, velocity in zip((0.5e-6, 1e-6), found["settled_velocity"].values, strict=True):
+        there = setup(f"contact.clearance={value}")
+        assert velocity == Run.of_trajectory(there.run(), {}).settling.velocity
+    with pytest.raises(ConfigurationError, match="they must be at the same times in every run"):
+        cl.sweep({"clearance": [0.5e-6]}, base=base, series=["gap"], workers=1)
+
+
+def test_a_run_that_could_never_be_judged_is_refused() -> None:
+    with pytest.raises(ConfigurationError, match="an eighth of the drive's period, to tell"):
+        setup("record.interval=1e-4")
+    with pytest.raises(ConfigurationError, match="do not repeat themselves"):
+        setup("drive.frequency_ratio=1.4142135623")
+    plain = replace(setup(until="duration"), until="steady", record_interval=1e-3)
+    with pytest.raises(ValueError, match="Record more often"):
+        plain.run()
+
+
+def test_a_configuration_of_before_runs_its_duration() -> None:
+    configuration = setup(until="duration").configuration
+    assert configuration["solver"].pop("until") == "duration"
+    again = cl.build(configuration)
+    assert again.until == "duration"
+    assert again.configuration["solver"]["until"] == "duration"
