@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from contactlab.config import Setup
-from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.orbits.search import Steady, steady
