@@ -9,6 +9,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.datasheet.electrodes import currents, dielectric_loss
 from contactlab.orbits.period_map import PeriodMap
+from contactlab.orbits.steady_state import Steady
 from contactlab.settling.statistics import mean_with_error
 from contactlab.trajectory import Trajectory
 
@@ -17,8 +18,11 @@ Number = tuple[float, float]
 
 UNKNOWN: Final = (np.nan, np.nan)
 
-CLOSURE: Final = 1e-8
-"""Relative error of a mean over an orbit: it closes to 1e-10 and remembers for a hundred periods at most."""
+MEASURED: Final = 160
+"""Periods over which the means of a motion without an orbit are taken."""
+
+RECORDS: Final = {True: 512, False: 128}
+"""Of a period of an orbit, and of another motion."""
 
 
 @final
@@ -30,13 +34,24 @@ class Measurement:
         section: whose period it is; the rotor is on its belt, or free.
         run: from the section on.
         records: in each period.
-        closed: whether it is one orbit, whose means are exact.
+        closure: distance of the run from a closed orbit [1]; None for many periods of another motion.
     """
 
     section: PeriodMap
     run: Trajectory
     records: int
-    closed: bool
+    closure: float | None
+
+    @classmethod
+    def of(cls, found: Steady) -> "Measurement":
+        """Record a steady state finely: its orbit, or many periods from where it is."""
+        if (orbit := found.orbit) is not None:
+            records = RECORDS[True]
+            return cls(orbit.map, orbit.map.run(orbit.state, 1, records), records, found.closure)
+        phase, modal, velocity = found.end
+        section, records = PeriodMap(found.setup, phase, belt=found.belt), RECORDS[False]
+        run = section.run(section.state_of(modal, velocity), MEASURED, records)
+        return cls(section, run, records, None)
 
     def numbers(self) -> dict[str, Number]:
         """Give every quantity of `quantities.POINT`, velocity and torque in the model's sense."""
@@ -86,8 +101,8 @@ class Measurement:
 
     def _mean(self, values: Array) -> Number:
         """Give the mean of a value a period."""
-        if self.closed:
-            return float(values.mean()), CLOSURE * float(np.abs(values).mean())
+        if self.closure is not None:
+            return float(values.mean()), self.closure * float(np.abs(values).mean())
         return mean_with_error(values)
 
     def _rate(self, name: str) -> Number:
@@ -112,7 +127,9 @@ class Measurement:
         speed, error = (belt, 0.0) if belt is not None else self._rate("rotor_angle")
         friction = self.run.series["friction_force"][1:]
         pushes = -self.run.motor.geometry.rotor_radius * friction
-        push, push_error = self._mean(pushes if self.closed else pushes.reshape(self._count, -1).mean(axis=1))
+        push, push_error = self._mean(
+            pushes if self.closure is not None else pushes.reshape(self._count, -1).mean(axis=1)
+        )
         torque = push - self._rotor_damping * speed, push_error + self._rotor_damping * error
         output = torque[0] * speed, torque[1] * abs(speed)
         return (speed, error), torque, self._rate("load_work") if belt is None else output
@@ -152,7 +169,7 @@ class Measurement:
         """Largest normal force; the two halves of many periods tell its error."""
         peaks = self.run.contacts["peak_normal_force"]
         halves = [float(half.max(initial=0.0)) for half in np.array_split(peaks, 2)]
-        return max(halves), 0.0 if self.closed else abs(halves[1] - halves[0])
+        return max(halves), 0.0 if self.closure is not None else abs(halves[1] - halves[0])
 
 
 def ratio(above: Number, below: Number) -> Number:

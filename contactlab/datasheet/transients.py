@@ -9,9 +9,12 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.datasheet.measurement import Number
-from contactlab.datasheet.operation import ladder
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
+from contactlab.laws.base import MultiplierLaw
+from contactlab.metrics.convergence import FINER
 from contactlab.motor import Drive, ModalState, Motor
 from contactlab.orbits.period_map import PeriodMap
+from contactlab.simulation import changed
 
 STARTED: Final = 0.9
 STOPPED: Final = 0.1
@@ -119,8 +122,10 @@ def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
 
 def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Number:
     """Give a number at half the step, and its error: the rest of a sequence of the law's order."""
-    (coarse, fine, _), factor = ladder(setup)
-    before, last = once(coarse), once(fine)
+    control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
+    factor = FINER[control][1]
+    finer = changed(setup, {control: (getattr(setup, control) or DEFAULT_TOLERANCE) / factor})
+    before, last = once(setup), once(finer)
     if not np.isfinite([before, last]).all():
         return last, 0.0
     return last, abs(last - before) / (factor**setup.law.convergence_order - 1.0)
