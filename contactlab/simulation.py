@@ -182,7 +182,7 @@ def simulate(
                 "A setup has a law of its own, and another one is given; give a motor and a law, or choose "
                 'the law of the setup: contactlab.build(["law=NAME"]).'
             )
-        setup = _changed(motor, given)
+        setup = changed(motor, given)
     else:
         setup = setup_of(motor, law, given)
     trajectory = setup.run(progress=progress, start=None if start is None else start.state)
@@ -226,10 +226,10 @@ def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
         tolerance=None,
         configuration=settings_of(motor, law),
     )
-    return _changed(usual, {name: getattr(usual, name) for name in KEYS} | given)
+    return changed(usual, {name: getattr(usual, name) for name in KEYS} | given)
 
 
-def _changed(setup: Setup, given: dict[str, Any]) -> Setup:
+def changed(setup: Setup, given: dict[str, Any]) -> Setup:
     """Give a setup with other numbers, which its configuration tells too."""
     configuration = {name: dict(section) for name, section in setup.configuration.items()}
     for name, value in given.items():

@@ -13,6 +13,7 @@ VERBS = {
     "collect": "put the runs of a sweep into one dataset over their parameters",
     "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
     "laws": "list every installed law and part, with all that it declares",
+    "steady": "find what the motor does once it has settled: velocity, torque, stability",
     "verify": "print what is claimed of the engine and the laws, and what is found",
 }
 """What each verb does. Its work is `main(arguments)` in the module of its name beside this one."""

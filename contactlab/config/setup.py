@@ -15,7 +15,8 @@ from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.arguments import default_contact_step
-from contactlab.engine.simulation import DEFAULT_TOLERANCE, simulate, take_in
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, take_in
+from contactlab.engine.simulation import simulate
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, law_class

@@ -88,12 +88,20 @@ def contact_at(plant: Plant, place: int) -> Contact:
 
 def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]:
     """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
-    modes = modes_of(plant)
-    u, th, u_rate, th_rate, rotor = (
-        float(modes[f"row_{row}"] @ of) for row, of in (("u", q), ("th", q), ("u", v), ("th", v), ("r", v))
-    )
-    gap, n_u, n_th, t_u, t_th = contact_frame(u, th, *plant["geometry"].item())
-    return gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor
+    return contacts_from(plant, q[None], v[None])[0]
+
+
+def contacts_from(plant: Plant, q: Array, v: Array) -> list[tuple[float, float, float]]:
+    """Give the contacts of many motions, shape (motion, coordinate), see `contact_from`."""
+    modes, lengths = modes_of(plant), plant["geometry"].item()
+    rows = [modes[f"row_{row}"] for row in ("u", "th", "u", "th", "r")]
+    # Of a row alone or among others, a sum over the last axis is the same to the bit.
+    seen = [(row * of).sum(axis=-1).tolist() for row, of in zip(rows, (q, q, v, v, v), strict=True)]
+    found = []
+    for u, th, u_rate, th_rate, rotor in zip(*seen, strict=True):
+        gap, n_u, n_th, t_u, t_th = contact_frame(u, th, *lengths)
+        found.append((gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor))
+    return found
 
 
 @inner_kernel

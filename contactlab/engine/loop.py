@@ -28,6 +28,7 @@ from contactlab.engine.state import (
     RUNNING,
     SAMPLE,
     START,
+    STATE,
     TOUCH,
     TOUCHING,
 )
@@ -88,7 +89,8 @@ def loop_for(law: ContactLaw, run: Run) -> Any:
         )
     # Left to itself the compiler would take each law for a type of its own.
     laws = map(numba.types.FunctionType, SIGNATURES)
-    given = numba.typeof(run), numba.typeof(np.zeros(1, SAMPLE)), *laws
+    memory = np.zeros(1, STATE), np.zeros((1, 2, 1)), np.zeros(1, SAMPLE)
+    given = numba.typeof(run), *map(numba.typeof, memory), *laws
     loop.disable_compile(False)
     loop.compile((*given, PENALTY_SIGNATURE.args[-1], numba.types.int64))
     loop.disable_compile()
@@ -98,33 +100,74 @@ def loop_for(law: ContactLaw, run: Run) -> Any:
 
 @kernel
 def advance_compliant(
-    run: Run, series: Any, force: Any, friction: Any, solve: Any, parameters: Array, budget: int
+    run: Run,
+    states: Any,
+    motions: Array,
+    series: Any,
+    force: Any,
+    friction: Any,
+    solve: Any,
+    parameters: Array,
+    budget: int,
 ) -> None:
-    """Run a penalty law until the end, an ending, full contact storage or a number of steps.
+    """Run a penalty law, start after start, until the end, an ending, full contact storage or so many steps.
 
-    Call it again to go on: run and series hold all that there is, however often a run is cut.
+    States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
+    Call it again to go on: they and the series hold all that there is, however often a run is cut.
     """
     law = Law(force, friction, solve, parameters)
-    while budget > 0 and _opens_step(run):
-        touching = run.state.phase == TOUCHING
-        event = step_compliant(run, law) if touching else step_flight(run, law)
-        commit(run, law, series)
-        _act(run, event)
-        budget -= 1
+    for i in range(states.size):
+        each, left = Run(run.plant, run.propagator, states[i], run.step), budget
+        _begin_at(each, motions[i])
+        while left > 0 and _opens_step(each):
+            touching = each.state.phase == TOUCHING
+            event = step_compliant(each, law) if touching else step_flight(each, law)
+            commit(each, law, series)
+            _act(each, event)
+            left -= 1
+        _leave_at(each, motions[i])
 
 
 @kernel
 def advance_rigid(
-    run: Run, series: Any, force: Any, friction: Any, solve: Any, parameters: Array, budget: int
+    run: Run,
+    states: Any,
+    motions: Array,
+    series: Any,
+    force: Any,
+    friction: Any,
+    solve: Any,
+    parameters: Array,
+    budget: int,
 ) -> None:
     """Run a multiplier law, see `advance_compliant`."""
     law = Law(force, friction, solve, parameters)
-    while budget > 0 and _opens_step(run):
-        touching = run.state.phase == TOUCHING
-        event = step_rigid(run, law) if touching else step_flight(run, law)
-        commit(run, law, series)
-        _act(run, event)
-        budget -= 1
+    for i in range(states.size):
+        each, left = Run(run.plant, run.propagator, states[i], run.step), budget
+        _begin_at(each, motions[i])
+        while left > 0 and _opens_step(each):
+            touching = each.state.phase == TOUCHING
+            event = step_rigid(each, law) if touching else step_flight(each, law)
+            commit(each, law, series)
+            _act(each, event)
+            left -= 1
+        _leave_at(each, motions[i])
+
+
+@inner_kernel
+def _begin_at(run: Run, motion: Array) -> None:
+    """Set displacements and rates at the start of a step."""
+    for j in range(run.plant.mode_count):
+        mode = run.plant.modes[j]
+        mode.q[START], mode.v[START] = motion[0, j], motion[1, j]
+
+
+@inner_kernel
+def _leave_at(run: Run, motion: Array) -> None:
+    """Take displacements and rates from the start of a step."""
+    for j in range(run.plant.mode_count):
+        mode = run.plant.modes[j]
+        motion[0, j], motion[1, j] = mode.q[START], mode.v[START]
 
 
 @inner_kernel

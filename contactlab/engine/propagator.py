@@ -117,16 +117,16 @@ class Workspace:
         after a release the steps start short enough for the fastest transient and double from there.
         Steps in contact have that length at most, or `exact`ly.
         """
-        names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
-        modes = [plant.modes[name].tobytes() for name in names]
-        key = (*modes, plant.tones["omega"].tobytes(), contact_step, duration, exact)
-        if key == self._key:
-            return self._propagator
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
         rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
         rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
         doublings = floor(log2(RESOLUTION / rate / contact_step))
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
+        names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
+        modes = [plant.modes[name].tobytes() for name in names]
+        key = (*modes, plant.tones["omega"].tobytes(), longest, doublings)
+        if key == self._key:
+            return self._propagator
         turns = max(longest * fastest_rate(plant), 1.0)
         propagator = one(propagator_record(*plant.phasors.shape))
         propagator.levels["length"] = longest * 0.5 ** np.arange(MOST_LEVELS)

@@ -1,65 +1,36 @@
 """Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
 
-from collections import deque
 from collections.abc import Callable
-from contextlib import AbstractContextManager
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.engine.arguments import (
-    check_kinds,
-    check_numbers,
-    check_rates,
-    check_start,
-    default_contact_step,
-)
-from contactlab.engine.callback import law_errors
-from contactlab.engine.explanation import balanced, explain
+from contactlab.engine.arguments import check_start
+from contactlab.engine.explanation import balanced
 from contactlab.engine.kinematics import Run, contact_from
-from contactlab.engine.loop import TOUCH_REFINEMENT, kernels_of, loop_for
-from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of
-from contactlab.engine.propagator import Workspace
+from contactlab.engine.loop import loop_for
+from contactlab.engine.plant import Plant, modes_of
+from contactlab.engine.preparation import ON_GRID, fresh_state, overlap_at, phase_at, prepared
 from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     COUNTS,
-    OPEN,
-    PRESSED,
-    RELEASED,
     RUNNING,
     SAMPLE,
     START,
     STATE,
-    STEP,
     TOUCHING,
     State,
-    one,
     state_as_value,
     state_from_value,
 )
-from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
+from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import ModalState, Motor
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
 
-DEFAULT_TOLERANCE = 1e-7
-"""Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
-converges with nearly twice the order of this estimate."""
-
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
-
-ON_GRID = 1e-6
-"""Part of a record interval that is round-off."""
-
-_sound: deque[object] = deque(maxlen=64)
-"""What the last laws that were taken in are made of: they answered as a law must."""
-
-_workspace = Workspace()
-"""Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
 
 
 def simulate(
@@ -101,25 +72,18 @@ def simulate(
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    check_kinds(motor, law)
-    law = law.on_rotor(motor.geometry.rotor_radius)
-    if contact_step is None:
-        contact_step = default_contact_step(motor.modes, law)
-    check_numbers(law, duration, record_interval, contact_step, tolerance)
-    parameters, kernels, errors = take_in(law)
-    plant = plant_of(motor)
-    check_rates(plant, duration)
-    exact = isinstance(law, MultiplierLaw)
-    propagator = _workspace.propagator(plant, contact_step, duration, exact)
-    state = _at_start(motor, law, plant) if start is None else _going_on(start, law, plant)
-    _set_up(state, law, propagator.rule, duration, record_interval)
-    state["window"], state["most_steps"] = pace_of(plant, state["end"], contact_step, not exact)
-    state["tolerance"] = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    run = Run(plant, propagator, state, one(STEP))
+    ready = prepared(motor, law, duration, record_interval, contact_step, tolerance)
+    law, contact_step, plant = ready.law, ready.contact_step, ready.plant
+    states = np.zeros(1, STATE)
+    states[0] = _at_start(motor, law, plant) if start is None else _going_on(start, law, plant)
+    state = states[0]
+    ready.set_up(state, record_interval)
+    run = ready.run_of(state)
+    motions = np.stack([modes_of(plant)[name][:, START] for name in ("q", "v")])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
     records = np.zeros(intervals + 1, SAMPLE)
-    loop = loop_for(law, run)
+    loop_for(law, run)
 
     if progress is not None:
         progress(0.0)
@@ -127,16 +91,14 @@ def simulate(
     ending, message = Ending.COMPLETE, ""
     try:
         while state.time < state.end and state.ending == RUNNING:
-            with errors():
-                loop(run, records, *kernels, parameters, STEPS_PER_CALL)
+            ready.advance(run, states, motions, records, STEPS_PER_CALL)
             finished.append(_finished(run))
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
     if state.ending != RUNNING:
-        with errors():
-            ending, message = explain(run, kernels, parameters, contact_step)
+        ending, message = ready.explain(run)
     finished.append(_finished(run))
     if state.phase == TOUCHING:
         # The end of the run cut it: it has no separation.
@@ -172,27 +134,6 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
     simulate(motor, law, duration=step, record_interval=step)
 
 
-def take_in(law: ContactLaw) -> tuple[Array, tuple[Any, ...], Callable[[], AbstractContextManager[None]]]:
-    """Give a law's parameters between guards and its kernels, see `kernels_of`.
-
-    Raises:
-        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
-    """
-    with law_errors(law.name):
-        check_words(law)
-        parameters = kernel_parameters(law)
-    kernels, callbacks = kernels_of(law)
-    errors = partial(law_errors, law.name, *callbacks)
-    friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
-    made_of = kernels, parameters.tobytes(), friction, tuple(law.violations)
-    # Interpreted functions may have changed since.
-    if callbacks or made_of not in _sound:
-        with errors():
-            check_answers(law, parameters, *kernels)
-        _sound.append(made_of)
-    return guarded(parameters), kernels, errors
-
-
 def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
     """Set the initial motion, and give the state of its phase."""
     modes = modes_of(plant)
@@ -201,17 +142,11 @@ def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
     if motor.start is not None:
         q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
     gap, rate, _ = contact_from(plant, q, v)
-    if gap < 0.0 and not isinstance(law, PenaltyLaw):
-        raise ValueError(
-            f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and "
-            "rotor would overlap."
-        )
-    phase = OPEN if gap > 0.0 else RELEASED
-    if gap < 0.0 or (gap == 0.0 and rate < 0.0):
-        phase = PRESSED
-    # A first step continues a polynomial of zeros, of some length.
-    unknown = {"least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
-    return one(STATE, phase=phase, length=1.0, **unknown)
+    if fault := overlap_at(gap, law):
+        raise ValueError(fault)
+    state = fresh_state()
+    state["phase"] = phase_at(gap, rate)
+    return state
 
 
 def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
@@ -220,30 +155,6 @@ def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
     modes = modes_of(plant)
     modes["q"][:, START], modes["v"][:, START] = start["q"], start["v"]
     return state_from_value(start)
-
-
-def _set_up(state: Any, law: ContactLaw, rule: Any, duration: float, interval: float) -> None:
-    """Set clock, grid of records, ladder and what the kernels know of a law beside its own.
-
-    On another ladder than before, the next step is the first of its kind.
-    """
-    begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
-    state["first"] = round((begins - state["origin"]) / interval)
-    if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
-        state["origin"], state["first"] = begins, 0
-    state["end"], state["interval"] = begins + duration, interval
-    state["recorded"] = state["stored"] = 0
-    if (state["longest"], state["contact_level"]) != (rule.longest, rule.contact_level):
-        touching = state["phase"] == TOUCHING
-        refinement = TOUCH_REFINEMENT if state["compliant"] else 0
-        state["level"] = rule.contact_level + refinement if touching else rule.fresh_level
-        state["level_before"] = state["level"] + 1
-        state["longest"], state["contact_level"] = rule.longest, rule.contact_level
-    state["compliant"], state["friction_limit"] = compliant, law.friction_limit
-    if isinstance(law, PenaltyLaw):
-        state["friction_kind"], state["parity"] = law.friction_kind, law.internal_parity
-    if isinstance(law, MultiplierLaw):
-        state["projects"] = law.projects
 
 
 def _finished(run: Run) -> Any:

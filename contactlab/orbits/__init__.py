@@ -4,3 +4,4 @@ from contactlab.orbits.basins import Attractor as Attractor, attractors as attra
 from contactlab.orbits.convergence import Converged as Converged, converged as converged
 from contactlab.orbits.period_map import BrokenOffError as BrokenOffError, NoPeriodError as NoPeriodError
 from contactlab.orbits.search import Steady as Steady, steady as steady
+from contactlab.orbits.settling import NotSettledError as NotSettledError

@@ -1,11 +1,13 @@
 """What steps and tolerance of the solver do to a steady state: the same one at finer steps, and the rest."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, final
 
+import numpy as np
+
 from contactlab.config import Setup
-from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.orbits.search import Steady, steady
@@ -37,11 +39,13 @@ class Converged:
         Args:
             of: gives number and statistical error of a steady state, as `lambda each: each.velocity`.
         """
-        found = [of(each) for each in self.steps]
-        factor, order = self.values[0] / self.values[1], self.best.setup.law.convergence_order
-        left = float(richardson([number for number, _ in found], factor, order))
-        number, statistical = found[-1]
-        return number, left + statistical
+        numbers, statistical = np.transpose([of(each) for each in self.steps])
+        left = float(np.ptp(numbers))
+        # What statistics blur has no order to be seen, and a single step none at all.
+        if numbers.size > 2 and left > statistical.max():
+            order = self.best.setup.law.convergence_order
+            left = float(richardson(numbers, self.values[0] / self.values[1], order))
+        return float(numbers[-1]), left + float(statistical[-1])
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -54,17 +58,25 @@ class Converged:
         return self.value(lambda each: each.torque)
 
 
-def converged(setup: Setup, **arguments: Any) -> Converged:
-    """Find a steady state at three steps: of a rigid law h, h/2, h/4; of a compliant one tolerance, /10, /100.
+def converged(setup: Setup, *, refine: bool = True, **arguments: Any) -> Converged:
+    """Find a steady state at three steps, each from the one before it.
+
+    A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
 
     Args:
         setup: as of `steady`; its contact step or tolerance is the coarsest.
+        refine: False takes that alone, and then nothing tells the error of it.
         arguments: further ones of `steady`.
 
     Raises:
         What `steady` raises.
     """
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
-    values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in FINER[control])
-    steps = tuple(steady(replace(setup, **{control: value}), **arguments) for value in values)
-    return Converged(control, values, steps)
+    divisors = FINER[control] if refine else (1.0,)
+    values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in divisors)
+    steps: list[Steady] = []
+    for value in values:
+        finer: dict[str, Any] = arguments | {control: value}
+        steps.append(steady(setup, **finer))
+        arguments["start"] = steps[-1]
+    return Converged(control, values, tuple(steps))

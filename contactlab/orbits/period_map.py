@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.engine import simulate
+from contactlab.engine import Flow, simulate
 from contactlab.motor import Drive, ModalState, Motor
 from contactlab.trajectory import Ending, Trajectory
 
@@ -98,6 +98,12 @@ class PeriodMap:
             motor = replace(motor, rotor=rotor)
         return replace(motor, drive=Drive(drive.frequency, drive.phasors * turned))
 
+    @cached_property
+    def _flow(self) -> Flow:
+        """The motor, ready to run from many starts."""
+        setup = self.setup
+        return Flow(self._motor, setup.law, self.period, setup.contact_step, setup.tolerance)
+
     def state_of(self, modal: ModalState, velocity: float) -> Array:
         """Give the state z of normal coordinates and a rotor velocity [rad/s]."""
         parts = [self.scale * modal.displacement, modal.velocity]
@@ -141,8 +147,35 @@ class PeriodMap:
         return self.state_of(run.final, float(run.series["rotor_velocity"][-1]))
 
     def __call__(self, z: Array) -> Array:
-        """Give the state one period of the map later."""
-        return self.end_of(self.run(z))
+        """Give the state one period of the map later.
+
+        Raises:
+            BrokenOffError: the run did not reach its end, or could not begin.
+            KeyboardInterrupt: somebody pressed Ctrl-C.
+        """
+        ends, messages = self._sent(z[None])
+        if messages[0]:
+            raise BrokenOffError(messages[0])
+        return np.asarray(ends[0])
+
+    def ends(self, starts: Array) -> Array:
+        """Give the states one period of the map after others, shape (start, state): many for little more.
+
+        Where a run did not reach its end, or could not begin, the state is no number.
+        """
+        return self._sent(starts)[0]
+
+    def _sent(self, starts: Array) -> tuple[Array, tuple[str, ...]]:
+        """Give the states after others, and why one is no number."""
+        count = self.scale.size
+        q, v, rotor = starts[:, :count] / self.scale, starts[:, count : 2 * count], starts[:, 2 * count :]
+        root = np.sqrt(self.setup.motor.rotor.inertia)
+        held = np.full(len(starts), self.belt, np.float64)
+        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else held)
+        parts = [self.scale * ends.displacement, ends.velocity]
+        if self.belt is None:
+            parts.append(root * ends.rotor_velocity[:, None])
+        return np.hstack(parts), ends.messages
 
     def at(self, phase: float) -> "PeriodMap":
         """Give the map with another section."""

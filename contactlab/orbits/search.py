@@ -1,84 +1,21 @@
-"""What a motor does when it has settled: a periodic motion, or one that only has means."""
+"""The steady state that a motor comes to: on a belt, under load or with a brake, from wherever it starts."""
 
-from dataclasses import dataclass, replace
-from math import ceil
-from typing import Final, final
+from dataclasses import replace
+from math import isfinite
+from typing import Final
 
 import numpy as np
 
-from contactlab.arrays import Array
+from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
-from contactlab.motor import Motor
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
-from contactlab.orbits.statistics import chaos_indicator, mean_with_error, repeats_after
-from contactlab.simulation import setup_of
-from contactlab.trajectory import Trajectory
-
-WARM_UP: Final = 30
-"""Periods of the drive before an orbit is first looked for; what a resonator starts with has died down."""
+from contactlab.motor import ModalState, Motor
+from contactlab.orbits.settling import TAIL, NotSettledError, Start, settled
+from contactlab.orbits.steady_state import Steady as Steady
+from contactlab.simulation import changed, setup_of
 
 LONGEST: Final = 4000
 """Periods after which a motion without an orbit has its means."""
-
-RECORDS: Final = 200
-"""Of a period, in which the section is chosen."""
-
-SHORTEST_FLIGHT: Final = 0.02
-"""Part of a period in free flight, below which there is no section."""
-
-NEARER: Final = 0.8
-"""Share of its distance from an orbit that a motion on its way there has left after a settling time; e^-1
-where the slowest multiplier alone acts."""
-
-REPEATS: Final = 1e-3
-"""Relative difference of states at which a motion is taken for one that repeats itself."""
-
-REGULAR: Final = 0.2
-CHAOTIC: Final = 0.8
-"""Values of the 0-1 test that tell them apart; between them is no telling."""
-
-
-@final
-@dataclass(frozen=True)
-class Steady:
-    """The steady state that a motor comes to.
-
-    Args:
-        setup: what moves.
-        kind: 'periodic', 'quasi-periodic', 'chaotic', 'irregular' where the two cannot be told apart, or
-            'without contact'.
-        periods: of the drive, after which a periodic motion repeats itself; 0 for another.
-        motion: one orbit, or the second half of the long run.
-        orbit: the closed orbit; None where there is none.
-        warm_up: periods of the drive from the start until it was found.
-    """
-
-    setup: Setup
-    kind: str
-    periods: int
-    motion: Trajectory
-    orbit: Orbit | None
-    warm_up: int
-    belt: float | None = None
-
-    def mean(self, rates: Array) -> tuple[float, float]:
-        """Give the mean of rates over the record intervals of the motion, and its error."""
-        if self.orbit is not None:
-            return float(rates.mean()), 0.0
-        return mean_with_error(rates)
-
-    @property
-    def velocity(self) -> tuple[float, float]:
-        """Mean rotor velocity and its statistical error [rad/s]."""
-        return self.mean(np.diff(self.motion.series["rotor_angle"]) / np.diff(self.motion.time))
-
-    @property
-    def torque(self) -> tuple[float, float]:
-        """Mean torque of the contact on the rotor, -R F, and its statistical error [N m]."""
-        radius = self.setup.motor.geometry.rotor_radius
-        return self.mean(-radius * self.motion.series["friction_force"][1:])
 
 
 def steady(
@@ -86,97 +23,115 @@ def steady(
     law: ContactLaw | None = None,
     *,
     belt: float | None = None,
+    load: float | None = None,
+    brake: float | None = None,
+    start: "Steady | tuple[ModalState, float] | None" = None,
     contact_step: float | None = None,
     tolerance: float | None = None,
     longest: int = LONGEST,
 ) -> Steady:
     """Find the steady state that a motor comes to from its start.
 
-    The motor runs for some periods; then Newton's method looks for the periodic orbit next to where it is,
-    in `contactlab.orbits.shooting`. An orbit counts if it is stable and the motor is on its way to it; if
-    not, the motor runs on, for three times as long as before, and so on. A motor that has come to no orbit
-    after the longest run has the means of that run's second half.
+    The motor runs until its resonator has forgotten the start; then Newton's method looks for the periodic
+    orbit next to where it is, in `contactlab.orbits.shooting`. An orbit counts if it is stable, and if the
+    motor moves towards it as its multipliers foretell, from where it is and from half the way. If not, the
+    motor runs on, and so on. One that has come to no orbit after the longest run has means over as long a
+    run again, with their statistical error.
 
     Args:
         motor: what moves, or a whole setup.
         law: what acts between tip and rotor; a setup has its own.
         belt: velocity at which the rotor is held [rad/s]; None for one that is free.
+        load: torque in place of that of the rotor [N m]: positive brakes positive rotation, drives negative.
+        brake: torque of a load against whatever motion there is [N m], positive. Its sign is that of the
+            rotation without load; a motor that does not hold its rotation against it stands.
+        start: another steady state, or modal state and rotor velocity [rad/s] at the drive's phase 0.
         contact_step, tolerance: as of `contactlab.simulate`.
         longest: run without an orbit [periods of the drive].
 
     Raises:
         NoPeriodError: the drive does not repeat itself.
+        NotSettledError: there is no steady state, or it is not reached.
         BrokenOffError: a run broke off.
+        ValueError, TypeError: an argument is out of range, or of another kind.
         KeyboardInterrupt: as it comes.
     """
-    if isinstance(motor, Setup):
-        setup = motor
+    given = {"contact_step": contact_step, "tolerance": tolerance}
+    given = {name: value for name, value in given.items() if value is not None}
+    if not isinstance(motor, Setup):
+        setup = setup_of(motor, law, given | {"duration": 1.0})
+    elif law is not None:
+        raise ValueError("A setup has a law of its own, and another one is given; give a motor and a law.")
     else:
-        given = {"contact_step": contact_step, "tolerance": tolerance, "duration": 1.0}
-        setup = setup_of(motor, law, {k: v for k, v in given.items() if v is not None})
-    clock = PeriodMap(setup, belt=belt)
-    modes = setup.motor.modes.stiffness.size
-    start = setup.motor.start
-    z = np.zeros(2 * modes + (belt is None))
-    if start is not None:
-        z[: 2 * modes] = np.concatenate([clock.scale * start.displacement, start.velocity])
-    if belt is None:
-        z[-1] = np.sqrt(setup.motor.rotor.inertia) * setup.motor.rotor.initial_velocity
-    done, more = 0, WARM_UP
-    while done < longest:
-        run = clock.run(z, more, RECORDS if more == WARM_UP else 1)
-        z, done = clock.end_of(run), done + more
-        last = clock.run(z, 1, RECORDS)
-        if (
-            not last.contacts["start_time"].size
-            and run.contacts["start_time"][-1:].sum() < 0.5 * run.duration
-        ):
-            return Steady(setup, "without contact", 1, last, None, done, belt)
-        phase = _section_of(last)
-        if phase is not None:
-            count = max(1, repeats_after(_strobes(run), REPEATS)) if more > WARM_UP else 1
-            section = replace(clock.at(phase), periods=count)
-            at_section = section.end_of(clock.run(z, phase)) if phase else z
-            if (orbit := _orbit(section, at_section)) is not None:
-                return Steady(setup, "periodic", count, section.run(orbit.state, 1, 1), orbit, done, belt)
-        more = 3 * done
-    late = clock.run(z, longest // 2, 1)
-    indicator = chaos_indicator(late.series["slip_velocity"][1:])
-    kind = "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
-    return Steady(setup, kind, 0, late, None, done, belt)
+        setup = changed(motor, given)
+    _check(belt, load, brake, longest)
+    rotor = setup.motor.rotor
+    begins = 0.0, setup.motor.start, rotor.initial_velocity
+    if isinstance(start, Steady):
+        begins = start.end
+    elif start is not None:
+        check_kind("The modal state of the start", start[0], ModalState)
+        check_number("The rotor velocity of the start", start[1])
+        begins = 0.0, start[0], float(start[1])
+    if brake is not None:
+        return _braked(setup, float(brake), begins, longest)
+    if load is not None:
+        setup = _loaded(setup, float(load))
+    found = settled(setup, belt, begins, longest)
+    assert found is not None
+    return found
 
 
-def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
-    """Find the stable orbit near a state to which the motor is on its way."""
-    try:
-        orbit = orbit_from(section, z)
-        if not orbit.stable:
-            return None
-        times = min(max(ceil(orbit.settling_time / section.period), 1), 200)
-        later = section.end_of(section.run(z, times))
-    except (NoOrbitError, BrokenOffError):
-        return None
-    before, after = (float(np.linalg.norm(state - orbit.state)) for state in (z, later))
-    near = after <= max(NEARER * before, 1e-8 * float(np.linalg.norm(z)))
-    return orbit if near else None
+def _check(belt: float | None, load: float | None, brake: float | None, longest: int) -> None:
+    """Refuse what makes no sense alone or together."""
+    every = {"belt": belt, "load": load, "brake": brake}
+    given = {name: value for name, value in every.items() if value is not None}
+    for name, value in given.items():
+        check_number(f"The {name}", value)
+        if not isfinite(value):
+            raise ValueError(f"The {name} is {value}; it must be finite.")
+    if len(given) > 1:
+        raise ValueError(
+            f"{' and '.join(given)} are given; a rotor is held by a belt, or it carries a load, or a brake "
+            "is on it. Give one of them."
+        )
+    if brake is not None and brake <= 0.0:
+        raise ValueError(f"The brake is {brake} N m; it must be positive: it opposes either rotation.")
+    check_number("The longest run", longest)
+    if longest < 2 * TAIL:
+        raise ValueError(f"The longest run is {longest} periods; it must be at least {2 * TAIL}.")
 
 
-def _section_of(period: Trajectory) -> float | None:
-    """Choose the middle of the longest free flight of a period, as a part of it; None where there is none."""
-    free = period.contact_mode[1:] == 0
-    if free.all():
-        return 0.0
-    count = free.size
-    # The flight may last over the end.
-    touched = np.flatnonzero(~free)
-    gaps = np.diff(np.append(touched, touched[0] + count))
-    longest = int(gaps.argmax())
-    if gaps[longest] - 1 < SHORTEST_FLIGHT * count:
-        return None
-    return float(((touched[longest] + 1 + gaps[longest] // 2) % count) / count)
+def _loaded(setup: Setup, torque: float) -> Setup:
+    """Give a setup with another load torque, which its configuration tells too."""
+    rotor = replace(setup.motor.rotor, load_torque=torque)
+    told = setup.configuration | {"rotor": {**setup.configuration.get("rotor", {}), "load_torque": torque}}
+    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=told)
 
 
-def _strobes(run: Trajectory) -> Array:
-    """Give what is recorded of the state once a period, shape (period, quantity)."""
-    names = ("tip_normal_displacement", "tip_slope", "slip_velocity", "rotor_velocity")
-    return np.column_stack([run.series[name][1:] for name in names])
+def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
+    """Let the motor settle without load, put the brake on, and see what becomes of its rotation."""
+    free = settled(_loaded(setup, 0.0), None, begins, longest)
+    assert free is not None
+    sense = float(np.sign(free.velocity[0])) if free.kind != "without contact" else 0.0
+    loaded = _loaded(setup, sense * brake)
+    found = _turning(loaded, free, longest, sense) if sense else None
+    if found is None:
+        held = settled(loaded, 0.0, free.end, longest)
+        assert held is not None
+        found = replace(held, kind="standing")
+        # At rest the torque may be larger than in the rotation that the brake has stopped.
+        if sense * held.torque[0] > brake:
+            found = _turning(loaded, held, longest, sense)
+    if found is None:
+        raise NotSettledError(
+            f"A brake of {brake:.4g} N m stops the rotor and does not hold it; it must do both, or neither. "
+            "Give another one, or rotor.damping."
+        )
+    return replace(found, brake=brake)
+
+
+def _turning(loaded: Setup, before: Steady, longest: int, sense: float) -> Steady | None:
+    """Find how a rotor turns in its sense against a brake; None where it does not."""
+    found = settled(loaded, None, before.end, longest, sense)
+    return found if found is not None and sense * found.velocity[0] > 0.0 else None

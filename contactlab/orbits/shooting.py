@@ -26,6 +26,9 @@ CLOSED: Final = 1e-10
 
 MOST_ITERATIONS: Final = 40
 
+FARTHEST: Final = 100.0
+"""Length of the first step at most, in parts of |z|: a motor at its start is slow."""
+
 WORTH: Final = 0.5
 """Share of |P(z) - z| that a step may leave without a new derivative."""
 
@@ -55,9 +58,12 @@ class Orbit:
     @classmethod
     def at(cls, section: PeriodMap, z: Array) -> "Orbit":
         """Take a closed orbit's derivative."""
-        every, along = np.eye(z.size), np.full(z.size, z.size**-0.5)
-        jacobian = np.column_stack([derivative_of(section, z, direction) for direction in every])
-        fine, coarse = jacobian @ along, derivative_of(section, z, along, ROUGH * STEP)
+        length, along = STEP * _size(z), np.full(z.size, z.size**-0.5)
+        steps = length * np.vstack([np.eye(z.size), ROUGH * along])
+        ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
+        every = (ahead - behind).T / (2.0 * length)
+        jacobian, coarse = every[:, :-1], every[:, -1] / ROUGH
+        fine = jacobian @ along
         roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
         return cls(section, z, jacobian, roughness)
 
@@ -88,11 +94,14 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     """
     image = section(z)
     left, jacobian = image - z, _forward(section, z, image)
-    fresh, radius = True, 0.5 * _size(z)
+    fresh, radius = True, FARTHEST * _size(z)
     for _ in range(MOST_ITERATIONS):
         if np.linalg.norm(left) <= CLOSED * _size(z):
             return Orbit.at(section, z)
-        move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
+        try:
+            move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
+        except np.linalg.LinAlgError:
+            raise NoOrbitError("a coordinate that nothing brings back has no place of its own") from None
         length = float(np.linalg.norm(move))
         move *= min(1.0, radius / length)
         after = _gap(section, z + move)
@@ -125,7 +134,15 @@ def updated(jacobian: Array, move: Array, change: Array) -> Array:
 def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
     """Give dP/dz by forward differences from P(z), at half the price and to half the digits."""
     length = STEP * _size(z)
-    return np.column_stack([(section(z + length * along) - image) / length for along in np.eye(z.size)])
+    return np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
+
+
+def _ends(section: PeriodMap, starts: Array) -> Array:
+    """Give the states after others that lie together, or say that there is no derivative."""
+    ends = section.ends(starts)
+    if not np.isfinite(ends).all():
+        raise NoOrbitError("the motor breaks off or does not run from next to it")
+    return ends
 
 
 def _gap(section: PeriodMap, z: Array) -> Array:

@@ -18,7 +18,7 @@ from contactlab.trajectory import Trajectory
 from contactlab.variables import CONTACTS, SERIES
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
-WORKSPACE = "contactlab.engine.simulation._workspace"
+WORKSPACE = "contactlab.engine.preparation._workspace"
 
 laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 

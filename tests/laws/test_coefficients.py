@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contactlab.compiled import kernel
-from contactlab.engine.simulation import take_in
+from contactlab.engine.preparation import take_in
 from contactlab.laws import FRICTION_COEFFICIENT, Composed, Friction, LawError, NormalForce, Parameter
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS

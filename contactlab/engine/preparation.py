@@ -1,0 +1,164 @@
+"""What runs need before their first step: a law taken in, a plant, step responses, a loop and a state."""
+
+from collections import deque
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.engine.arguments import check_kinds, check_numbers, check_rates, default_contact_step
+from contactlab.engine.callback import law_errors
+from contactlab.engine.explanation import explain
+from contactlab.engine.kinematics import Run
+from contactlab.engine.loop import TOUCH_REFINEMENT, kernels_of, loop_for
+from contactlab.engine.plant import Plant, pace_of, plant_of
+from contactlab.engine.propagator import Propagator, Workspace
+from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
+from contactlab.motor.motor import Motor
+from contactlab.trajectory import Ending
+
+DEFAULT_TOLERANCE = 1e-7
+"""Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
+converges with nearly twice the order of this estimate."""
+
+ON_GRID = 1e-6
+"""Part of a record interval that is round-off."""
+
+_sound: deque[object] = deque(maxlen=64)
+"""What the last laws that were taken in are made of: they answered as a law must."""
+
+_workspace = Workspace()
+"""Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
+
+LawErrors = Callable[[], AbstractContextManager[None]]
+"""Makes a context in which a law may answer, and in which what its code raises becomes a `LawError`."""
+
+
+@final
+class Prepared(NamedTuple):
+    """A motor and a law that are ready to run: memory, kernels and the numbers of the run."""
+
+    law: ContactLaw
+    duration: float
+    contact_step: float
+    tolerance: float
+    plant: Plant
+    propagator: Propagator
+    kernels: tuple[Any, ...]
+    parameters: Array
+    errors: LawErrors
+
+    def run_of(self, state: Any) -> Run:
+        """Give the context of a run in a state."""
+        return Run(self.plant, self.propagator, state, one(STEP))
+
+    def advance(self, run: Run, states: Any, motions: Array, records: Any, budget: int) -> None:
+        """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
+        loop = loop_for(self.law, run)
+        with self.errors():
+            loop(run, states, motions, records, *self.kernels, self.parameters, budget)
+
+    def explain(self, run: Run) -> tuple[Ending, str]:
+        """Give the ending of a run that stopped by itself, and a sentence on it."""
+        with self.errors():
+            return explain(run, self.kernels, self.parameters, self.contact_step)
+
+    def set_up(self, state: Any, interval: float) -> None:
+        """Set clock, grid of records, ladder, pace and what the kernels know of a law beside its own.
+
+        On another ladder than before, the next step is the first of its kind.
+        """
+        law, rule = self.law, self.propagator.rule
+        begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
+        state["first"] = round((begins - state["origin"]) / interval)
+        if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
+            state["origin"], state["first"] = begins, 0
+        state["end"], state["interval"] = begins + self.duration, interval
+        state["recorded"] = state["stored"] = 0
+        if (state["longest"], state["contact_level"]) != (rule.longest, rule.contact_level):
+            touching = state["phase"] == TOUCHING
+            refinement = TOUCH_REFINEMENT if state["compliant"] else 0
+            state["level"] = rule.contact_level + refinement if touching else rule.fresh_level
+            state["level_before"] = state["level"] + 1
+            state["longest"], state["contact_level"] = rule.longest, rule.contact_level
+        state["compliant"], state["friction_limit"] = compliant, law.friction_limit
+        if isinstance(law, PenaltyLaw):
+            state["friction_kind"], state["parity"] = law.friction_kind, law.internal_parity
+        if isinstance(law, MultiplierLaw):
+            state["projects"] = law.projects
+        pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
+        state["window"], state["most_steps"] = pace
+        state["tolerance"] = self.tolerance
+
+
+def prepared(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float,
+    interval: float,
+    contact_step: float | None,
+    tolerance: float | None,
+) -> Prepared:
+    """Make a motor and a law ready; arguments and errors as of `contactlab.engine.simulate`."""
+    check_kinds(motor, law)
+    law = law.on_rotor(motor.geometry.rotor_radius)
+    if contact_step is None:
+        contact_step = default_contact_step(motor.modes, law)
+    check_numbers(law, duration, interval, contact_step, tolerance)
+    parameters, kernels, errors = take_in(law)
+    plant = plant_of(motor)
+    check_rates(plant, duration)
+    exact = isinstance(law, MultiplierLaw)
+    propagator = _workspace.propagator(plant, contact_step, duration, exact)
+    tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    return Prepared(law, duration, contact_step, tolerance, plant, propagator, kernels, parameters, errors)
+
+
+def take_in(law: ContactLaw) -> tuple[Array, tuple[Any, ...], LawErrors]:
+    """Give a law's parameters between guards and its kernels, see `kernels_of`.
+
+    Raises:
+        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
+    """
+    with law_errors(law.name):
+        check_words(law)
+        parameters = kernel_parameters(law)
+    kernels, callbacks = kernels_of(law)
+    errors = partial(law_errors, law.name, *callbacks)
+    friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
+    made_of = kernels, parameters.tobytes(), friction, tuple(law.violations)
+    # Interpreted functions may have changed since.
+    if callbacks or made_of not in _sound:
+        with errors():
+            check_answers(law, parameters, *kernels)
+        _sound.append(made_of)
+    return guarded(parameters), kernels, errors
+
+
+def phase_at(gap: float, rate: float) -> int:
+    """Give the phase of a motion that starts with a gap [m] and a gap rate [m/s]."""
+    if gap < 0.0 or (gap == 0.0 and rate < 0.0):
+        return PRESSED
+    return OPEN if gap > 0.0 else RELEASED
+
+
+def overlap_at(gap: float, law: ContactLaw) -> str:
+    """Say why a law cannot start at a gap [m]; nothing where it can."""
+    if gap >= 0.0 or isinstance(law, PenaltyLaw):
+        return ""
+    return (
+        f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and rotor "
+        "would overlap."
+    )
+
+
+def fresh_state() -> Any:
+    """Give the state of a run at t = 0, whose phase is not set yet."""
+    # A first step continues a polynomial of zeros, of some length.
+    unknown = {"least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
+    return one(STATE, length=1.0, **unknown)

@@ -1,0 +1,151 @@
+"""A steady state and what it does on average: velocity, torque, forces, work, each with its error."""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.motor import ModalState
+from contactlab.orbits.period_map import PeriodMap, period_of
+from contactlab.orbits.shooting import Orbit
+from contactlab.orbits.statistics import mean_with_error
+from contactlab.trajectory import Trajectory
+
+CUMULATIVE: Final = (
+    "rotor_angle",
+    "drive_work",
+    "damping_loss",
+    "friction_loss",
+    "contact_loss",
+    "load_work",
+)
+"""Series that add up, whose rate has a mean."""
+
+OF_INTERVALS: Final = ("normal_force", "friction_force")
+"""Series that are means of their record intervals."""
+
+
+@final
+@dataclass(frozen=True)
+class Steady:
+    """The steady state that a motor comes to.
+
+    Args:
+        setup: what moves, its load included.
+        kind: 'periodic', 'quasi-periodic', 'chaotic', 'irregular' where the two cannot be told apart,
+            'without contact', or 'standing' where a brake holds the rotor.
+        periods: of the drive, after which a periodic motion repeats itself; 0 for another.
+        motion: one orbit, or a long run recorded once a period.
+        orbit: the closed orbit with its multipliers; None where there is none, or where the contact never
+            opens, so that positions and velocities alone are not the state of every law.
+        warm_up: periods of the drive from the start until it was found.
+        belt: velocity at which the rotor was held [rad/s]; None for one that is free.
+        brake: torque of a load against whatever motion there is [N m]; None for another load.
+        phase: of the drive where the motion begins [periods].
+    """
+
+    setup: Setup
+    kind: str
+    periods: int
+    motion: Trajectory
+    orbit: Orbit | None
+    warm_up: int
+    belt: float | None = None
+    brake: float | None = None
+    phase: float = 0.0
+
+    @property
+    def period(self) -> float:
+        """Period of the drive [s]."""
+        return period_of(self.setup.motor.drive)
+
+    @property
+    def closure(self) -> float:
+        """Distance of what was found from a closed orbit, |P(z) - z| / (1 - |lambda|) over |z| [1]."""
+        if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
+            return 0.0
+        gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
+        return gap / size / max(1.0 - float(abs(self.orbit.multipliers[0])), float(np.finfo(float).eps))
+
+    def mean(self, rates: Array) -> tuple[float, float]:
+        """Give the mean of rates over the record intervals of the motion, and its error.
+
+        That of an orbit is what its closure leaves; a motion that was run until it repeated itself has the
+        range of its rates, another one its statistical error. What steps and tolerance do comes on top, see
+        `contactlab.orbits.converged`.
+        """
+        if self.orbit is not None or rates.size == 1:
+            mean = float(rates.mean())
+            return mean, self.closure * abs(mean)
+        if self.periods:
+            cycles = rates[rates.size % self.periods :].reshape(-1, self.periods).mean(axis=1)
+            return float(cycles[-1]), float(np.ptp(cycles))
+        return mean_with_error(rates)
+
+    def average(self, name: str) -> tuple[float, float]:
+        """Give the mean of a series over time, and its error.
+
+        Args:
+            name: a force, 'normal_force' [N]; or what adds up, whose rate is meant: 'rotor_angle' [rad/s],
+                'drive_work', 'damping_loss', 'friction_loss', 'contact_loss', 'load_work' [W].
+
+        Raises:
+            ValueError: the series has values at its records alone, which say nothing of its mean.
+        """
+        if name in CUMULATIVE:
+            return self.mean(np.diff(self.motion.series[name]) / np.diff(self.motion.time))
+        if name in OF_INTERVALS:
+            return self.mean(self.motion.series[name][1:])
+        raise ValueError(
+            f"{name} has no mean here; it must be one of {', '.join((*OF_INTERVALS, *CUMULATIVE))}. Take the "
+            "mean of another from `curves`."
+        )
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Mean rotor velocity and its error [rad/s]."""
+        return self.average("rotor_angle") if self.belt is None else (self.belt, 0.0)
+
+    @property
+    def torque(self) -> tuple[float, float]:
+        """Mean torque of the contact on the rotor, -R F, and its error [N m]."""
+        radius = self.setup.motor.geometry.rotor_radius
+        mean, error = self.mean(-radius * self.motion.series["friction_force"][1:])
+        # Forward and backward parts may cancel; each of them has its error.
+        return mean, max(error, self.closure * radius * self.average("normal_force")[0])
+
+    @property
+    def impulse(self) -> tuple[float, float]:
+        """Normal impulse of a period of the drive, and its error [N s]."""
+        mean, error = self.average("normal_force")
+        return mean * self.period, error * self.period
+
+    @property
+    def peak_force(self) -> float:
+        """Largest normal force of the motion [N]; of a rigid law, an impulse over the contact step."""
+        return float(self.motion.contacts["peak_normal_force"].max(initial=0.0))
+
+    @property
+    def contact_share(self) -> float:
+        """Share of the time in which tip and rotor touch [1]."""
+        begin, end = self.motion.time[[0, -1]]
+        touched = self.motion.contacts["start_time"]
+        released = np.minimum(touched + self.motion.contacts["duration"], end)
+        return float(np.sum(np.maximum(released - np.maximum(touched, begin), 0.0)) / (end - begin))
+
+    @property
+    def end(self) -> tuple[float, ModalState, float]:
+        """Where another motion may go on: phase of the drive [periods], modal state, rotor velocity."""
+        passed = (self.motion.time[-1] - self.motion.time[0]) / self.period
+        velocity = float(self.motion.series["rotor_velocity"][-1])
+        return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity
+
+    def curves(self, records: int = 1000) -> Trajectory:
+        """Give one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""
+        if self.orbit is not None:
+            return self.orbit.map.run(self.orbit.state, 1.0, records)
+        phase, modal, velocity = self.end
+        clock = PeriodMap(self.setup, phase, max(self.periods, 1), self.belt)
+        return clock.run(clock.state_of(modal, velocity), 1.0, records)

@@ -1,0 +1,63 @@
+"""`contactlab steady` tells what a settled motor does, and leaves it as a dataset and a picture."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from support.command_line import Command, left_behind
+
+import contactlab as cl
+
+
+def test_the_verb_prints_and_writes_what_python_finds(command: Command) -> None:
+    words = ["law=newton", "contact.clearance=2 um"]
+    status, out, _ = command("steady", *words, "--load", "-0.5 mN*m", "--output", "here")
+    assert status == 0
+    assert sorted(path.name for path in Path("here").iterdir()) == ["steady.nc", "steady.png"]
+    assert "periodic" in out
+    assert "settling time" in out
+    found = cl.orbits.converged(cl.build(words), load=-5e-4)
+    with xarray.open_datatree("here/steady.nc") as tree:
+        group = tree["steady"].dataset
+        assert float(group["rotor_velocity"]) == found.velocity[0]
+        assert float(group["rotor_velocity_error"]) == found.velocity[1]
+        assert np.hypot(group["multiplier_real"], group["multiplier_imag"]).max() < 1.0
+        assert tree["steady"].attrs["kind"] == "periodic"
+        orbit = tree.to_dataset()["rotor_velocity"].values
+        assert orbit[-1] == pytest.approx(orbit[0], rel=1e-8)
+        assert f"{found.velocity[0]:.3f}"[:5] in out
+        assert "load_torque: -0.0005" in tree.attrs["configuration"]
+
+
+def test_a_brake_that_holds_is_told(command: Command) -> None:
+    status, out, _ = command("steady", "law=newton", "--brake", "0.1", "--no-refine")
+    assert status == 0
+    assert "a brake of 0.1 N m holds the rotor" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["foo=1"], "foo is not a known key"),
+        (["hydra.run.dir=x"], "--output DIR says where its files go"),
+        (["--brake", "-1"], "it must be positive"),
+        (["--load", "3 kg"], "--load is '3 kg', whose unit 'kg' cannot be converted to N*m"),
+        (["--belt", "1", "--load", "1"], "belt and load are given"),
+        (["--bel", "1"], "Did you mean --belt?"),
+        (["drive.frequency_ratio=1.4142"], "do not repeat themselves"),
+    ],
+)
+def test_what_has_no_steady_state_is_refused_and_nothing_is_written(
+    command: Command, arguments: list[str], words: str
+) -> None:
+    status, out, err = command("steady", *arguments)
+    assert (status, out) == (2, "")
+    assert words in err
+    assert left_behind() == []
+
+
+def test_a_rotor_that_runs_away_is_incomplete(command: Command) -> None:
+    status, _, err = command("steady", "law=newton", "--load", "0.1", "--longest", "200", "--no-refine")
+    assert status == 1
+    assert "The rotor has not settled" in err

@@ -1,0 +1,59 @@
+"""Means of long runs have an error that holds, and kinds of motion are told apart where they are known."""
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.orbits.statistics import chaos_indicator, mean_with_error, repeats_after, trend
+
+
+def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
+    """A sequence of mean 1 whose correlation falls by e over `memory` values."""
+    rng, share = np.random.default_rng(seed), np.exp(-1.0 / memory)
+    values = np.empty(size)
+    values[0] = rng.normal() / np.sqrt(1.0 - share**2)
+    for i, kick in enumerate(rng.normal(size=size - 1)):
+        values[i + 1] = share * values[i] + kick
+    return 1.0 + values
+
+
+@pytest.mark.parametrize("memory", [0.1, 5.0, 40.0])
+def test_the_error_of_a_mean_holds_in_nineteen_of_twenty_cases(memory: float) -> None:
+    found = [mean_with_error(autoregressive(memory, 2000, seed)) for seed in range(200)]
+    inside = np.mean([abs(mean - 1.0) <= error for mean, error in found])
+    assert inside > 0.88
+    # And is no larger than it has to be.
+    share = np.exp(-1.0 / memory)
+    spread = 1.0 / (1.0 - share) / np.sqrt(2000)
+    assert np.median([error for _, error in found]) < 3.0 * spread
+
+
+def test_a_constant_has_no_error_and_a_line_has_its_slope() -> None:
+    assert mean_with_error(np.full(100, 3.0)) == (3.0, 0.0)
+    change, error = trend(np.linspace(0.0, 2.0, 400) + 1e-3 * np.random.default_rng(0).normal(size=400))
+    assert change == pytest.approx(2.0, abs=3.0 * error)
+    assert error < 1e-3
+
+
+def test_kinds_of_motion_are_told_apart_where_they_are_known() -> None:
+    logistic = np.empty((2, 2000))
+    for row, rate in enumerate((3.55, 4.0)):
+        x = 0.3
+        for i in range(logistic.shape[1]):
+            x = rate * x * (1.0 - x)
+            logistic[row, i] = x
+    turning = np.cos(2.0 * np.pi * np.sqrt(2.0) * np.arange(2000))
+    assert chaos_indicator(logistic[1]) > 0.9
+    assert chaos_indicator(turning) < 0.1
+    assert repeats_after(logistic[:1].T, 1e-6) == 8
+    assert repeats_after(logistic[1:].T, 1e-3) == repeats_after(turning[:, None], 1e-3) == 0
+
+
+@pytest.mark.long
+def test_means_of_an_irregular_motor_hold_against_a_run_ten_times_as_long() -> None:
+    setup = cl.build(["law=lagrange_slip", "solver.contact_step=2e-7"])
+    short, other = (cl.steady(setup, longest=longest) for longest in (3000, 30000))
+    (mean, error), (better, rest) = short.velocity, other.velocity
+    assert short.orbit is None
+    assert rest < error
+    assert abs(mean - better) < error + rest
