@@ -82,7 +82,9 @@ def _moved(law: Refined, samples: Samples | None, place: int | None) -> dict[str
     if law.reached:
         moved[ATTRACTORS] = np.array([each.values - as_recorded for each in law.reached])
     if samples is not None and place is not None:
-        drawn = samples.of_law(place) - as_recorded
+        # On either basis, from what the law does there.
+        nominal = [as_recorded, *([law.elsewhere.values] if law.elsewhere else [])]
+        drawn = np.concatenate([samples.of_law(place, i) - here for i, here in enumerate(nominal)])
         if len(drawn) >= FEWEST_DRAWN:
             moved[PARAMETERS] = drawn
     return moved

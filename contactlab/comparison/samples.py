@@ -76,12 +76,12 @@ class Samples:
     values: Array
     reasons: tuple[str, ...]
 
-    def of_law(self, law: int) -> Array:
-        """Give the values of one law on the recorded basis, shape (motor, quantity), each motor once."""
-        chosen = np.ones(len(self.drawn), dtype=bool)
+    def of_law(self, law: int, basis: int) -> Array:
+        """Give the values of one law on one basis, shape (motor, quantity), each motor once."""
+        asked, chosen = {LAW: law, BASIS: basis}, np.ones(len(self.drawn), dtype=bool)
         for column, factor in enumerate(self.factors):
-            if factor.name in (LAW, BASIS):
-                chosen &= self.drawn[:, column] == (law if factor.name == LAW else 0)
+            if factor.name in asked:
+                chosen &= self.drawn[:, column] == asked[factor.name]
         return np.unique(self.values[chosen], axis=0)
 
     def shares(self) -> tuple[Array, Array]:

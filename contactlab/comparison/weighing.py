@@ -100,7 +100,9 @@ class Weighed:
         """Name a cause with its weight."""
         words = _WORDS[cause]
         if cause == PARAMETERS:
-            words = f"{self.parameters} within their ranges" if self.parameters else "the parameters"
+            several = " and " in self.parameters
+            within = "within their ranges" if several else "within its range"
+            words = f"{self.parameters} {within}" if self.parameters else "the parameters"
         sign = f"{CLEAR:g} times " if cause == NUMERICAL else ""
         weight = self.weights[cause] / CLEAR if cause == NUMERICAL else self.weights[cause]
         return f"{words} ({sign}{weight:.2g})"
