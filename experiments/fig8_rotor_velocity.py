@@ -146,7 +146,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_ylabel("velocity, forward (rad/s)")
         fastest = float(data.under_load.max())
         ax.set(xlim=(-0.2, 5.5), ylim=(-0.2 * fastest, 1.15 * fastest))
-    lower[1].legend(title="loads of 8c, and curve")
+    lower[data.basis.size - 1].legend(title="loads of 8c, and curve")
     for ax in (a, b):
         ax.set_xlabel("time (ms)")
         ax.set_ylabel("rotor velocity (rad/s)")
