@@ -256,7 +256,8 @@ def draw(data: xarray.Dataset) -> Figure:
         right.loglog(1e3 * here.shooting, 1e3 * here.settling, "os^Dv<>P"[i % 8], label=str(law), **mark)
     left.plot([], [], "o", color="0.3", label="root of the belt's torque")
     left.plot([], [], "x", color="0.3", label="run of 1 s")
-    left.legend(loc="upper right")
+    # Between what a belt leaves out and what a run has left.
+    left.legend(loc=(0.02, 0.62))
     left.set_xlabel("velocity by shooting (rad/s)")
     left.set_ylabel("relative distance from it")
     ends = np.array(right.get_xlim())
