@@ -36,6 +36,7 @@ BEYOND = (
     "friction_sweep",
     "law_comparison",
     "optimise_motor",
+    "steady_states",
 )
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; color: #222 }

@@ -24,9 +24,6 @@ LEAST_WARM_UP: Final = 8
 MOST_WARM_UP: Final = 200
 """Periods of the drive before that."""
 
-RECORDS: Final = 200
-"""Of a period, in which the section is chosen."""
-
 SHORTEST_FLIGHT: Final = 0.02
 """Part of a period in free flight, below which there is no section."""
 
@@ -90,17 +87,17 @@ def settled(
     while done < longest:
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
             return None
-        strobes, before, run = _strobes(run), run, _on(run, 1, RECORDS)
-        if not run.contact_mode.any() and _last_touch(before) < 0.5 * (before.time[0] + before.time[-1]):
+        strobes = _strobes(run)
+        if _last_touch(run) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run, done)
-        if orbit is None and (part := _section_of(run)) is not None:
-            run = _on(run, part, 1) if part else run
+        if orbit is None and (part := _section_of(run, clock.period)) is not None:
+            run = _on(run, part) if part else run
             clock = clock.at(clock.phase + part)
             count = repeats_after(strobes, REPEATS) if len(strobes) >= TAIL else 1
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
             times = ceil(min(WATCHED * orbit.settling_time, longest * clock.period) / orbit.map.period)
-            z, run = clock.end_of(run), _on(run, times * orbit.map.periods, 1)
+            z, run = clock.end_of(run), _on(run, times * orbit.map.periods)
             done = round(run.state["end"] / clock.period)
             if _goes_to(orbit, z, clock.end_of(run), times):
                 motion, count = orbit.map.run(orbit.state), orbit.map.periods
@@ -108,11 +105,11 @@ def settled(
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
             orbit, far = (orbit, distance) if distance < far else (None, inf)
         elif len(strobes) >= TAIL and (count := repeats_after(strobes[-TAIL:], SETTLED)):
-            run = _on(run, TAIL // count * count, 1)
+            run = _on(run, TAIL // count * count)
             return Steady(setup, "periodic", count, run, None, done, belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         if done < longest:
-            run = _on(run, min(2 * done, longest - done), 1)
+            run = _on(run, min(2 * done, longest - done))
     return _long_run(setup, clock, run, longest // 2)
 
 
@@ -124,15 +121,15 @@ def _warm_up(modes: NormalModes, period: float) -> int:
     return ceil(min(max(periods, LEAST_WARM_UP), MOST_WARM_UP))
 
 
-def _on(run: Trajectory, periods: float, records: int) -> Trajectory:
-    """Let a run go on for some periods, with some records in each."""
+def _on(run: Trajectory, periods: float) -> Trajectory:
+    """Let a run go on for some periods, recorded once in each."""
     # The phase of the drive goes on with the clock, which began at that of the run.
     period = period_of(run.motor.drive)
     later = simulate(
         run.motor,
         run.law,
         duration=periods * period,
-        record_interval=min(1.0 / records, periods) * period,
+        record_interval=min(1.0, periods) * period,
         contact_step=run.contact_step,
         tolerance=run.state["tolerance"] if isinstance(run.law, PenaltyLaw) else None,
         start=run.state,
@@ -186,7 +183,7 @@ def _foretold(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
 def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
     """Take the means of a motion that comes to no orbit, and say what kind it is."""
     done = round(run.state["end"] / clock.period)
-    late = _on(run, periods, 1)
+    late = _on(run, periods)
     velocity = np.diff(late.series["rotor_angle"]) / clock.period
     change, error = trend(velocity)
     if clock.belt is None and abs(change) > DRIFT * error:
@@ -225,19 +222,22 @@ def _last_touch(run: Trajectory) -> float:
     return float(ends.max(initial=-inf))
 
 
-def _section_of(period: Trajectory) -> float | None:
-    """Choose the middle of the longest free flight of a period, as a part of it; None where there is none."""
-    free = period.contact_mode[1:] == 0
-    if free.all():
+def _section_of(run: Trajectory, period: float) -> float | None:
+    """Choose the middle of the longest free flight of a run's last period; None where there is none."""
+    begin, rows = float(run.time[-1]) - period, run.contacts
+    touched = np.clip((rows["start_time"] - begin) / period, 0.0, 1.0)
+    released = np.clip((rows["start_time"] + rows["duration"] - begin) / period, 0.0, 1.0)
+    within = released > touched
+    touched, released = np.sort(touched[within]), np.sort(released[within])
+    if not touched.size:
         return 0.0
-    count = free.size
-    # The flight may last over the end.
-    touched = np.flatnonzero(~free)
-    gaps = np.diff(np.append(touched, touched[0] + count))
-    longest = int(gaps.argmax())
-    if gaps[longest] - 1 < SHORTEST_FLIGHT * count:
+    # The last flight goes on in the period that follows.
+    flights = np.append(touched[1:], touched[0] + 1.0) - released
+    longest = int(flights.argmax())
+    if flights[longest] < SHORTEST_FLIGHT:
         return None
-    return float(((touched[longest] + 1 + gaps[longest] // 2) % count) / count)
+    # Nothing lies so close to a section that its last digits mattered.
+    return round(float(released[longest] + 0.5 * flights[longest]), 6) % 1.0
 
 
 def _strobes(run: Trajectory) -> Array:

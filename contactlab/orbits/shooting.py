@@ -26,6 +26,9 @@ CLOSED: Final = 1e-10
 
 MOST_ITERATIONS: Final = 40
 
+FARTHEST: Final = 100.0
+"""Length of the first step at most, in parts of |z|: a motor at its start is slow."""
+
 WORTH: Final = 0.5
 """Share of |P(z) - z| that a step may leave without a new derivative."""
 
@@ -55,10 +58,12 @@ class Orbit:
     @classmethod
     def at(cls, section: PeriodMap, z: Array) -> "Orbit":
         """Take a closed orbit's derivative."""
-        every, along = STEP * _size(z) * np.eye(z.size), np.full(z.size, z.size**-0.5)
-        ahead, behind = np.split(_ends(section, np.vstack([z + every, z - every])), 2)
-        jacobian = (ahead - behind).T / (2.0 * STEP * _size(z))
-        fine, coarse = jacobian @ along, derivative_of(section, z, along, ROUGH * STEP)
+        length, along = STEP * _size(z), np.full(z.size, z.size**-0.5)
+        steps = length * np.vstack([np.eye(z.size), ROUGH * along])
+        ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
+        every = (ahead - behind).T / (2.0 * length)
+        jacobian, coarse = every[:, :-1], every[:, -1] / ROUGH
+        fine = jacobian @ along
         roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
         return cls(section, z, jacobian, roughness)
 
@@ -89,7 +94,7 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     """
     image = section(z)
     left, jacobian = image - z, _forward(section, z, image)
-    fresh, radius = True, 0.5 * _size(z)
+    fresh, radius = True, FARTHEST * _size(z)
     for _ in range(MOST_ITERATIONS):
         if np.linalg.norm(left) <= CLOSED * _size(z):
             return Orbit.at(section, z)

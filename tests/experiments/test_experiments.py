@@ -71,6 +71,12 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
         1.0,
         0.0,
     ),
+    # A run that has settled does what shooting says [rad/s].
+    "steady_states": (
+        lambda d: float(np.ptp(d.velocity.sel(law="newton", way=["shooting", "run"])[0].values)),
+        0.0,
+        1e-7,
+    ),
     # The configured motor's stall torque [N m], as a run of its own on a belt at rest has it.
     "optimise_motor": (lambda d: float(d.stall_torque.sel(motor=-1)), 5.2094e-3, 1e-6),
 }

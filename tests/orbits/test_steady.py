@@ -162,7 +162,7 @@ def test_a_motor_pressed_together_has_means_and_no_multipliers(law: cl.ContactLa
     assert found.average("normal_force")[0] > 0.0
     # What turns the rotor is what its damping takes.
     torque = motor.rotor.damping * found.velocity[0]
-    assert found.torque[0] == pytest.approx(torque, rel=1e-3, abs=1e-9)
+    assert found.torque[0] == pytest.approx(torque, abs=1e-6)
 
 
 def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> None:
