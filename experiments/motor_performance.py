@@ -1,8 +1,8 @@
 """What a motor can do in steady vibration: stall torque, velocity without load, peak force.
 
-A rotor of huge inertia is a belt: it keeps its velocity Omega whatever the contact does to it. The drive
-has a period T, and the resonator settles into a vibration of that period as fast as its damping lets it,
-within some ten periods. The contact then turns the rotor with the mean torque
+A belt is a rotor that keeps its velocity Omega whatever the contact does to it. The drive has a period T,
+and the resonator settles into a vibration of that period as fast as its damping lets it, within some ten
+periods. The contact then turns the rotor with the mean torque
 
     M(Omega) = -R/T int_0^T F dt - C_r Omega.
 
@@ -13,21 +13,19 @@ a period, R/J times an impulse; the belt leaves that out, and with it the rotor'
 
 A free run would take some hundred periods for every motor and end with an error that nobody knows: the
 rotor gets up to speed with a time of its own, J over the slope of M. The root takes half a dozen runs of a
-few dozen periods, each of which shows that it has settled.
+few dozen periods, each of which shows that it has settled. `contactlab.characterise` tells more of one motor,
+and proves its orbits by shooting, at twice the price of a belt; this ranks thousands.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from harness import tip_phasors
 from scipy.optimize import brentq
 
 import contactlab as cl
-from contactlab.engine import simulate
-
-BELT = 1e9
-"""Inertia of a rotor that nothing turns [kg m^2]; an hour of 1 N m changes its velocity by 4 urad/s."""
+from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 
 STEADY = 1e-5
 """Two quarters of a settled run differ in their mean torque by at most this, over R times the mean normal
@@ -105,25 +103,15 @@ def on_belt(setup: cl.Setup, velocity: float) -> OnBelt:
         NoMotorError: it does not settle, does not touch, or breaks off.
         KeyboardInterrupt: as it comes.
     """
-    rotor = replace(setup.motor.rotor, inertia=BELT, initial_velocity=velocity, damping=0.0)
-    motor = replace(setup.motor, rotor=rotor)
-    period = 1.0 / float(motor.drive.frequency[0])
+    clock = PeriodMap(setup, belt=velocity)
+    period = clock.period
     quarter = max(int(np.ceil(0.25 * setup.duration / period)), 1)
-    radius = motor.geometry.rotor_radius
+    radius, rest = setup.motor.geometry.rotor_radius, np.zeros(2 * clock.scale.size)
     for _ in range(1 + DOUBLINGS):
-        # The engine alone: a search makes thousands of runs and keeps none of them.
-        run = simulate(
-            motor,
-            setup.law,
-            duration=4 * quarter * period,
-            record_interval=period,
-            contact_step=setup.contact_step,
-            tolerance=setup.tolerance,
-        )
-        if run.ending is cl.Ending.INTERRUPTED:
-            raise KeyboardInterrupt(run.message)
-        if not run.complete:
-            raise NoMotorError(run.message)
+        try:
+            run = clock.run(rest, 4 * quarter)
+        except BrokenOffError as error:
+            raise NoMotorError(str(error)) from error
         friction = run.series["friction_force"][1:].reshape(4, quarter)
         before, after = -radius * friction[2:].mean(axis=1)
         normal = run.series["normal_force"][-quarter:].mean()

@@ -65,6 +65,9 @@ SETTLED = 1e-6
 BELTS = 1e-4
 """Of a belt's velocity, to which the root is found."""
 
+CHEAPER = 10.0
+"""Times that a steady state shall cost less than the run, whose length must serve the slowest motor."""
+
 ROUND_OFF = 1e-9
 """Relative; what paths of one motor differ by for their steps."""
 
@@ -253,7 +256,8 @@ def draw(data: xarray.Dataset) -> Figure:
         right.loglog(1e3 * here.shooting, 1e3 * here.settling, "os^Dv<>P"[i % 8], label=str(law), **mark)
     left.plot([], [], "o", color="0.3", label="root of the belt's torque")
     left.plot([], [], "x", color="0.3", label="run of 1 s")
-    left.legend(loc="upper right")
+    # Between what a belt leaves out and what a run has left.
+    left.legend(loc=(0.02, 0.62))
     left.set_xlabel("velocity by shooting (rad/s)")
     left.set_ylabel("relative distance from it")
     ends = np.array(right.get_xlim())
@@ -285,7 +289,7 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
         f"errors for {run} of them, the belt within the rotor's ripple for {belt}. Shooting takes "
         f"{1e3 * float(every.shooting.mean()):.3g} ms of a processor in the mean; the run until it has "
         f"settled to 1e-6 takes {ratio:.3g} times as much, and to its end {whole:.3g} times.{rest}"
-    ), bool(count and run == count and belt == count and ratio >= 10.0)
+    ), bool(count and run == count and belt == count and whole >= CHEAPER)
 
 
 if __name__ == "__main__":

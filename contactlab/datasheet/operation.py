@@ -10,8 +10,8 @@ from contactlab.datasheet.measurement import UNKNOWN, Measurement, Number
 from contactlab.orbits import BrokenOffError, Converged, NotSettledError, converged
 from contactlab.trajectory import Trajectory
 
-LONGEST: Final = 1000
-"""Periods of the drive after which a motion without an orbit has its means."""
+LONGEST: Final = (480, 4000)
+"""Periods of the drive after which a motion without an orbit has its means; and where it drifts by then."""
 
 GROWS: Final = 1.5
 """Ratio of successive changes of a number that grows with every finer step, from which on it has no limit;
@@ -60,8 +60,12 @@ def operate(setup: Setup, belt: float | None = None) -> Point:
         setup: motor and law; its contact step or tolerance is the coarsest.
         belt: velocity at which the rotor is held [rad/s]; None for a free one.
     """
+    short, long = LONGEST
     try:
-        found = converged(setup, belt=belt, longest=LONGEST)
+        try:
+            found = converged(setup, belt=belt, longest=short)
+        except NotSettledError:
+            found = converged(setup, belt=belt, longest=long)
         measured = [Measurement.of(each) for each in found.steps]
     except (BrokenOffError, NotSettledError) as error:
         return Point(belt, "none", message=str(error))

@@ -100,7 +100,7 @@ def _cell(value: float, error: float) -> Cell:
     # As many digits as are known, and no more than are read.
     decimals = min(-floor(log10(error)), DIGITS - 1 - (floor(log10(abs(value))) if value else 0))
     known = round(value, decimals)
-    fixed = f"{known:.{max(decimals, 0)}f}" if abs(known) < 1e5 else f"{known:.3g}"
+    fixed = f"{known:.{max(decimals, 0)}f}" if decimals < 2 * DIGITS and abs(known) < 1e5 else f"{known:.2g}"
     return Cell(fixed if known else "0", _short(error))
 
 

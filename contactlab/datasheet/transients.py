@@ -26,6 +26,9 @@ PIECE: Final = 50
 LONGEST: Final = 4000
 """Periods after which a rotor that has not got there is given up."""
 
+RESTS: Final = 1e-6
+"""Vibration of a resonator over that of its start, at which it rests beside the rotor and does not press."""
+
 DIED_DOWN: Final = 20.0
 """Times 1 / (zeta omega) of the slowest mode after which a resonator rests."""
 
@@ -104,6 +107,7 @@ def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
     velocity [rad/s].
     """
     z = _start_of(clock)
+    rests = RESTS * float(np.linalg.norm(z[:-1]))
     before = clock.velocity_of(z) - target
     for piece in range(LONGEST // PIECE):
         run = clock.run(z, PIECE, 1)
@@ -114,9 +118,9 @@ def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
             part = distance[i] / (distance[i] - distance[i - 1])
             return (piece * PIECE + i - 0.5 - float(part)) * clock.period, True, target
         before = float(distance[-1])
-        if not run.contacts["start_time"].size:
-            break
         z = clock.end_of(run)
+        if not run.contacts["start_time"].size or np.linalg.norm(z[:-1]) < rests:
+            break
     return ((piece + 1) * PIECE - 0.5) * clock.period, False, float(distance[-1] + target)
 
 

@@ -9,7 +9,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
 from contactlab.orbits.period_map import PeriodMap, period_of
-from contactlab.orbits.shooting import Orbit
+from contactlab.orbits.shooting import CLOSED, Orbit
 from contactlab.settling.statistics import mean_with_error
 from contactlab.trajectory import Trajectory
 
@@ -63,11 +63,15 @@ class Steady:
 
     @property
     def closure(self) -> float:
-        """Distance of what was found from a closed orbit, |P(z) - z| / (1 - |lambda|) over |z| [1]."""
+        """Distance of what was found from a closed orbit, |P(z) - z| / (1 - |lambda|) over |z| [1].
+
+        At least what shooting is content with.
+        """
         if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
             return 0.0
         gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
-        return gap / size / max(1.0 - float(abs(self.orbit.multipliers[0])), float(np.finfo(float).eps))
+        slow = 1.0 - float(abs(self.orbit.multipliers[0]))
+        return max(gap / size, CLOSED) / max(slow, float(np.finfo(float).eps))
 
     def mean(self, rates: Array) -> tuple[float, float]:
         """Give the mean of rates over the record intervals of the motion, and its error.
@@ -106,7 +110,12 @@ class Steady:
     @property
     def velocity(self) -> tuple[float, float]:
         """Mean rotor velocity and its error [rad/s]."""
-        return self.average("rotor_angle") if self.belt is None else (self.belt, 0.0)
+        if self.belt is not None:
+            return self.belt, 0.0
+        mean, error = self.average("rotor_angle")
+        # The rotor's part of a state whose size is mostly the resonator's.
+        size = float(np.linalg.norm(self.orbit.state)) if self.orbit is not None else 0.0
+        return mean, max(error, self.closure * size / float(np.sqrt(self.setup.motor.rotor.inertia)))
 
     @property
     def torque(self) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The data sheet: its balance, its sense, its loads, and what stands against motors that it was not made from."""
+"""The data sheet: its balance, its sense, its loads, and motors that it was not made from."""
 
 from dataclasses import replace
 from functools import cache
@@ -164,7 +164,7 @@ def test_a_motor_that_does_not_touch_has_a_sheet_that_says_so() -> None:
 
 
 def test_a_setup_with_a_load_is_refused_in_a_sentence() -> None:
-    with pytest.raises(cl.ConfigurationError, match="rotor.load_torque is 0.001 N m; it must be 0 N m"):
+    with pytest.raises(cl.ConfigurationError, match=r"rotor\.load_torque is 0\.001 N m; it must be 0 N m"):
         cl.characterise(cl.build(["rotor.load_torque=1e-3"]))
     with pytest.raises(cl.ConfigurationError, match="nothing to characterise"):
         cl.characterise([])
