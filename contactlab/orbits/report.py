@@ -14,6 +14,9 @@ from contactlab.results.summary import prefixed
 ROUGH: Final = 1e-2
 """Roughness from which on multipliers are told as rough ones."""
 
+NEUTRAL: Final = 1e7
+"""Periods of the orbit beyond which a settling time is none."""
+
 LOSSES: Final = {
     "damping_loss": "damping",
     "friction_loss": "friction",
@@ -55,7 +58,10 @@ def summary_of(found: Converged) -> dict[str, str]:
     if best.orbit is not None:
         lines |= _stability(best)
     elif best.periods and best.kind == "periodic":
-        lines["multipliers"] = "none: the contact does not open for long enough to cut the orbit there"
+        lines["multipliers"] = (
+            "none: the motion repeats itself, but at no section in free flight was a stable orbit found: the "
+            "contact does not open, or nothing brings the velocity back"
+        )
     kinds = [each.kind for each in found.steps]
     if len(set(kinds)) > 1:
         steps = ", ".join(f"{kind} at {value:.3g}" for kind, value in zip(kinds, found.values, strict=True))
@@ -82,6 +88,11 @@ def _stability(steady: Steady) -> dict[str, str]:
     if steady.belt is None:
         left = f"{100.0 * np.exp(-duration / settling):.2g} %"
         lines[f"a run of {prefixed(duration, 's')}"] = f"still lacks {left} of the way to it"
+    if settling > NEUTRAL * orbit.map.period:
+        lines["caution"] = (
+            "a multiplier is one: nothing brings the rotor to this velocity or away from it, it is that of "
+            "the start"
+        )
     if orbit.roughness > ROUGH:
         lines["caution"] = (
             f"the period map is not smooth here: derivatives over steps of 1e-6 and 1e-4 differ by "

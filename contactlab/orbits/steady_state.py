@@ -38,8 +38,9 @@ class Steady:
             'without contact', or 'standing' where a brake holds the rotor.
         periods: of the drive, after which a periodic motion repeats itself; 0 for another.
         motion: one orbit, or a long run recorded once a period.
-        orbit: the closed orbit with its multipliers; None where there is none, or where the contact never
-            opens, so that positions and velocities alone are not the state of every law.
+        orbit: the closed orbit with its multipliers; None where there is none, where the contact never
+            opens, so that positions and velocities alone are not the state of every law, or where a
+            multiplier is one.
         warm_up: periods of the drive from the start until it was found.
         belt: velocity at which the rotor was held [rad/s]; None for one that is free.
         brake: torque of a load against whatever motion there is [N m]; None for another load.
