@@ -31,7 +31,8 @@ def announce_time(setups: Sequence[Setup], runs: int = 1, workers: int = 1) -> N
     alike = min(workers, runs)
     if seconds / alike < LONG:
         return
-    said = f"{'The run' if runs == 1 else f'The {runs} runs'} will take about {_spelled(seconds / alike)} or more"
+    what = "The run" if runs == 1 else f"The {runs} runs"
+    said = f"{what} will take about {_spelled(seconds / alike)} or more"
     if alike > 1:
         said += f" on {alike} processors"
     tell(
