@@ -10,6 +10,7 @@ from tqdm import tqdm
 
 from contactlab.cli.terminal import tell
 from contactlab.config import Setup
+from contactlab.engine import simulate
 from contactlab.laws.declaration import LawError
 from contactlab.trajectory import Ending
 
@@ -59,7 +60,15 @@ def wall_time_of(setup: Setup) -> float:
     duration = min(setup.duration, TRIAL_PERIODS / tones[0]) if tones.size else setup.duration
     # What is wrong with a run, it says itself.
     with suppress(ValueError, LawError):
-        trial = setup.run(duration=duration, record_interval=duration, progress=watch)
+        trial = simulate(
+            setup.motor,
+            setup.law,
+            duration=duration,
+            record_interval=duration,
+            contact_step=setup.contact_step,
+            tolerance=setup.tolerance,
+            progress=watch,
+        )
         if trial.ending is Ending.INTERRUPTED and spent <= TRIAL:
             raise KeyboardInterrupt(trial.message)
     return spent * setup.duration / came if came > 0.0 else 0.0
