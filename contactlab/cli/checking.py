@@ -17,6 +17,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import gives_several
 from contactlab.cli.collect import collect_swept
+from contactlab.cli.cost import announce_time
 from contactlab.cli.jobs import refusals
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import ConfigurationError, build
@@ -51,7 +52,8 @@ class Check(Callback):
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         faults = misplaced(lines)
         try:
-            configuration = build(resolved(config)).configuration
+            setup = build(resolved(config))
+            configuration = setup.configuration
             faults = faults or list(_folder_faults(config))
             is_set = not faults and sets_friction(lines)
             if is_set and (words := idle_friction([configuration["law"]])):
@@ -61,6 +63,7 @@ class Check(Callback):
         if faults:
             sys.exit(refuse(faults))
         announce([configuration])
+        announce_time([setup])
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         """Collect what a sweep left, and give its exit status by that, where the sweeper is another.

@@ -21,6 +21,7 @@ from contactlab import variables
 from contactlab.laws import ContactLaw
 from contactlab.laws.registry import provenance
 from contactlab.motor import Motor
+from contactlab.motor.free_vibration import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.settling.periods import drive_period, period_told
@@ -71,6 +72,9 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
         attrs=_attributes(trajectory, configuration or settings_of(trajectory.motor, trajectory.law)),
     )
     contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
+    if not contacts.sizes["contact"]:
+        # What no contact disturbs is known beforehand.
+        root.attrs["free_reach"] = free_reach(trajectory.motor)
     groups = {"/": root, "/contacts": contacts}
     if trajectory.state:
         state = {name: _as_variable(name, value) for name, value in trajectory.state.items()}

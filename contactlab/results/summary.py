@@ -9,6 +9,9 @@ import xarray
 
 from contactlab.results.netcdf import TITLE, configuration_of, reached_end, settling_in
 
+ROUND_OFF = 1e-9
+"""Part of a clearance that is no motion of the tip."""
+
 
 def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
     """Give the numbers of a run that one looks at first, a line each.
@@ -102,11 +105,20 @@ def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
         sticking = prefixed(float(np.sum(contacts["stick_duration"].values)), "s")
         return f"{count}, {touching} in contact, {sticking} of it sticking"
     clearance = float(configuration_of(tree)["contact"]["clearance"])
-    bridged = prefixed(clearance - float(np.min(tree.to_dataset()["gap"].values)), "m")
-    return (
-        f"none: of the clearance, {prefixed(clearance, 'm')}, the tip bridged at most {bridged}. "
-        "Lower contact.clearance or raise the drive's voltages."
-    )
+    bridged = max(clearance - float(np.min(tree.to_dataset()["gap"].values)), 0.0)
+    told = f"the tip bridged at most {prefixed(bridged, 'm')}"
+    way_out = "Lower contact.clearance or raise the drive's voltages."
+    reach = float(tree.attrs.get("free_reach", np.nan))
+    if reach >= clearance:
+        # It has not come to where it is going.
+        told += f" so far, and {prefixed(reach, 'm')} once it has settled"
+        way_out = "Raise solver.duration."
+    elif reach <= ROUND_OFF * abs(clearance):
+        told += ", and nothing moves it"
+        way_out = "Raise the drive's voltages."
+    elif reach < clearance:
+        told += f"; settled and free it reaches {prefixed(reach, 'm')} and never touches"
+    return f"none: of the clearance, {prefixed(clearance, 'm')}, {told}. {way_out}"
 
 
 def _residual(root: xarray.Dataset) -> str:

@@ -1,10 +1,11 @@
 """The text at the end of a run says what the run holds, in units that are handy to read."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.motors import default_motor
+from support.motors import default_motor, hertz
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.engine import simulate
@@ -47,12 +48,33 @@ def test_values_are_aligned_and_plain() -> None:
 def test_a_run_without_contact_says_so() -> None:
     trajectory = synthetic_trajectory(contact=False)
     lines = lines_of(summarise(to_datatree(trajectory, CONFIGURATION), wall_time=1e-3))
-    way = trajectory.motor.geometry.clearance - float(trajectory.series["gap"].min())
-    assert lines["contacts"] == (
-        f"none: of the clearance, 1 um, the tip bridged at most {prefixed(way, 'm')}. "
-        "Lower contact.clearance or raise the drive's voltages.".replace("µ", "u")
-    )
+    assert lines["contacts"].startswith("none: of the clearance, 1 um, the tip bridged at most ")
     assert lines["peak normal force"] == "0 N"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"clearance": 3e-5}, "{way}; settled and free it reaches {reach} and never touches. Lower contact."),
+        ({}, "{way} so far, and {reach} once it has settled. Raise solver.duration."),
+        ({"voltage_1": 0.0, "voltage_2": 0.0}, "0 m, and nothing moves it. Raise the drive's voltages."),
+    ],
+    ids=["never", "not yet", "silent"],
+)
+def test_a_tip_that_touches_nothing_is_told_whether_it_ever_will(
+    changes: dict[str, float], words: str
+) -> None:
+    motor = default_motor(**changes)
+    duration = 0.2 if "clearance" in changes else 6e-5
+    trajectory = simulate(motor, hertz(), duration=duration, record_interval=5e-6)
+    tree = to_datatree(trajectory)
+    # What a run that has settled bridges, with nothing to touch.
+    far = replace(motor, geometry=replace(motor.geometry, clearance=3e-5))
+    late = simulate(far, hertz(), duration=0.2, record_interval=5e-6).series["gap"][-2000:]
+    assert tree.attrs["free_reach"] == pytest.approx(3e-5 - late.min(), rel=2e-3, abs=1e-15)
+    way = prefixed(max(motor.geometry.clearance - float(trajectory.series["gap"].min()), 0.0), "m")
+    told = words.format(way=way, reach=prefixed(tree.attrs["free_reach"], "m")).replace("µ", "u")
+    assert told in lines_of(summarise(tree))["contacts"]
 
 
 def test_a_run_cut_short_ends_with_its_reason() -> None:
