@@ -226,7 +226,7 @@ def test_the_error_of_the_default_motors_is_one_to_95_percent_of_the_orbits_that
 
 
 @pytest.mark.long
-def test_the_error_covers_the_orbits_of_nineteen_in_twenty_motors() -> None:
+def test_the_error_covers_what_nineteen_in_twenty_motors_come_to_in_the_long_run() -> None:
     rng, covered = np.random.default_rng(3), []
     for number in range(60):
         values = {
@@ -241,10 +241,11 @@ def test_the_error_covers_the_orbits_of_nineteen_in_twenty_motors() -> None:
         }
         setup = cl.build([f"{key}={value}" for key, value in values.items()])
         found = Run.of_trajectory(setup.run(), setup.configuration).settling
-        steady = cl.steady(setup, longest=1000)
-        if steady.orbit is None or not found.error <= 0.5 * abs(found.velocity):
+        late = np.diff(setup.run(duration=0.8, record_interval=0.1).series["rotor_angle"][-3:]) / 0.1
+        doubt, mean = float(np.ptp(late)), float(late.mean())
+        if doubt > 1e-3 * abs(mean) or not found.error <= 0.5 * abs(found.velocity):
             continue
-        covered.append(abs(found.velocity - steady.velocity[0]) <= found.error)
+        covered.append(abs(found.velocity - mean) <= found.error + doubt)
     assert len(covered) >= 30
     assert np.mean(covered) >= 0.9
 
