@@ -248,6 +248,6 @@ def test_the_velocity_panel_says_whether_the_run_has_settled_and_shows_to_what()
         "rotor_angle": -2.0 * (whole.time - 0.01 * (1.0 - gone)),
     }
     axes = draw_overview(to_datatree(dataclasses.replace(whole, series=series))).axes[0]
-    assert axes.get_title(loc="right").startswith("settled: without contact, \u22122.0")
+    assert axes.get_title(loc="right").startswith("settled: without contact, \u22121.9998")
     assert np.isclose(axes.lines[-1].get_ydata()[0], -2.0, rtol=1e-2)
     assert axes.get_ylim()[0] < -2.0
