@@ -110,6 +110,8 @@ class Periods:
         length: of a period [s].
         velocity: mean rotor velocity of each [rad/s].
         ripple: range of the rotor velocity within the last [rad/s].
+        blur: error of the mean velocity over their last half by the angle between records [rad/s]: at either
+            end at most a quarter of the record interval times what the velocity changes by within it.
         least_gap: of each [m].
         impulse: normal impulse of the contacts that begin in each [N s].
     """
@@ -117,6 +119,7 @@ class Periods:
     length: float
     velocity: Array
     ripple: float
+    blur: float
     least_gap: Array
     impulse: Array
 
@@ -154,10 +157,12 @@ def periods_of(run: Recorded, least: int) -> Periods:
     records = np.searchsorted(time, ends - CLOCK * length)
     records[-1] = min(records[-1], time.size - 1)
     last = slice(max(int(records[-2]) - 1, 0), int(records[-1]) + 1)
+    ripple = float(np.ptp(run.velocity[last]))
     return Periods(
         length,
         np.diff(_angle_at(run, ends)) / length,
-        float(np.ptp(run.velocity[last])),
+        ripple,
+        0.5 * widest * ripple / (0.5 * count * length),
         np.minimum.reduceat(run.gap, records[:-1]),
         impulse,
     )

@@ -166,7 +166,7 @@ def settling_of(columns: Columns, rows: Columns, period: float) -> Settling:
     touching = bool(run.impulse[-max(run.impulse.size // LATE, 1) :].any())
     return Settling(
         found.limit if told else nan,
-        found.error,
+        found.error + run.blur,
         found.now,
         found.drift,
         abs(impulse.drift / impulse.now) if touching and impulse.now else 0.0,

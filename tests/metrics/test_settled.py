@@ -115,7 +115,7 @@ def test_a_rotor_that_is_on_its_way_is_told_from_one_that_has_arrived() -> None:
     assert "solver.until=steady" in early.way_out(0.015)
     assert late.verdict == "settled"
     assert late.share <= 0.01
-    assert late.sentence.startswith("settled: without contact, -2.0000")
+    assert late.sentence.startswith("settled: without contact, -1.99997 +- ")
     assert not late.way_out(0.075)
     end = np.exp(-250 * PERIOD / TIME_CONSTANT)
     assert late.drift == pytest.approx(-SWING * PERIOD / TIME_CONSTANT * end, rel=0.1)
@@ -204,10 +204,10 @@ def truth(law: str) -> float:
 @cache
 def misses(law: str) -> list[float]:
     """How far the estimate is off in errors, at some ends of one run; at 20 ms the regime still changes."""
-    setup = cl.build([f"law={law}", "solver.duration=0.4", "record.interval=1e-5"])
+    setup = cl.build([f"law={law}", "solver.duration=0.3", "record.interval=1e-5"])
     whole = Run.of_trajectory(setup.run(), setup.configuration)
     off = []
-    for end in (0.02, 0.05, 0.1, 0.2, 0.4):
+    for end in (0.02, 0.05, 0.1, 0.2, 0.3):
         records, begun = whole.time <= end, whole.rows["start_time"] <= end
         columns = {name: values[records] for name, values in whole.columns.items()}
         # The contact that such an end would cut is counted as a whole one.
@@ -226,7 +226,7 @@ def test_the_error_of_the_default_motors_is_one_to_95_percent_of_the_orbits_that
 
 
 @pytest.mark.long
-def test_the_error_covers_the_orbits_of_nineteen_in_twenty_motors() -> None:
+def test_the_error_covers_what_nineteen_in_twenty_motors_come_to_in_the_long_run() -> None:
     rng, covered = np.random.default_rng(3), []
     for number in range(60):
         values = {
@@ -241,10 +241,11 @@ def test_the_error_covers_the_orbits_of_nineteen_in_twenty_motors() -> None:
         }
         setup = cl.build([f"{key}={value}" for key, value in values.items()])
         found = Run.of_trajectory(setup.run(), setup.configuration).settling
-        steady = cl.steady(setup, longest=1000)
-        if steady.orbit is None or not found.error <= 0.5 * abs(found.velocity):
+        late = np.diff(setup.run(duration=0.8, record_interval=0.1).series["rotor_angle"][-3:]) / 0.1
+        doubt, mean = float(np.ptp(late)), float(late.mean())
+        if doubt > 1e-3 * abs(mean) or not found.error <= 0.5 * abs(found.velocity):
             continue
-        covered.append(abs(found.velocity - steady.velocity[0]) <= found.error)
+        covered.append(abs(found.velocity - mean) <= found.error + doubt)
     assert len(covered) >= 30
     assert np.mean(covered) >= 0.9
 

@@ -237,3 +237,17 @@ def test_the_same_run_leaves_the_same_picture(tree: xarray.DataTree, tmp_path: P
     for name in ("first.png", "second.png"):
         overview(tree, tmp_path / name)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
+
+
+def test_the_velocity_panel_says_whether_the_run_has_settled_and_shows_to_what() -> None:
+    """Of a rotor that comes to -2 rad/s by itself, to which its records give the estimate a line."""
+    whole = synthetic_trajectory(duration=0.05, interval=1e-5, contact=False)
+    gone = np.exp(-whole.time / 0.01)
+    series = whole.series | {
+        "rotor_velocity": -2.0 * (1.0 - gone),
+        "rotor_angle": -2.0 * (whole.time - 0.01 * (1.0 - gone)),
+    }
+    axes = draw_overview(to_datatree(dataclasses.replace(whole, series=series))).axes[0]
+    assert axes.get_title(loc="right").startswith("settled: without contact, \u22121.9998")
+    assert np.isclose(axes.lines[-1].get_ydata()[0], -2.0, rtol=1e-2)
+    assert axes.get_ylim()[0] < -2.0
