@@ -210,6 +210,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
         f"converged basis changes either, and at {np.count_nonzero(opposite)} they turn in opposite "
         "directions."
     ]
+    if lost := np.count_nonzero(~sound):
+        parts.append(f"At {lost} some law is not brought to a steady state.")
     for law in data.law.values:
         counts = data.fails.sel(law=law).sum("point")
         broken = [f"{m} at {int(n)}" for m, n in zip(data.metric.values, counts, strict=True) if n]
