@@ -25,7 +25,7 @@ import contactlab as cl
 from contactlab.comparison.reruns import on_other_basis
 from contactlab.comparison.settled import LONGEST, means_of, motion_of, settled
 from contactlab.config import compose
-from contactlab.engine.simulation import DEFAULT_TOLERANCE
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.orbits import BrokenOffError
