@@ -182,9 +182,9 @@ def _shares(data: xarray.Dataset) -> str:
             f"<td>{share:.2f} <small>{low:.2f} to {high:.2f}</small></td>"
             for share, low, high in (alone, both)
         )
-        doubt = "cannot tell" if unclear(*both) else ""
-        lines.append(f"<tr><td>{escape(str(name))}</td>{cells}<td>{doubt}</td></tr>".replace("-", MINUS))
-    head = "<tr><th>factor</th><th>alone</th><th>with others</th><th></th></tr>"
+        doubt = " <small>cannot tell</small>" if unclear(*both) else ""
+        lines.append(f"<tr><td>{escape(str(name))}{doubt}</td>{cells}</tr>".replace("-", MINUS))
+    head = "<tr><th>factor</th><th>alone</th><th>with others</th></tr>"
     ranges = escape(str(data.attrs["parameters"]).replace("+-", PLUS_MINUS))
     return (
         "<h2>Shares in the variance of the settled rotor velocity</h2>"

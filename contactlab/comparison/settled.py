@@ -8,7 +8,8 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.metrics import Run, assess
-from contactlab.orbits import Steady, steady
+from contactlab.orbits import NotSettledError, Steady, steady
+from contactlab.orbits.statistics import mean_with_error
 
 QUANTITIES: Final = ("rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics whose differences between settled motors are weighed."""
@@ -38,9 +39,13 @@ class Means:
     errors: Array
 
 
-def settled(setup: Setup, longest: int = LONGEST) -> Steady:
+def settled(setup: Setup) -> Steady:
     """Find the steady state that a setup comes to from its own start; errors as of `contactlab.steady`."""
-    return steady(setup, longest=longest)
+    try:
+        return steady(setup, longest=LONGEST)
+    # A light contact takes its time.
+    except NotSettledError:
+        return steady(setup)
 
 
 def means_of(state: Steady) -> Means:
@@ -50,15 +55,15 @@ def means_of(state: Steady) -> Means:
     velocity, error = state.velocity
     values = np.array([velocity, *(found[key] for key in QUANTITIES[1:])])
     # Without an orbit the mean is what it is of the contacts and periods that were seen.
-    repeats = state.orbit is not None or not run.touches("duration")
-    others = [0.0] * 3 if repeats else _statistical_errors(state, run, *values[2:])
+    repeats = state.periods > 0 or not run.touches("duration")
+    others = [0.0] * 3 if repeats else _statistical_errors(run, *values[2:])
     return Means(state.kind, values, np.array([error, *others]))
 
 
-def _statistical_errors(state: Steady, run: Run, stick: float, friction: float) -> list[float]:
+def _statistical_errors(run: Run, stick: float, friction: float) -> list[float]:
     """Give those of the largest force, between both halves of the run, and of the two ratios."""
     peaks, held = run.rows["peak_normal_force"], run.rows["duration"]
-    middle = np.searchsorted(run.rows["start_time"], 0.5 * run.time[-1])
+    middle = np.searchsorted(run.rows["start_time"], 0.5 * (run.time[0] + run.time[-1]))
     if held.size < FEWEST or not 0 < middle < held.size:
         return [np.nan] * 3
     work = np.diff(run.columns["drive_work"])
@@ -67,7 +72,7 @@ def _statistical_errors(state: Steady, run: Run, stick: float, friction: float) 
     lost = np.diff(run.columns["friction_loss"]) - friction * work
     pairs = ((off, held), (lost, work))
     halves = abs(float(peaks[:middle].max() - peaks[middle:].max()))
-    return [halves, *(state.mean(part)[1] / abs(float(whole.mean())) for part, whole in pairs)]
+    return [halves, *(mean_with_error(part)[1] / abs(float(whole.mean())) for part, whole in pairs)]
 
 
 def motion_of(state: Steady) -> Run:

@@ -68,7 +68,7 @@ def test_the_values_are_those_of_the_steady_states(opposite: xarray.Dataset) -> 
     setup = build(altered(OPPOSITE, law="hertz_penalty"))
     found, error = steady(setup).velocity
     value = opposite["value"].sel(law="hertz_penalty", metric="rotor_velocity")
-    assert error == 0.0
+    assert error < 1e-6 * abs(found)
     assert float(value) == pytest.approx(found, rel=1e-6)
     # The balance of a period, not of the way there.
     torque = opposite["value"].sel(law="hertz_penalty", metric="torque")

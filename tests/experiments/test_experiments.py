@@ -67,7 +67,7 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     ),
     # A force made as impulse over step fails at every point, whatever the motor does.
     "law_comparison": (
-        lambda d: float(d.fails.sel(metric="peak_force_step_dependence").mean("point")[1]),
+        lambda d: float(d.fails.sel(metric="peak_force_step_dependence", law="lagrange_stick").mean()),
         1.0,
         0.0,
     ),
