@@ -21,7 +21,6 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from contactlab.orbits.statistics import mean_with_error
 from harness import changed, main
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
@@ -32,6 +31,7 @@ from contactlab.config import compose
 from contactlab.metrics.convergence import richardson
 from contactlab.orbits import BrokenOffError, NotSettledError
 from contactlab.orbits.period_map import period_of
+from contactlab.settling.statistics import mean_with_error
 
 SAYS = "The paper runs its motor for 0.1 s from rest and draws what it does on the way."
 

@@ -9,7 +9,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.metrics import Run, assess
 from contactlab.orbits import NotSettledError, Steady, steady
-from contactlab.orbits.statistics import mean_with_error
+from contactlab.settling.statistics import mean_with_error
 
 QUANTITIES: Final = ("rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics whose differences between settled motors are weighed."""

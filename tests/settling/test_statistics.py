@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from contactlab.orbits.statistics import chaos_indicator, mean_with_error, repeats_after, trend
 
 import contactlab as cl
+from contactlab.settling.statistics import chaos_indicator, mean_with_error, repeats_after, trend
 
 
 def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
