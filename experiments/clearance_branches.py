@@ -1,8 +1,8 @@
 """Periodic orbits of the motor over its clearance: where they fold, and where the last contact grazes.
 
 A motor whose clearance grows does not lose its contact gently. Under a rigid law the branch of orbits that
-touch folds at a clearance beyond the one that the tip just bridges without contact; between the two, the
-motor that runs goes on running and the one that is switched on does not touch.
+touch folds at a clearance beyond the one that the tip just bridges without contact; between the two, a
+motion with contact and one without are both stable.
 """
 
 import sys
@@ -15,7 +15,7 @@ from matplotlib.style import context
 
 import contactlab as cl
 from contactlab.orbits.curve import Mark
-from contactlab.plot.orbits import LINES, MARKERS
+from contactlab.plot.orbits import draw_curve
 from contactlab.plot.style import STYLE
 
 SAYS = "The clearance is given, what happens to the motor where it grows is not looked at."
@@ -57,8 +57,14 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         data["fold"] = folds[0] if folds else np.nan
         data["last"] = found.points[-1].value
         data["end"] = found.end
-        parts.append(data.drop_attrs(deep=False).expand_dims(law=[name]))
-    every = xarray.concat(parts, "law", join="outer", fill_value={"stable": np.int8(0), "mark": np.int8(0)})
+        parts.append(data.expand_dims(law=[name]))
+    every = xarray.concat(
+        parts,
+        "law",
+        join="outer",
+        combine_attrs="drop",
+        fill_value={"stable": np.int8(0), "mark": np.int8(0)},
+    )
     every["bridged"] = bridged(setup.motor)
     return every
 
@@ -87,14 +93,7 @@ def draw(data: xarray.Dataset) -> Figure:
         for ax in (whole, near):
             for name, colour in zip(data.law.values, colours, strict=False):
                 one = data.sel(law=name)
-                there = np.isfinite(one["value"].values)
-                value, velocity = 1e6 * one["value"].values[there], one.rotor_velocity.values[there]
-                stable, mark = one.stable.values[there].astype(bool), one.mark.values[there]
-                for kind, line in LINES.items():
-                    shown = np.where(stable == kind, velocity, np.nan)
-                    ax.plot(value, shown, linestyle=line, color=colour, label=str(name) if kind else None)
-                folds = mark == Mark.FOLD
-                ax.plot(value[folds], velocity[folds], MARKERS["fold"], color=colour, markerfacecolor="white")
+                draw_curve(ax, one.dropna("point", subset=["value"]), "rotor_velocity", str(name), colour)
             ax.axvline(1e6 * edge, color="0.5", linewidth=0.6, zorder=0)
             ax.set_xlabel("clearance (µm)")
         whole.set_ylabel("mean rotor velocity (rad/s)")
@@ -114,8 +113,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     words = ", ".join(f"{1e6 * value:.4f} µm ({name})" for name, value in folded.items())
     sentence = (
         f"Without contact the tip bridges {1e6 * edge:.4f} µm, and there the last contact grazes under every "
-        f"law, within {float(apart.max()):.1e} of it. The orbits fold before, at {words}: from there down to "
-        "the grazing a running motor keeps its contact and a resting one never gets any."
+        f"law, within {float(apart.max()):.1e} of it. Under a rigid law the orbits fold beyond, at {words}: "
+        "between grazing and fold a motion with contact and one without are both stable."
     )
     rigid = [folds[str(name)] > edge for name in data.law.values if name != "hertz_penalty"]
     return sentence, bool((apart <= AGREE).all() and all(rigid))

@@ -30,8 +30,11 @@ SHORTEST: Final = 1e-4
 CLOSELY: Final = 1e-2
 """Step over the first one, with which a grazing or a sharp turn is passed."""
 
-LEAST_COSINE: Final = 0.9
+LEAST_COSINE: Final = 0.97
 """Of the angle between the tangents of places that follow each other."""
+
+UPRIGHT: Final = 1e-5
+"""Share of the parameter in two tangents in a row, below which a branch goes on without it."""
 
 NEAR: Final = 1e-2
 """Share of the range within which a grazing is foretold."""
@@ -116,6 +119,11 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
             )
         if step < CLOSELY * first and place.point.orbit.roughness > SMOOTH:
             return end_of(place, least, CLOSELY * first)
+        if max(abs(place.tangent[-1]), abs(last.tangent[-1])) < UPRIGHT:
+            return (
+                f"It ends at {place.point.value:.9g}, where the touch is so light that the rotor keeps any "
+                "velocity."
+            )
         step = min(LONGER * step, longest) if found[1] <= EASY else step
 
 
