@@ -20,8 +20,11 @@ from contactlab.plot.style import STYLE
 
 SAYS = "The clearance is given, what happens to the motor where it grows is not looked at."
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")
-START, END = 1e-6, 4.5e-6
-"""Of the clearance [m]."""
+START, LATE, END = 1e-6, 3.8e-6, 4e-6
+"""Of the clearance [m]; the short form begins late."""
+
+STEP = 0.03
+"""Of the branches."""
 
 AGREE = 1e-3
 """Relative difference of the clearance at which a branch ends from the one that the tip bridges."""
@@ -43,14 +46,14 @@ def bridged(motor: cl.Motor) -> float:
 
 
 def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """The branch of every law; the short form is the last third of one."""
+    """The branch of every law; the short form is the end of one."""
     laws = laws_of(setup)
-    names = ("lagrange_stick",) if short else LAWS
+    names = ("newton",) if short else LAWS
     parts = []
     for name in names:
         law = laws.get(name) or cl.Newton(laws["lagrange_stick"].friction_coefficient)
         own = cl.build([f"law={name}", f"contact.friction_coefficient={law.friction_coefficient}"])
-        found = cl.branch(own, "contact.clearance", 3e-6 if short else START, END)
+        found = cl.branch(own, "contact.clearance", LATE if short else START, END, step=STEP)
         folds = [p.value for p in found.events if p.mark is Mark.FOLD]
         data = found.to_xarray()[["value", "rotor_velocity", "stable", "mark", "softest_approach"]]
         data = data.assign_coords(point=np.arange(data.sizes["point"]))
@@ -62,7 +65,7 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
         parts,
         "law",
         join="outer",
-        combine_attrs="drop",
+        combine_attrs="drop_conflicts",
         fill_value={"stable": np.int8(0), "mark": np.int8(0)},
     )
     every["bridged"] = bridged(setup.motor)
