@@ -6,6 +6,7 @@ motion with contact and one without are both stable.
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import xarray
@@ -14,17 +15,22 @@ from matplotlib.figure import Figure
 from matplotlib.style import context
 
 import contactlab as cl
+from contactlab.orbits.branches import family
+from contactlab.orbits.continuation import follow
 from contactlab.orbits.curve import Mark
 from contactlab.plot.orbits import draw_curve
 from contactlab.plot.style import STYLE
 
 SAYS = "The clearance is given, what happens to the motor where it grows is not looked at."
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")
-START, LATE, END = 1e-6, 3.8e-6, 4e-6
-"""Of the clearance [m]; the short form begins late."""
+START, LATE, END = 1e-6, 3.85e-6, 3.93e-6
+"""Of the clearance [m]; from the second on it goes in smaller steps, and the short form begins there."""
 
 STEP = 0.03
 """Of the branches."""
+
+KEPT = ("value", "rotor_velocity", "stable", "mark", "softest_approach")
+"""Of a branch."""
 
 AGREE = 1e-3
 """Relative difference of the clearance at which a branch ends from the one that the tip bridges."""
@@ -53,9 +59,13 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     for name in names:
         law = laws.get(name) or cl.Newton(laws["lagrange_stick"].friction_coefficient)
         own = cl.build([f"law={name}", f"contact.friction_coefficient={law.friction_coefficient}"])
-        found = cl.branch(own, "contact.clearance", LATE if short else START, END, step=STEP)
+        branch = cl.branch(own, "contact.clearance", LATE - 1e-8 if short else START, LATE, step=STEP)
+        # In smaller steps, from where it has come to.
+        orbit = branch.points[-1].orbit
+        late = follow(family(own, "contact.clearance"), orbit, LATE, END, step=STEP)
+        found = replace(branch, points=branch.points + late.points[1:], end=late.end)
         folds = [p.value for p in found.events if p.mark is Mark.FOLD]
-        data = found.to_xarray()[["value", "rotor_velocity", "stable", "mark", "softest_approach"]]
+        data = found.to_xarray()[list(KEPT)]
         data = data.assign_coords(point=np.arange(data.sizes["point"]))
         data["fold"] = folds[0] if folds else np.nan
         data["last"] = found.points[-1].value

@@ -23,7 +23,7 @@ SYMMETRIC = [
 
 def test_a_motor_with_one_attractor_comes_to_it_from_every_start() -> None:
     setup = cl.build(["law=newton"])
-    (only,) = cl.attractors(setup, 5, seed=1)
+    (only,) = cl.attractors(setup, 4, seed=1)
     assert only.share == 1.0
     assert only.steady.velocity == pytest.approx(cl.steady(setup).velocity, rel=1e-6)
 
@@ -56,7 +56,7 @@ def test_motions_that_begin_in_a_ball_come_to_its_orbit() -> None:
 
 def test_a_map_says_of_every_start_what_its_run_says() -> None:
     """Between grazing and fold a motion with contact and one without are both there."""
-    axes = {"tip_displacement": np.array([-4e-6, -3e-6, 3e-6]), "tip_velocity": np.array([-0.15, 0.1])}
+    axes = {"tip_displacement": np.array([-3e-6, 3e-6]), "tip_velocity": np.array([-0.15, 0.1])}
     found = basins(cl.build([*HYSTERETIC, "rotor.initial_velocity=1.7"]), axes)
     assert found.unresolved == 0
     assert sum(found.shares) == 1.0
@@ -69,8 +69,8 @@ def test_a_map_says_of_every_start_what_its_run_says() -> None:
     for place in np.ndindex(found.labels.shape):
         start = {name: float(values[i]) for (name, values), i in zip(axes.items(), place, strict=True)}
         section, z = started(found.setup, start)
-        late = section.run(z, 3000).contacts["start_time"]
-        ran = "periodic" if late.size and late[-1] > 2990 * section.period else "without contact"
+        late = section.run(z, 1500).contacts["start_time"]
+        ran = "periodic" if late.size and late[-1] > 1490 * section.period else "without contact"
         assert found.labels[place] == kinds[ran]
     data = found.to_xarray()
     assert data.label.dims == ("tip_displacement", "tip_velocity")

@@ -31,9 +31,8 @@ def orbit_of(plant: ImpactOscillator, number: int = 0) -> Orbit:
 
 
 def branch(family: Callable[[float], ImpactOscillator], start: float, end: float) -> Followed:
-    return follow(
-        lambda value: PeriodMap(family(value).setup(), belt=0.0), orbit_of(family(start)), start, end
-    )
+    first = orbit_of(family(start))
+    return follow(lambda value: PeriodMap(family(value).setup(), belt=0.0), first, start, end, step=0.1)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ MOTOR = ("law=newton", "contact.clearance=3 um")
 
 
 def test_the_command_follows_a_branch_and_leaves_dataset_and_picture(command: Command) -> None:
-    words = ("drive.phase=-40 deg..-36 deg", "law=newton", "--step", "0.3", "--output", "here")
+    words = ("drive.phase=-40 deg..-36 deg", "law=newton", "--step", "0.5", "--output", "here")
     status, out, err = command("branch", *words)
     assert (status, err) == (0, "")
     assert "-3.0507 rad/s" in out
