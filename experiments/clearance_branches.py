@@ -18,7 +18,7 @@ import contactlab as cl
 from contactlab.orbits.branches import family
 from contactlab.orbits.continuation import follow
 from contactlab.orbits.curve import Mark
-from contactlab.plot.orbits import draw_curve
+from contactlab.plot.orbits import MARKERS, draw_curve
 from contactlab.plot.style import STYLE
 
 SAYS = "The clearance is given, what happens to the motor where it grows is not looked at."
@@ -114,6 +114,9 @@ def draw(data: xarray.Dataset) -> Figure:
         near.set_ylim(1.5, 2.6)
         near.text(1e6 * edge, 1.52, " bridged without contact", fontsize=7, va="bottom")
         whole.legend(loc="upper left")
+        for event in ("fold", "grazing"):
+            near.plot([], [], MARKERS[event], color="black", markerfacecolor="white", label=event)
+        near.legend(loc="upper right")
     return figure
 
 

@@ -2,7 +2,7 @@
 
 Period maps, branches and events of `contactlab.orbits` are judged here on what is known: Shaw and Holmes
 (J. Sound Vib. 90 (1983) 129) give the motions of one impact a period and their stability in closed form,
-Guckenheimer and Holmes (Nonlinear Oscillations, 1983, sec. 2.4) those of the bouncing ball, and a motion
+Guckenheimer and Holmes (Nonlinear Oscillations, 1983, sec. 2.4) the fold of the bouncing ball, and a motion
 grazes where it just reaches the stop (Nordmark, J. Sound Vib. 145 (1991) 279).
 """
 

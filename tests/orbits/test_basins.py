@@ -47,7 +47,7 @@ def test_motions_that_begin_in_a_ball_come_to_its_orbit() -> None:
     half = np.linalg.cholesky(ball.norm).T
     shorter = half @ orbit.jacobian @ np.linalg.inv(half)
     assert np.linalg.norm(shorter, 2) < 1.0
-    for x in np.random.default_rng(3).normal(size=(6, orbit.state.size)):
+    for x in np.random.default_rng(3).normal(size=(3, orbit.state.size)):
         z = orbit.state + 0.9 * ball.radius * np.linalg.solve(half, x / np.linalg.norm(x))
         assert ball.holds(z)
         later = orbit.map.end_of(orbit.map.run(z, 2000))
@@ -78,9 +78,9 @@ def test_a_map_says_of_every_start_what_its_run_says() -> None:
 
 
 def test_starts_inside_the_rotor_are_counted_as_no_start() -> None:
-    axes = {"tip_displacement": np.array([0.0, 8e-6]), "rotor_velocity": np.array([-1.0, 1.0])}
+    axes = {"tip_displacement": np.array([0.0, 8e-6]), "rotor_velocity": np.array([-1.0])}
     found = basins(cl.build(["law=newton"]), axes)
-    assert found.unresolved == 2
+    assert found.unresolved == 1
     assert found.shares == (0.5,)
 
 

@@ -71,7 +71,8 @@ def test_the_period_of_the_oscillator_doubles_where_shaw_and_holmes_say() -> Non
     assert np.sort(event.orbit.multipliers.real) == pytest.approx([-1.0, -(0.8**2)], abs=1e-6)
 
 
-def test_the_ball_doubles_its_period_and_folds_where_guckenheimer_and_holmes_say(bouncing: Followed) -> None:
+def test_the_ball_doubles_its_period_and_folds_where_the_closed_form_says(bouncing: Followed) -> None:
+    """The fold is that of Guckenheimer and Holmes, the doubling that of a table that moves on meanwhile."""
     assert only(bouncing, Mark.PERIOD_DOUBLING) == pytest.approx(ball(1.0).ball_doubles_at, rel=1e-6)
     assert only(bouncing, Mark.FOLD) == pytest.approx(ball(1.0).ball_begins_at, rel=1e-6)
 
