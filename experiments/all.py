@@ -33,7 +33,7 @@ BEYOND = (
     "basis_convergence",
     "impact_step_study",
     "drive_phase_map",
-    "clearance_branches",
+    "orbits_over_clearance",
     "impact_oscillator",
     "friction_sweep",
     "law_comparison",

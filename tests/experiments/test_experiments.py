@@ -60,7 +60,7 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
         1e-6,
     ),
     # The last contact goes where the tip just bridges the clearance [m].
-    "clearance_branches": (lambda d: float(d["last"][0] / d.bridged), 1.0, 1e-3),
+    "orbits_over_clearance": (lambda d: float(d["last"][0] / d.bridged), 1.0, 1e-3),
     # The period of an oscillator with a stop doubles where Shaw and Holmes say.
     "impact_oscillator": (lambda d: float(d.found[0] / d.published[0]), 1.0, 1e-6),
     # More friction turns it faster.
