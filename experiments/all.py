@@ -33,6 +33,8 @@ BEYOND = (
     "basis_convergence",
     "impact_step_study",
     "drive_phase_map",
+    "orbits_over_clearance",
+    "impact_oscillator",
     "friction_sweep",
     "law_comparison",
     "optimise_motor",

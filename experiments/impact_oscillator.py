@@ -2,7 +2,7 @@
 
 Period maps, branches and events of `contactlab.orbits` are judged here on what is known: Shaw and Holmes
 (J. Sound Vib. 90 (1983) 129) give the motions of one impact a period and their stability in closed form,
-Guckenheimer and Holmes (Nonlinear Oscillations, 1983, sec. 2.4) those of the bouncing ball, and a motion
+Guckenheimer and Holmes (Nonlinear Oscillations, 1983, sec. 2.4) the fold of the bouncing ball, and a motion
 grazes where it just reaches the stop (Nordmark, J. Sound Vib. 145 (1991) 279).
 """
 
@@ -54,12 +54,12 @@ def ball(force: float) -> ImpactOscillator:
     return ImpactOscillator(0.0, restitution=0.5, force=force, frequency=1.0, stiffness=0.0, weight=1.0)
 
 
-def followed(family: Family, start: float, end: float) -> Followed:
+def followed(family: Family, start: float, end: float, step: float) -> Followed:
     """The branch of motions with one impact a period, from that of the faster impact."""
     phase, z = family(start).impacts()[0].later(0.5)
     section = PeriodMap(family(start).setup(), phase=phase, belt=0.0)
     first = orbit_from(section, z * np.append(section.scale, 1.0))
-    return follow(lambda value: PeriodMap(family(value).setup(), belt=0.0), first, start, end)
+    return follow(lambda value: PeriodMap(family(value).setup(), belt=0.0), first, start, end, step)
 
 
 def doubled(start: float, end: float) -> Followed:
@@ -96,9 +96,10 @@ def settled(frequencies: Sequence[float] | np.ndarray, before: int, kept: int) -
 def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     """Branches, what a long run does, and bifurcations; the short form leaves most of the long runs out."""
     del setup
-    one = followed(swept, SLOWEST, 2.7 if short else FASTEST)
-    grazing = followed(moved, 0.1, 0.16)
-    bouncing = followed(ball, 1.9, 1.0)
+    step = 0.1 if short else 0.02
+    one = followed(swept, SLOWEST, 2.7 if short else FASTEST, step)
+    grazing = followed(moved, 0.1, 0.16, step)
+    bouncing = followed(ball, 1.9, 1.0, step)
     frequencies = np.linspace(SLOWEST, FASTEST, 3 if short else 161)
     data = xarray.Dataset(
         {

@@ -30,8 +30,11 @@ SHORTEST: Final = 1e-4
 CLOSELY: Final = 1e-2
 """Step over the first one, with which a grazing or a sharp turn is passed."""
 
-LEAST_COSINE: Final = 0.9
+LEAST_COSINE: Final = 0.97
 """Of the angle between the tangents of places that follow each other."""
+
+UPRIGHT: Final = 1e-5
+"""Share of the parameter in two tangents in a row, below which a branch goes on without it."""
 
 NEAR: Final = 1e-2
 """Share of the range within which a grazing is foretold."""
@@ -89,34 +92,52 @@ def _where_it_grazes(points: Sequence[BranchPoint], span: float) -> str:
 def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, str]:
     """Give the points one after another, and in the end the sentence why there are no more."""
     place = place_at(curve, y, np.eye(y.size)[-1])
-    step, longest, least = first, 2.0 * first, SHORTEST * first
+    step = first
     yield place.point
     while True:
         last = _resectioned(place)
-        over = 1.0 if last.tangent[-1] > 0.0 else 0.0
-        while True:
-            to_edge = (over - last.y[-1]) / last.tangent[-1] if last.tangent[-1] else np.inf
-            at_edge = to_edge <= step
-            found = _at_edge(last, over, to_edge) if at_edge else last.ahead(step)
-            if found is not None:
-                place = place_at(last.curve, found[0], last.tangent)
-                if _is_near(last, place) or min(step, to_edge) < CLOSELY * first:
-                    break
-            step = 0.5 * min(step, to_edge)
-            if step < least:
-                return end_of(last, least, CLOSELY * first)
+        if (found := _next(last, step, first)) is None:
+            return end_of(last, SHORTEST * first, CLOSELY * first)
+        place, step = found
         yield from events_between(last, place)
         yield place.point
-        if at_edge:
-            return f"It ends where the range of the parameter does, at {place.point.value:.9g}."
-        if not place.point.contacts and last.point.contacts and place.point.orbit.map.belt is None:
-            return (
-                f"It ends at {place.point.value:.9g} in a grazing: the last contact goes, and a rotor that "
-                "nothing touches keeps any velocity."
-            )
+        if end := _why_it_ends(last, place):
+            return end
         if step < CLOSELY * first and place.point.orbit.roughness > SMOOTH:
-            return end_of(place, least, CLOSELY * first)
-        step = min(LONGER * step, longest) if found[1] <= EASY else step
+            return end_of(place, SHORTEST * first, CLOSELY * first)
+
+
+def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
+    """Give the next place and the step to try from there, or None where there is no step to it."""
+    over = 1.0 if last.tangent[-1] > 0.0 else 0.0
+    to_edge = (over - last.y[-1]) / last.tangent[-1] if last.tangent[-1] else np.inf
+    while step >= SHORTEST * first:
+        found = _at_edge(last, over, to_edge) if to_edge <= step else last.ahead(step)
+        step = min(step, to_edge)
+        if found is not None:
+            place = place_at(last.curve, found[0], last.tangent)
+            if _is_near(last, place):
+                return place, min(LONGER * step, 2.0 * first) if found[1] <= EASY else step
+            if step < CLOSELY * first:
+                # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there.
+                same = last.point.contacts == place.point.contacts
+                return (place, step) if same or last.point.orbit.roughness <= SMOOTH else None
+        step *= 0.5
+    return None
+
+
+def _why_it_ends(last: Place, place: Place) -> str:
+    """Say why a branch ends at a place that was reached; nothing where it goes on."""
+    at = f"It ends at {place.point.value:.9g}"
+    if place.y[-1] in (0.0, 1.0):
+        return f"It ends where the range of the parameter does, at {place.point.value:.9g}."
+    if not place.point.contacts and last.point.contacts and place.point.orbit.map.belt is None:
+        return (
+            f"{at} in a grazing: the last contact goes, and a rotor that nothing touches keeps any velocity."
+        )
+    if max(abs(place.tangent[-1]), abs(last.tangent[-1])) < UPRIGHT:
+        return f"{at}, where the touch is so light that the rotor keeps any velocity."
+    return ""
 
 
 def _is_near(last: Place, place: Place) -> bool:

@@ -49,40 +49,31 @@ def draw_branch(data: xarray.Dataset) -> Figure:
         lower.axhline(1.0, color="0.5", linewidth=0.6, zorder=0)
         if float(data.largest_multiplier.max()) > SPREAD:
             lower.set_yscale("log")
-        unit, _ = _unit(data)
-        lower.set_xlabel(f"{data.attrs['parameter']}{f' ({unit})' if unit else ''}")
+        lower.set_xlabel(data.attrs["parameter"] + _in_brackets(data["value"]))
         handles, labels = upper.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=4)
     return figure
 
 
-def draw_curve(axes: Axes, data: xarray.Dataset, name: str, **style: Any) -> None:
-    """Draw a quantity of a branch, solid where it is stable and dashed elsewhere, with its events."""
-    value, quantity = data["value"].values / _unit(data)[1], data[name].values
+def draw_curve(axes: Axes, data: xarray.Dataset, name: str, law: str = "", colour: str = "C0") -> None:
+    """Draw a quantity of a branch, solid where it is stable and dashed elsewhere, with its events.
+
+    Where a law is named its line is called so, and is the only one that is.
+    """
+    value, quantity = data["value"].values / _unit(data["value"])[1], data[name].values
     stable = data["stable"].values.astype(bool)
-    colour = style.pop("color", matplotlib.rcParams["axes.prop_cycle"].by_key()["color"][0])
-    named = set()
+    labels = {True: law or "stable", False: "" if law else "unstable"}
     for kind, points in groupby(range(1, stable.size), lambda i: bool(stable[i])):
         stretch = [*points]
         # It begins at the point before, so that solid and dashed lines meet.
         there = slice(stretch[0] - 1, stretch[-1] + 1)
-        label = "stable" if kind else "unstable"
-        shown = label if label not in named else None
-        axes.plot(value[there], quantity[there], LINES[kind], color=colour, label=shown, **style)
-        named.add(label)
-    names = data["mark"].attrs["flag_meanings"].split()
-    for number, event in enumerate(names):
-        there = data["mark"].values == number
-        if event in MARKERS and there.any():
-            axes.plot(
-                value[there],
-                quantity[there],
-                MARKERS[event],
-                color="black",
-                markerfacecolor="white",
-                label=event.replace("_", " "),
-                zorder=3,
-            )
+        axes.plot(value[there], quantity[there], LINES[kind], color=colour, label=labels.pop(kind, ""))
+    for number, event in enumerate(data["mark"].attrs["flag_meanings"].split()):
+        where = data["mark"].values == number
+        if event in MARKERS and where.any():
+            label = "" if law else event.replace("_", " ")
+            style: dict[str, Any] = {"color": colour if law else "black", "markerfacecolor": "white"}
+            axes.plot(value[where], quantity[where], MARKERS[event], label=label, zorder=3, **style)
 
 
 def draw_basins(data: xarray.Dataset) -> Figure:
@@ -96,8 +87,8 @@ def draw_basins(data: xarray.Dataset) -> Figure:
         count = data.sizes["attractor"]
         chosen = [colours[0], *(colours[1 + i % (len(colours) - 1)] for i in range(count))]
         axes.pcolormesh(
-            x.values,
-            y.values,
+            x.values / _unit(x)[1],
+            y.values / _unit(y)[1],
             labels.values.T,
             cmap=ListedColormap(chosen),
             vmin=-1.5,
@@ -106,8 +97,7 @@ def draw_basins(data: xarray.Dataset) -> Figure:
             rasterized=True,
         )
         for set_label, one in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-            unit = one.attrs["units"]
-            set_label(f"{one.attrs['long_name']}{'' if unit == '1' else f' ({from_cf(unit)})'}")
+            set_label(one.attrs["long_name"] + _in_brackets(one))
         handles = [Patch(color=chosen[1 + i], label=_told(data.isel(attractor=i))) for i in range(count)]
         if int(data.attrs["unresolved"]):
             share = int(data.attrs["unresolved"]) / labels.size
@@ -126,9 +116,15 @@ def _told(attractor: xarray.Dataset) -> str:
     return f"{share:.3g} %: {kind}{moves}"
 
 
-def _unit(data: xarray.Dataset) -> tuple[str, float]:
-    """Give the unit in which the parameter is read best, empty for a number, and its size in SI."""
-    units = data["value"].attrs["units"]
+def _unit(values: xarray.DataArray) -> tuple[str, float]:
+    """Give the unit in which values are read best, empty for numbers, and its size in SI."""
+    units = values.attrs["units"]
     if units.isalpha():
-        return prefixed_unit(float(np.abs(data["value"]).max()), units)
+        return prefixed_unit(float(np.abs(values).max()), units)
     return ("" if units == "1" else from_cf(units)), 1.0
+
+
+def _in_brackets(values: xarray.DataArray) -> str:
+    """Give the unit of values as it stands at an axis."""
+    unit, _ = _unit(values)
+    return f" ({unit})" if unit else ""

@@ -123,7 +123,11 @@ class ImpactOscillator:
 
     @property
     def ball_doubles_at(self) -> float:
-        """The force at which the period of the ball doubles [N]: Guckenheimer and Holmes, eq. 2.4.8."""
+        """The force at which the period of the ball doubles [N], where 1 + tr + det = 0.
+
+        The map of Guckenheimer and Holmes, for bounces that are high against the way of the table, has 1 in
+        place of 2 (1 + e^2) / (1 + e)^2; the fold is the same.
+        """
         e, g = self.restitution, self.weight
         return float(g * np.hypot(np.pi * (1.0 - e) / (1.0 + e), 2.0 * (1.0 + e**2) / (1.0 + e) ** 2))
 

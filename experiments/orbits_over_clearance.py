@@ -1,11 +1,12 @@
 """Periodic orbits of the motor over its clearance: where they fold, and where the last contact grazes.
 
 A motor whose clearance grows does not lose its contact gently. Under a rigid law the branch of orbits that
-touch folds at a clearance beyond the one that the tip just bridges without contact; between the two, the
-motor that runs goes on running and the one that is switched on does not touch.
+touch folds at a clearance beyond the one that the tip just bridges without contact; between the two, a
+motion with contact and one without are both stable.
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import xarray
@@ -14,14 +15,22 @@ from matplotlib.figure import Figure
 from matplotlib.style import context
 
 import contactlab as cl
+from contactlab.orbits.branches import family
+from contactlab.orbits.continuation import follow
 from contactlab.orbits.curve import Mark
-from contactlab.plot.orbits import LINES, MARKERS
+from contactlab.plot.orbits import MARKERS, draw_curve
 from contactlab.plot.style import STYLE
 
 SAYS = "The clearance is given, what happens to the motor where it grows is not looked at."
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")
-START, END = 1e-6, 4.5e-6
-"""Of the clearance [m]."""
+START, LATE, END = 1e-6, 3.85e-6, 3.93e-6
+"""Of the clearance [m]; from the second on it goes in smaller steps, and the short form begins there."""
+
+STEP = 0.03
+"""Of the branches."""
+
+KEPT = ("value", "rotor_velocity", "stable", "mark", "softest_approach")
+"""Of a branch."""
 
 AGREE = 1e-3
 """Relative difference of the clearance at which a branch ends from the one that the tip bridges."""
@@ -43,22 +52,32 @@ def bridged(motor: cl.Motor) -> float:
 
 
 def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """The branch of every law; the short form is the last third of one."""
+    """The branch of every law; the short form is the end of one."""
     laws = laws_of(setup)
-    names = ("lagrange_stick",) if short else LAWS
+    names = ("newton",) if short else LAWS
     parts = []
     for name in names:
         law = laws.get(name) or cl.Newton(laws["lagrange_stick"].friction_coefficient)
         own = cl.build([f"law={name}", f"contact.friction_coefficient={law.friction_coefficient}"])
-        found = cl.branch(own, "contact.clearance", 3e-6 if short else START, END)
+        branch = cl.branch(own, "contact.clearance", LATE - 1e-8 if short else START, LATE, step=STEP)
+        # In smaller steps, from where it has come to.
+        orbit = branch.points[-1].orbit
+        late = follow(family(own, "contact.clearance"), orbit, LATE, END, step=STEP)
+        found = replace(branch, points=branch.points + late.points[1:], end=late.end)
         folds = [p.value for p in found.events if p.mark is Mark.FOLD]
-        data = found.to_xarray()[["value", "rotor_velocity", "stable", "mark", "softest_approach"]]
+        data = found.to_xarray()[list(KEPT)]
         data = data.assign_coords(point=np.arange(data.sizes["point"]))
         data["fold"] = folds[0] if folds else np.nan
         data["last"] = found.points[-1].value
         data["end"] = found.end
-        parts.append(data.drop_attrs(deep=False).expand_dims(law=[name]))
-    every = xarray.concat(parts, "law", join="outer", fill_value={"stable": np.int8(0), "mark": np.int8(0)})
+        parts.append(data.expand_dims(law=[name]))
+    every = xarray.concat(
+        parts,
+        "law",
+        join="outer",
+        combine_attrs="drop_conflicts",
+        fill_value={"stable": np.int8(0), "mark": np.int8(0)},
+    )
     every["bridged"] = bridged(setup.motor)
     return every
 
@@ -87,14 +106,7 @@ def draw(data: xarray.Dataset) -> Figure:
         for ax in (whole, near):
             for name, colour in zip(data.law.values, colours, strict=False):
                 one = data.sel(law=name)
-                there = np.isfinite(one["value"].values)
-                value, velocity = 1e6 * one["value"].values[there], one.rotor_velocity.values[there]
-                stable, mark = one.stable.values[there].astype(bool), one.mark.values[there]
-                for kind, line in LINES.items():
-                    shown = np.where(stable == kind, velocity, np.nan)
-                    ax.plot(value, shown, linestyle=line, color=colour, label=str(name) if kind else None)
-                folds = mark == Mark.FOLD
-                ax.plot(value[folds], velocity[folds], MARKERS["fold"], color=colour, markerfacecolor="white")
+                draw_curve(ax, one.dropna("point", subset=["value"]), "rotor_velocity", str(name), colour)
             ax.axvline(1e6 * edge, color="0.5", linewidth=0.6, zorder=0)
             ax.set_xlabel("clearance (µm)")
         whole.set_ylabel("mean rotor velocity (rad/s)")
@@ -102,6 +114,9 @@ def draw(data: xarray.Dataset) -> Figure:
         near.set_ylim(1.5, 2.6)
         near.text(1e6 * edge, 1.52, " bridged without contact", fontsize=7, va="bottom")
         whole.legend(loc="upper left")
+        for event in ("fold", "grazing"):
+            near.plot([], [], MARKERS[event], color="black", markerfacecolor="white", label=event)
+        near.legend(loc="upper right")
     return figure
 
 
@@ -114,8 +129,8 @@ def finding(data: xarray.Dataset) -> tuple[str, bool]:
     words = ", ".join(f"{1e6 * value:.4f} µm ({name})" for name, value in folded.items())
     sentence = (
         f"Without contact the tip bridges {1e6 * edge:.4f} µm, and there the last contact grazes under every "
-        f"law, within {float(apart.max()):.1e} of it. The orbits fold before, at {words}: from there down to "
-        "the grazing a running motor keeps its contact and a resting one never gets any."
+        f"law, within {float(apart.max()):.1e} of it. Under a rigid law the orbits fold beyond, at {words}: "
+        "between grazing and fold a motion with contact and one without are both stable."
     )
     rigid = [folds[str(name)] > edge for name in data.law.values if name != "hertz_penalty"]
     return sentence, bool((apart <= AGREE).all() and all(rigid))
