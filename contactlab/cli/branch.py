@@ -39,7 +39,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--step", type=float, default=0.02, help="first step, a part of the range: %(default)s"
     )
-    parser.add_argument("--output", type=Path, default=Path(), metavar="DIR", help="default: here")
+    where = "where branch.nc and branch.png go; default: %(default)s"
+    parser.add_argument("--output", type=Path, default=Path("branch"), metavar="DIR", help=where)
     given = parser.read(arguments)
     spans = [span for word in given.words if (span := RANGE.fullmatch(word))]
     if len(spans) != 1:
@@ -52,7 +53,7 @@ def main(arguments: list[str]) -> int:
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError, build
     from contactlab.config.quantity import UnitError, to_si
-    from contactlab.orbits import BrokenOffError, NoPeriodError
+    from contactlab.orbits import BrokenOffError, NoPeriodError, NotSettledError
     from contactlab.orbits.branches import NoBranchError, branch, unit_of
 
     rest = [word for word in given.words if word != span.string]
@@ -67,7 +68,7 @@ def main(arguments: list[str]) -> int:
         raise RefusalError(f"{span.string} has an end {error}; write it like 'KEY=1 um..4 um'.") from error
     except (ConfigurationError, NoBranchError, NoPeriodError) as error:
         raise RefusalError(str(error)) from error
-    except BrokenOffError as error:
+    except (BrokenOffError, NotSettledError) as error:
         raise RefusalError(f"No steady state was found to begin with: {error}") from error
     _print(found)
     try:

@@ -13,6 +13,7 @@ from scipy.linalg import solve_discrete_lyapunov
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
+from contactlab.orbits.arrival import NotSettledError
 from contactlab.orbits.bifurcations import SMOOTH
 from contactlab.orbits.coexisting import at_phase, reach, same, touches
 from contactlab.orbits.dataset import attributes_of, flags
@@ -228,7 +229,7 @@ def basins(
                     balls.append(Ball.around(orbit) if orbit is not None and touches(reached) else None)
             labels[place] = label
         # A rigid law refuses a start inside the rotor.
-        except (BrokenOffError, ValueError):
+        except (BrokenOffError, NotSettledError, ValueError):
             labels[place] = CANNOT_TELL
         if report is not None:
             report(done + 1)

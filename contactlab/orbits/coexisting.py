@@ -9,6 +9,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
+from contactlab.orbits.arrival import NotSettledError
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 from contactlab.orbits.search import LONGEST, Steady, steady
 
@@ -53,7 +54,8 @@ def attractors(
         longest: as of `contactlab.steady`.
 
     Returns:
-        What was reached, by falling share. The shares sum to less than 1 where runs broke off.
+        What was reached, by falling share. The shares sum to less than 1 where runs broke off or came to no
+        steady state.
 
     Raises:
         NoPeriodError: the drive does not repeat itself.
@@ -62,7 +64,7 @@ def attractors(
     for start in _starts(setup, count, seed, velocity, excitation):
         try:
             reached = steady(start, longest=longest)
-        except BrokenOffError:
+        except (BrokenOffError, NotSettledError):
             continue
         known = next((i for i, (other, _) in enumerate(found) if same(other, reached)), None)
         if known is None:

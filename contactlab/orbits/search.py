@@ -10,7 +10,7 @@ from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
-from contactlab.orbits.settling import TAIL, NotSettledError, Start, settled
+from contactlab.orbits.arrival import TAIL, NotSettledError, Start, settled
 from contactlab.orbits.steady_state import Steady as Steady
 from contactlab.simulation import changed, setup_of
 

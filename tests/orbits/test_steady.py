@@ -10,7 +10,7 @@ import pytest
 import contactlab as cl
 from contactlab.motor import NormalModes
 from contactlab.orbits import NoPeriodError, NotSettledError, converged
-from contactlab.orbits.settling import _goes_to
+from contactlab.orbits.arrival import _goes_to
 from contactlab.orbits.shooting import Orbit, derivative_of
 from contactlab.testing.plants import FLAT
 
