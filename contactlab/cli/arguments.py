@@ -3,6 +3,7 @@
 import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 from contactlab.cli.terminal import REFUSED
@@ -64,6 +65,11 @@ class Parser(ArgumentParser):
     def __init__(self, verb: str, about: str) -> None:
         described = f"{VERBS[verb].capitalize()}{about}"
         super().__init__(prog=f"contactlab {verb}", description=described, allow_abbrev=False)
+
+    def add_output(self, folder: str, files: str) -> None:
+        """Take the folder for what the verb leaves, the default, and name its files in the help."""
+        said = f"where {files} go; default: %(default)s"
+        self.add_argument("--output", type=Path, default=Path(folder), metavar="DIR", help=said)
 
     def read(self, arguments: Sequence[str]) -> Namespace:
         """Give the arguments, options among them wherever they stand.

@@ -1,7 +1,6 @@
 """`contactlab basins [KEY=VALUE ...]`: to which of its steady states a motor comes from where it starts."""
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,8 +41,7 @@ def main(arguments: list[str]) -> int:
         "default: rotor_velocity as far as the tip's goes, and drive_phase=0..1",
     )
     parser.add_argument("--count", type=int, default=COUNT, help="starts along each: %(default)s")
-    where = "where basins.nc and basins.png go; default: %(default)s"
-    parser.add_argument("--output", type=Path, default=Path("basins"), metavar="DIR", help=where)
+    parser.add_output("basins", "basins.nc and basins.png")
     given = parser.read(arguments)
     if not 2 <= given.count <= 1000:
         parser.error(f"--count is {given.count}, it must be at least 2 and at most 1000")

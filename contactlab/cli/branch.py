@@ -39,8 +39,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--step", type=float, default=0.02, help="first step, a part of the range: %(default)s"
     )
-    where = "where branch.nc and branch.png go; default: %(default)s"
-    parser.add_argument("--output", type=Path, default=Path("branch"), metavar="DIR", help=where)
+    parser.add_output("branch", "branch.nc and branch.png")
     given = parser.read(arguments)
     spans = [span for word in given.words if (span := RANGE.fullmatch(word))]
     if len(spans) != 1:

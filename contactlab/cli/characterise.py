@@ -26,13 +26,7 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="the motor, as for a run")
     parser.add_argument("--law", metavar="A,B,C", help="laws that share the sheet; default: the motor's own")
-    parser.add_argument(
-        "--output",
-        type=Path,
-        default=Path("datasheet"),
-        metavar="DIR",
-        help="where sheet.html, sheet.nc and the figure go; default: %(default)s",
-    )
+    parser.add_output("datasheet", "sheet.html, sheet.nc and the figure")
     given = parser.read(arguments)
     # Imported here: they bring Hydra and the plotting, which --help does not need.
     from contactlab.config import ConfigurationError, build

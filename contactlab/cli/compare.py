@@ -33,13 +33,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "runs", nargs="+", metavar="DIR", help="a run's folder, its run.nc, or a folder of such folders"
     )
-    parser.add_argument(
-        "--output",
-        type=Path,
-        default=Path("comparison"),
-        metavar="DIR",
-        help="where tables, figures and report.html go; default: %(default)s",
-    )
+    parser.add_output("comparison", "tables, figures and report.html")
     parser.add_argument(
         "--no-refine",
         action="store_true",

@@ -42,13 +42,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--brake", metavar="TAU", help="load torque [N m] against the motor's rotation, whatever its sense"
     )
-    parser.add_argument(
-        "--output",
-        type=Path,
-        default=Path("steady"),
-        metavar="DIR",
-        help="where steady.nc and steady.png go; default: %(default)s",
-    )
+    parser.add_output("steady", "steady.nc and steady.png")
     parser.add_argument(
         "--longest",
         type=int,
