@@ -7,9 +7,9 @@ import numpy as np
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.jobs import refusals
+from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.results.files import told, whole_file, whole_netcdf
+from contactlab.results.files import whole_file, whole_netcdf
 
 if TYPE_CHECKING:
     from contactlab.arrays import Array
@@ -45,8 +45,7 @@ def main(arguments: list[str]) -> int:
     given = parser.read(arguments)
     if not 2 <= given.count <= 1000:
         parser.error(f"--count is {given.count}, it must be at least 2 and at most 1000")
-    for fault in refusals(given.output, "Choose another one by --output DIR."):
-        raise RefusalError(fault)
+    check_output(given.output)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError, build
     from contactlab.orbits import NoPeriodError, basins
@@ -73,7 +72,7 @@ def main(arguments: list[str]) -> int:
         with whole_file(given.output / "basins.png") as partial:
             found.plot().savefig(partial, format="png", metadata={"Software": None})
     except OSError as error:
-        raise RefusalError(f"Nothing more can be written to '{given.output}': {told(error)}") from error
+        raise unwritable(given.output, error) from error
     print(f"Written to {given.output}: basins.nc, basins.png.")
     return COMPLETE
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.jobs import refusals
+from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.results.files import told, whole_file, whole_netcdf
+from contactlab.results.files import whole_file, whole_netcdf
 
 if TYPE_CHECKING:
     from contactlab.orbits.branches import Branch
@@ -47,8 +47,7 @@ def main(arguments: list[str]) -> int:
     span = spans[0]
     if not 0.0 < given.step <= 1.0:
         parser.error(f"--step is {given.step:g}, it must be greater than 0 and at most 1")
-    for fault in refusals(given.output, "Choose another one by --output DIR."):
-        raise RefusalError(fault)
+    check_output(given.output)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError, build
     from contactlab.config.quantity import UnitError, to_si
@@ -73,7 +72,7 @@ def main(arguments: list[str]) -> int:
     try:
         _write(found, given.output)
     except OSError as error:
-        raise RefusalError(f"Nothing more can be written to '{given.output}': {told(error)}") from error
+        raise unwritable(given.output, error) from error
     print(f"Written to {given.output}: branch.nc, branch.png.")
     return COMPLETE
 

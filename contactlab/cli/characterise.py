@@ -3,9 +3,8 @@
 from pathlib import Path
 
 from contactlab.cli.arguments import Parser
-from contactlab.cli.jobs import refusals
+from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.results.files import told
 
 
 def main(arguments: list[str]) -> int:
@@ -34,8 +33,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.orbits import NoPeriodError
 
     output: Path = given.output
-    for fault in refusals(output, "Choose another one by --output DIR."):
-        raise RefusalError(fault)
+    check_output(output)
     laws = [f"law={name.strip()}" for name in given.law.split(",")] if given.law else []
     if laws and (twice := [word for word in given.overrides if word.startswith("law=")]):
         raise RefusalError(f"{twice[0]} and --law are both given; it must be one of them. Leave one out.")
@@ -47,7 +45,7 @@ def main(arguments: list[str]) -> int:
     except NoPeriodError as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        raise RefusalError(f"Nothing more can be written to '{output}': {told(error)}") from error
+        raise unwritable(output, error) from error
     print(as_text(data))
     print(f"\nWritten to {output}: sheet.html, sheet.nc, sheet.png and sheet.pdf.")
     return COMPLETE

@@ -6,13 +6,12 @@ from functools import partial
 from pathlib import Path
 
 from contactlab.cli.arguments import Parser
-from contactlab.cli.jobs import refusals
+from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 from contactlab.comparison import ComparisonError, compare
 from contactlab.comparison.findings import conclusion, headline
 from contactlab.comparison.report import SAMPLES, STARTS
 from contactlab.comparison.scorecard import as_text
-from contactlab.results.files import told
 
 
 def main(arguments: list[str]) -> int:
@@ -68,8 +67,7 @@ def main(arguments: list[str]) -> int:
     )
     given = parser.read(arguments)
     output: Path = given.output
-    for fault in refusals(output, "Choose another one by --output DIR."):
-        raise RefusalError(fault)
+    check_output(output)
     try:
         data = compare(
             given.runs,
@@ -84,7 +82,7 @@ def main(arguments: list[str]) -> int:
     except ComparisonError as error:
         raise RefusalError("\n".join(error.faults)) from error
     except OSError as error:
-        raise RefusalError(f"Nothing more can be written to '{output}': {told(error)}") from error
+        raise unwritable(output, error) from error
     print(*headline(data), conclusion(data), "", as_text(data), sep="\n")
     if notes := data.attrs["notes"]:
         print(f"\nNotes:\n{notes}")

@@ -135,3 +135,14 @@ def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:
         for path in created:
             with suppress(OSError):
                 path.rmdir()
+
+
+def check_output(folder: Path) -> None:
+    """Refuse the folder of a verb where nothing can be written into it, by a RefusalError."""
+    for fault in refusals(folder, "Choose another one by --output DIR."):
+        raise terminal.RefusalError(fault)
+
+
+def unwritable(folder: Path, error: OSError) -> terminal.RefusalError:
+    """Give the refusal of a folder that took no more."""
+    return terminal.RefusalError(f"Nothing more can be written to '{folder}': {told(error)}")

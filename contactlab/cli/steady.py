@@ -4,12 +4,11 @@ import sys
 from pathlib import Path
 
 from contactlab.cli.arguments import Parser
-from contactlab.cli.jobs import refusals
+from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
 from contactlab.config import ConfigurationError, build
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.orbits.search import LONGEST
-from contactlab.results.files import told
 
 UNITS = {"belt": "rad/s", "load": "N*m", "brake": "N*m"}
 """Of the options that hold or load the rotor."""
@@ -60,8 +59,7 @@ def main(arguments: list[str]) -> int:
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error
     output: Path = given.output
-    for fault in refusals(output, "Choose another one by --output DIR."):
-        raise RefusalError(fault)
+    check_output(output)
     # Imported here: they bring the plotting, which --help does not need.
     from contactlab.orbits import BrokenOffError, NotSettledError, converged
     from contactlab.orbits.figure import picture
@@ -82,7 +80,7 @@ def main(arguments: list[str]) -> int:
         write_tree(tree, output / "steady.nc")
         picture(found, tree, output / "steady.png")
     except OSError as error:
-        raise RefusalError(f"Nothing more can be written to '{output}': {told(error)}") from error
+        raise unwritable(output, error) from error
     print(*(f"{label:<{width}}{text}" for label, text in lines.items()), sep="\n")
     print(f"Written to {output}: steady.nc and steady.png.")
     return COMPLETE
