@@ -63,10 +63,10 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     "orbits_over_clearance": (lambda d: float(d["last"][0] / d.bridged), 1.0, 1e-3),
     # The period of an oscillator with a stop doubles where Shaw and Holmes say.
     "impact_oscillator": (lambda d: float(d.found[0] / d.published[0]), 1.0, 1e-6),
-    # More friction turns it faster.
+    # More friction turns a settled motor slower.
     "friction_sweep": (
         lambda d: float(np.sign(np.abs(d.rotor_velocity[2]).diff("friction_coefficient"))[0]),
-        1.0,
+        -1.0,
         0.0,
     ),
     # A force made as impulse over step fails at every point, whatever the motor does.

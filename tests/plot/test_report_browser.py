@@ -9,7 +9,7 @@ from html import unescape
 from pathlib import Path
 
 import pytest
-from support.configurations import leave_all
+from support.configurations import LAWS, leave
 
 from contactlab.comparison import compare
 
@@ -45,7 +45,9 @@ def browser() -> str:
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
-    compare([leave_all(folder / "sweep")], folder)
+    # Without the one that settles to no orbit, which takes long.
+    runs = [leave(folder / law, law) for law in LAWS if law != "lagrange_slip"]
+    compare(runs, folder, samples=4, starts=1)
     return folder / "report.html"
 
 
@@ -86,7 +88,7 @@ def test_nothing_is_wider_than_the_page(
     assert found["width"] == size[0]
     assert found["scroll"] <= size[0]
     assert found["out"] == []
-    assert len(found["pictures"]) == 5
+    assert len(found["pictures"]) == 6
     assert min(found["pictures"]) > 500
     assert found["small"] >= 12.0
     # On the phone the table scrolls inside its box.
