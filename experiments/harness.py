@@ -44,6 +44,9 @@ STIFFNESS = 1e10
 RIGID = ("lagrange_slip", "lagrange_stick")
 """Laws that take a contact step, not a tolerance."""
 
+FEW = 12
+"""Motors for which no processes are started."""
+
 NINE_DIGITS = "{:.9g}".format
 """How tables show numbers."""
 
@@ -190,10 +193,12 @@ def settled(
             moved = motor(**named) if motor else setup.motor
             step = rigid_step if name in RIGID else None
             cells.append((moved, law if isinstance(law, cl.ContactLaw) else law(**named), step, metrics))
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
-        found = list(
-            tqdm(pool.map(_settled, cells, chunksize=8), total=len(cells), unit=" motors", disable=None)
-        )
+    if len(cells) <= FEW:
+        found = [*map(_settled, cells)]
+    else:
+        with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+            states = pool.map(_settled, cells, chunksize=8)
+            found = list(tqdm(states, total=len(cells), unit=" motors", disable=None))
     for reason in sorted({reason for _, reason in found} - {""}):
         print(reason, file=sys.stderr)
     columns = pandas.DataFrame([numbers for numbers, _ in found])

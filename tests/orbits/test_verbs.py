@@ -26,7 +26,7 @@ def test_the_command_maps_starts_and_leaves_dataset_and_picture(command: Command
     assert (status, err) == (0, "")
     assert "100.0 %  periodic" in out
     assert "4 starts; of 0 it cannot be told where they go." in out
-    with xarray.open_dataset("basins.nc") as data:
+    with xarray.open_dataset("basins/basins.nc") as data:
         assert dict(data.label.sizes) == {"rotor_velocity": 2, "drive_phase": 2}
 
 
