@@ -15,7 +15,6 @@ from dataclasses import dataclass, fields
 from typing import Any, Final, final
 
 import numpy as np
-from scipy.stats import qmc, sobol_indices
 
 from contactlab.arrays import Array
 from contactlab.comparison.reruns import Refined, control_of, on_other_basis
@@ -111,6 +110,9 @@ def _indices(rows: Array) -> Array:
     if np.ptp(sound) <= 1e-12 * scale:
         return nothing
 
+    # It takes a third of a second, of which a run shall know nothing.
+    from scipy.stats import sobol_indices
+
     def found(a: Array) -> Array:
         made = {"f_A": a[:1], "f_B": a[1:2], "f_AB": a[2:, np.newaxis]}
         each = sobol_indices(func=made, n=a.shape[1])
@@ -177,6 +179,9 @@ class Design:
     """The motors that are to settle, each once."""
 
     def __init__(self, laws: Sequence[Refined], factors: tuple[Factor, ...], count: int) -> None:
+        # As above.
+        from scipy.stats import qmc
+
         self._laws, self.factors, self.count = laws, factors, count
         size = len(factors)
         even = qmc.Sobol(2 * size, seed=SEED).random(count)

@@ -20,3 +20,5 @@ def test_the_plotting_is_imported_for_a_picture_alone(picture: str, tmp_path: Pa
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
     assert "contactlab.results.netcdf" in imported
     assert ("matplotlib" in imported) is (picture == "true")
+    # As much as all of numpy and scipy that a run needs, and for comparisons alone.
+    assert "scipy.stats" not in imported
