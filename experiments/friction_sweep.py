@@ -25,7 +25,11 @@ def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
     found = settled(
         setup,
         {"friction_coefficient": quantity([0.1, 0.3] if short else np.linspace(0.02, 0.8, 27), "1")},
-        laws={name: partial(replace, law) for name, law in laws_of(setup).items()},
+        laws={
+            name: partial(replace, law)
+            for name, law in laws_of(setup).items()
+            if not short or name in ("lagrange_stick", "hertz_penalty")
+        },
         rigid_step=RIGID_STEP,
         metrics=("stick_share", "friction_share", "normal_loss_share"),
     )

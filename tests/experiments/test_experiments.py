@@ -65,7 +65,7 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     "impact_oscillator": (lambda d: float(d.found[0] / d.published[0]), 1.0, 1e-6),
     # More friction turns a settled motor slower.
     "friction_sweep": (
-        lambda d: float(np.sign(np.abs(d.rotor_velocity[2]).diff("friction_coefficient"))[0]),
+        lambda d: float(np.sign(np.abs(d.rotor_velocity[1]).diff("friction_coefficient"))[0]),
         -1.0,
         0.0,
     ),

@@ -47,7 +47,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     # Without the one that settles to no orbit, which takes long.
     runs = [leave(folder / law, law) for law in LAWS if law != "lagrange_slip"]
-    compare(runs, folder, samples=4, starts=1)
+    compare(runs, folder, samples=2, starts=1)
     return folder / "report.html"
 
 

@@ -191,6 +191,7 @@ def test_parts_and_placements_are_dimensions_and_what_follows_from_them_is_none(
     assert "frequency" not in found.coords
 
 
+@pytest.mark.long
 def test_runs_without_a_state_are_told_apart_by_their_configurations(
     command: Command, simulations: Simulations
 ) -> None:

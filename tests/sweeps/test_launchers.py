@@ -94,7 +94,9 @@ def test_two_processes_leave_the_same_bits_and_status_as_one(command: Command) -
 
 
 @needs_signals
-@pytest.mark.parametrize("whole_group", [True, False], ids=["terminal", "command_alone"])
+@pytest.mark.parametrize(
+    "whole_group", [True, pytest.param(False, marks=pytest.mark.long)], ids=["terminal", "command_alone"]
+)
 def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(tmp_path: Path, whole_group: bool) -> None:
     with endless_sweep(tmp_path) as (process, children):
         assert len(children) >= 2
@@ -146,6 +148,7 @@ def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
         run_chunk(folder)
 
 
+@pytest.mark.long
 def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> None:
     swept = [*METRICS_ALONE, *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms")]
     assert command(*swept, "hydra.sweep.dir=one")[0] == 0

@@ -111,6 +111,7 @@ def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Comma
     assert len(list(Path("multirun").rglob(DATASET))) == 2
 
 
+@pytest.mark.long
 def test_workers_that_are_started_afresh_give_the_same(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
