@@ -14,6 +14,7 @@ from contextlib import suppress
 import numpy as np
 import xarray
 from harness import main
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.style import context
 
@@ -189,7 +190,7 @@ def draw(data: xarray.Dataset) -> Figure:
     return figure
 
 
-def _draw_branch(ax, data: xarray.Dataset, name: str, colour: str, label: str) -> None:  # type: ignore[no-untyped-def]
+def _draw_branch(ax: Axes, data: xarray.Dataset, name: str, colour: str, label: str) -> None:
     """Solid where it is stable, dashed elsewhere."""
     value, speed = data[f"{name}_value"].values, data[f"{name}_speed"].values
     stable = data[f"{name}_stable"].values.astype(bool)

@@ -1,6 +1,7 @@
 """A steady state as lines of text and as a dataset of one orbit."""
 
 import json
+from operator import methodcaller
 from typing import Any, Final
 
 import numpy as np
@@ -126,7 +127,7 @@ def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
         "contact_share": (_of(found, "contact_share"), "1", "share of time in contact"),
     }
     for name in CUMULATIVE[1:]:
-        rate = found.value(lambda each, name=name: each.average(name))  # type: ignore[misc]
+        rate = found.value(methodcaller("average", name))
         numbers[f"{name}_rate"] = rate, "W", f"mean rate of {name.replace('_', ' ')}"
     variables: dict[str, Any] = {}
     for name, ((value, error), units, words) in numbers.items():

@@ -97,7 +97,7 @@ def test_python_and_the_configuration_say_it_alike(tmp_path: Path) -> None:
     assert loaded.setup is not None
     assert loaded.setup.until == "steady"
     with pytest.raises(ValueError, match="until is 'end'; it must be 'duration' or 'steady'"):
-        cl.simulate(setup(), until="end")  # type: ignore[arg-type]
+        cl.simulate(setup(), until="end")
 
 
 def test_a_sweep_of_numbers_ends_its_runs_alike() -> None:
