@@ -8,8 +8,10 @@ from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.laws.base import EVEN, ODD, ContactLaw, Friction, Part, PenaltyLaw
+from contactlab.laws.base import ContactLaw, Friction, Part, PenaltyLaw
+from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import SHARED, family_of, members_of
+from contactlab.laws.memory import EVEN, ODD
 from contactlab.laws.registry import PARTS, Origin, law_class, origins
 from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion
@@ -130,21 +132,29 @@ def declared_rows(owner: Any) -> dict[str, str]:
     if issubclass(owner, ContactLaw | Friction):
         stick = {True: "exact", False: "not exact: it gives, creeps or chatters"}
         rows["stick"] = stick.get(owner.exact_stick) or _of_parts(owner.exact_stick)
-        internal = getattr(owner, "internal_variables", ())
-        rows["internal variable"] = _of_parts(internal)
-        if internal and not isinstance(internal, property):
-            even = getattr(owner, "internal_parity", ODD) == EVEN
-            rows["internal variable"] += f", {'even' if even else 'odd'} in a mirror"
         violations = owner.violations
         if isinstance(violations, property):
             rows["breaks"] = _of_parts(violations)
         else:
             rows |= {f"breaks {name}": reason for name, reason in violations.items()}
+    rows["internal variable"] = remembered_rows(owner)
     return rows
+
+
+def remembered_rows(owner: Any) -> str:
+    """What a law or part remembers, in words; empty where that is nothing."""
+    internal = getattr(owner, "internal_variables", ())
+    if isinstance(internal, property):
+        if owner is Composed:
+            return "that of its parts"
+        internal = owner().internal_variables
+    parities = {ODD: ", odd in a mirror", EVEN: ""}
+    lives = {"run": ", for the run", "contact": ""}
+    return "; ".join(f"{one}{parities[one.parity]}{lives[one.life]}" for one in internal)
 
 
 def _of_parts(value: Any) -> str:
     """A declaration in words; one that follows from the parts says so."""
     if isinstance(value, property):
         return "that of its parts"
-    return f"{value:g}" if isinstance(value, float) else ", ".join(value)
+    return f"{value:g}"

@@ -19,7 +19,8 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_after
 from contactlab.engine.state import NODES, internal_at, value_at
-from contactlab.laws.base import EVEN, Forces
+from contactlab.laws.base import Forces
+from contactlab.laws.memory import EVEN
 
 FIRST: Final = cast(int, np.int64(0))
 """The first node, as a number that no kernel is copied for."""

@@ -19,6 +19,7 @@ from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
+from contactlab.laws.memory import ODD
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
 
@@ -88,7 +89,8 @@ class Prepared(NamedTuple):
             state["longest"], state["contact_level"] = rule.longest, rule.contact_level
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
         if isinstance(law, PenaltyLaw):
-            state["friction_kind"], state["parity"] = law.friction_kind, law.internal_parity
+            own = law.friction_variable
+            state["friction_kind"], state["parity"] = law.friction_kind, own.parity if own else ODD
         if isinstance(law, MultiplierLaw):
             state["projects"] = law.projects
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)

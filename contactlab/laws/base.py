@@ -15,6 +15,7 @@ from numba import types
 
 from contactlab.arrays import Array
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, Declared
+from contactlab.laws.memory import InternalVariable, Remembering
 
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
@@ -22,9 +23,6 @@ FREE, SLIP, STICK = 0, 1, 2
 SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT = 0, 1, 2
 """Kinds of friction: stick without any slip; a spring that a slider ends (a Jenkins element); a force that
 the slip and the internal variable determine."""
-
-ODD, EVEN = -1, 1
-"""Parities of an internal variable: whether it changes its sign where left and right are exchanged."""
 
 _real = types.float64
 _parameters = types.Array(types.float64, 1, "C", readonly=True)
@@ -41,15 +39,11 @@ MultiplierKernel = Callable[
 ]
 
 
-class Tangential:
+class Tangential(Remembering):
     """What a law, or the friction of a composed one, says of its tangential direction."""
 
     friction_kind: ClassVar[int] = SET_VALUED
     """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
-    internal_variables: ClassVar[tuple[str, ...]] = ()
-    """What the friction remembers, in words; at most one quantity, zero at every touch-down."""
-    internal_parity: ClassVar[int] = ODD
-    """ODD as of a stretch, EVEN as of the age of a contact."""
     convergence_order: ClassVar[float] = 1.0
     """Order at which the error falls with the contact step of a rigid law, the tolerance of a compliant."""
     exact_stick: ClassVar[bool] = True
@@ -62,6 +56,16 @@ class Tangential:
         """Largest |F|/N that it allows [1]: mu mu_s/mu of its fields, unless it says otherwise."""
         mu = float(getattr(self, "friction_coefficient", 0.0))
         return mu * float(getattr(self, "static_ratio", 1.0))
+
+    @property
+    def friction_offset(self) -> float:
+        """Force C [N] that widens the cone by cohesion: |F| <= friction_limit (N + C)."""
+        return 0.0
+
+    @property
+    def friction_variable(self) -> InternalVariable | None:
+        """The one variable that the friction's own kernel flows, where there is no `rate` and no `jump`."""
+        return self.internal_variables[0] if self.internal_variables and not self.remembered else None
 
 
 class ContactLaw(Declared, Tangential):
@@ -102,13 +106,15 @@ class PenaltyLaw(ContactLaw):
         """The kernel, a static method as a rule.
 
             force(gap, gap_rate, slip, impact_speed, parameters)
+            force(gap, gap_rate, slip, impact_speed, z, parameters)     with internal variables
                 -> normal force N [N], friction bound [N], stored energy [J], normal loss [W]
 
-        Called for gap < 0 only [m], gap_rate [m/s], slip [m/s]; the slip is exactly zero where the
-        contact sticks, so that a bound may have a static and a kinetic value. impact_speed is the approach
-        at which the contact began [m/s], zero where it was pressed together. Set-valued friction: the
-        engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy V
-        makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss).
+        Called for gap < 0 only [m], or below the end of its `limits`, gap_rate [m/s], slip [m/s]; the slip
+        is exactly zero where the contact sticks, so that a bound may have a static and a kinetic value.
+        impact_speed is the approach at which the contact began [m/s], zero where it was pressed together.
+        Set-valued friction: the engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The
+        stored energy V makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss);
+        where internal variables flow, dV/dz dz/dt is taken from that loss.
         """
 
     @property
@@ -118,9 +124,24 @@ class PenaltyLaw(ContactLaw):
             friction_force(gap, gap_rate, slip, normal, z, parameters)
                 -> friction F [N], rate of z, stored energy [J], tangential stiffness [N/m]
 
-        normal is the normal force [N], z the internal variable. ELASTOPLASTIC friction has the stretch of
-        its spring there [m], F = -stiffness z; the engine calls this while it holds, and in slip keeps F on
-        the bound and z with it. In RATE_DEPENDENT friction z may be anything; the stiffness is not read.
+        normal is the normal force [N], z the one internal variable, a number. ELASTOPLASTIC friction has
+        the stretch of its spring there [m], F = -stiffness z; the engine calls this while it holds, and in
+        slip keeps F on the bound and z with it. In RATE_DEPENDENT friction z may be anything; the stiffness
+        is not read. With z an array, see `contactlab.laws.memory`, the friction is RATE_DEPENDENT and the
+        kernel gives three numbers: the rates are those of `rate`.
+        """
+        return None
+
+    @property
+    def moment(self) -> Any:
+        """The kernel of the moment that a patch of some extent has, else None.
+
+            moment(tilt, spin, gap, normal, parameters)     z before the parameters as in `force`
+                -> moment on the tip [N m], stored energy [J]
+
+        tilt is the angle between the tip and the rotor's tangent [rad], spin its rate
+        thdot - Omega [rad/s]; the moment turns the tip as th, and the rotor the other way. What it does
+        not store is lost as friction.
         """
         return None
 
@@ -132,6 +153,8 @@ class MultiplierLaw(ContactLaw):
     """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
     corrector does, and the last step is shortened to the release; else the constraint is one of
     velocities only, the contact may penetrate by O(step), and it lasts until the gap is open."""
+    told: ClassVar[bool] = False
+    """Whether `solve` is told of step, impact and memory; one with internal variables has to be."""
 
     @property
     @abstractmethod
@@ -147,29 +170,50 @@ class MultiplierLaw(ContactLaw):
         2x2 Delassus matrix [1/kg] of the step. With impulses p the step ends with
         normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt p_t. The mode is SLIP or
         STICK. A normal impulse that is not positive means release.
+
+        A law that is `told` more has
+
+            solve(normal_rate, ..., d_tt, step, impact, z, parameters)
+
+        with the length of the step [s], whether it is that of an impact, and the internal variables. Those
+        flow with the mean force of the step.
         """
 
 
-class NormalForce(Declared):
-    """A part of a composed law: an elastic normal force of the penetration d >= 0.
+class NormalForce(Declared, Remembering):
+    """A part of a composed law: a normal force of the penetration d >= 0, elastic or with a memory.
 
     The kernel of a part reads its coefficients, as many as they are, from the place `at` of the law's array.
+    It has `elastic`, or where it has internal variables `force`.
     """
 
     family: ClassVar[str] = "normal"
+    allows_tension: ClassVar[bool] = False
+    """Whether it may pull."""
 
     def coefficients(self) -> tuple[float, ...]:
         """Give what the kernel reads: the fields in their order, unless something follows from them."""
         return tuple(self.describe().values())
 
     @property
-    @abstractmethod
     def elastic(self) -> Any:
-        """The kernel.
+        """The kernel of an elastic force, else None.
 
         elastic(depth, parameters, at)
             -> force [N], stored energy [J], stiffness dN/dd [N/m], its slope d2N/dd2 [N/m^2]
         """
+        return None
+
+    @property
+    def force(self) -> Any:
+        """The kernel of a force with internal variables, else None.
+
+        force(depth, depth_rate, z, parameters, at)
+            -> force [N], stored energy [J], stiffness [N/m], its slope [N/m^2], loss [W]
+
+        Stiffness and slope are those at constant z.
+        """
+        return None
 
 
 class Damping(Declared):
@@ -210,14 +254,24 @@ class Friction(Declared, Tangential):
         return *first, *given.values()
 
     @property
+    def bound(self) -> Any:
+        """The kernel of a bound that is no cone of constant coefficients, else None.
+
+        bound(normal, slip, parameters, at) -> largest friction [N]
+
+        The slip is exactly zero in stick. With internal variables z comes before the parameters.
+        """
+        return None
+
+    @property
     def state(self) -> Any:
         """The kernel of friction that is not set-valued, else None.
 
         state(normal, stiffness, stiffness_rate, slip, z, parameters, at)
             -> friction [N], rate of z, stored energy [J], tangential stiffness [N/m]
 
-        z is the internal variable; stiffness is that of the elastic normal force [N/m], and its rate in
-        time [N m^-1 s^-1].
+        z is the internal variable; stiffness is that of the normal force [N/m], and its rate in
+        time [N m^-1 s^-1]. With z an array it gives three numbers, without the rate.
         """
         return None
 

@@ -1,17 +1,17 @@
 """A compliant law composed of a normal force, a damping and a friction."""
 
 from dataclasses import dataclass, field
-from functools import cache
 from math import nan
 from typing import Any, final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import fleeting_kernel
+from contactlab.laws import composition
 from contactlab.laws.base import Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.laws.damping import Undamped
-from contactlab.laws.friction import Coulomb, cone_bound
+from contactlab.laws.friction import Coulomb
+from contactlab.laws.memory import InternalVariable
 from contactlab.laws.normal import HertzPoint
 
 
@@ -36,8 +36,8 @@ class Composed(PenaltyLaw):
 
     friction_kind = _of_friction("friction_kind")
     friction_limit = _of_friction("friction_limit")
-    internal_variables = _of_friction("internal_variables")
-    internal_parity = _of_friction("internal_parity")
+    friction_offset = _of_friction("friction_offset")
+    friction_variable = _of_friction("friction_variable")
     exact_stick = _of_friction("exact_stick")
     convergence_order = _of_friction("convergence_order")
     violations = _of_friction("violations")
@@ -65,35 +65,87 @@ class Composed(PenaltyLaw):
         return normal, normal + damping
 
     @property
+    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+        """The friction's, then the normal force's."""
+        return *self.friction.internal_variables, *self.normal.internal_variables
+
+    @property
+    def remembered(self) -> tuple[InternalVariable, ...]:
+        """See `Remembering.remembered`."""
+        return *self.friction.remembered, *self.normal.remembered
+
+    @property
+    def guards(self) -> int:  # type: ignore[override]
+        """The friction's and the normal force's."""
+        return self.friction.guards + self.normal.guards
+
+    @property
+    def allows_tension(self) -> bool:  # type: ignore[override]
+        """Whether the normal force may pull."""
+        return self.normal.allows_tension
+
+    @property
+    def _plain(self) -> bool:
+        """Whether it is an elastic force that never pulls, in Coulomb's cone or what replaces it."""
+        special = self.normal.force, self.normal.limits, self.friction.bound
+        return not self.remembered and all(each is None for each in special)
+
+    @property
+    def _spring(self) -> Any:
+        return composition.spring_of(self.normal.force, self.normal.elastic)
+
+    @property
     def force(self) -> Any:
         """See `PenaltyLaw.force`."""
-        return _force_of(self.normal.elastic, self.damping.damped, *self.places)
+        normal, friction, damped = self.normal, self.friction, self.damping.damped
+        if self._plain:
+            return composition.force_of(normal.elastic, damped, *self.places)
+        bound = composition.bound_of(friction.bound, bool(friction.remembered))
+        first = len(friction.remembered)
+        made = composition.remembering_force(self._spring, damped, bound, *self.places, first)
+        return made if self.remembered else composition.forgetful_force(made)
 
     @property
     def friction_force(self) -> Any:
-        """See `PenaltyLaw.friction_force`."""
-        state = self.friction.state
-        return state and _friction_of(self.normal.elastic, state, self.places[1])
+        """See `PenaltyLaw.friction_force`; over a normal force with a memory of its own z is both."""
+        state, place = self.friction.state, self.places[1]
+        if state is None:
+            return None
+        if self._plain:
+            return composition.friction_of(self.normal.elastic, state, place)
+        first = len(self.friction.remembered)
+        made = composition.remembering_friction(self._spring, state, not first, place, first)
+        return made if self.remembered else composition.forgetful_friction(made)
 
+    @property
+    def rate(self) -> Any:
+        """See `contactlab.laws.memory`."""
+        return self._of_both(self.friction.rate, self.normal.rate, len(self.friction.remembered))
 
-# The kernels of a composition depend on how many coefficients its parts have, and not on their values: one
-# compilation serves a whole sweep.
-@cache
-def _force_of(elastic: Any, damped: Any, damping: int, friction: int) -> Any:
-    def composed_force(gap, gap_rate, slip, impact_speed, parameters):
-        spring, stored, _, _ = elastic(max(-gap, 0.0), parameters, 0)
-        normal = damped(spring, -gap_rate, impact_speed, parameters, damping)
-        bound = cone_bound(normal, slip, parameters, friction)
-        return normal, bound, stored, (spring - normal) * gap_rate
+    @property
+    def guard(self) -> Any:
+        """See `contactlab.laws.memory`."""
+        return self._of_both(self.friction.guard, self.normal.guard, self.friction.guards)
 
-    return fleeting_kernel(composed_force)
+    @property
+    def jump(self) -> Any:
+        """See `contactlab.laws.memory`."""
+        jumps = self.friction.jump, self.normal.jump
+        if jumps == (None, None):
+            return None
+        first = len(self.friction.remembered)
+        return composition.jump_of(self._spring, *jumps, self.friction.guards, self.places[1], first)
 
+    @property
+    def limits(self) -> Any:
+        """See `contactlab.laws.memory`."""
+        own, first = self.normal.limits, len(self.friction.remembered)
+        remembers = bool(self.normal.remembered)
+        return own and composition.limits_of(own, remembers, first, bool(self.remembered))
 
-@cache
-def _friction_of(elastic: Any, state: Any, friction: int) -> Any:
-    def composed_friction(gap, gap_rate, slip, normal, z, parameters):
-        _, _, stiffness, slope = elastic(max(-gap, 0.0), parameters, 0)
-        rate = -slope * gap_rate
-        return state(normal, stiffness, rate, slip, z, parameters, friction)
-
-    return fleeting_kernel(composed_friction)
+    def _of_both(self, of_friction: Any, of_normal: Any, count: int) -> Any:
+        """Give the kernel of both parts' rates or guards; None where neither has any."""
+        if not self.remembered or (of_friction, of_normal) == (None, None):
+            return None
+        place, first = self.places[1], len(self.friction.remembered)
+        return composition.of_both(self._spring, of_friction, of_normal, count, place, first)

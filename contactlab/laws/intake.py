@@ -15,8 +15,16 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.laws import base
-from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, ContactLaw, PenaltyLaw
+from contactlab.laws.base import (
+    ELASTOPLASTIC,
+    RATE_DEPENDENT,
+    SET_VALUED,
+    ContactLaw,
+    MultiplierLaw,
+    PenaltyLaw,
+)
 from contactlab.laws.declaration import LawError
+from contactlab.laws.memory import InternalVariable
 
 Kernel = Callable[..., Any]
 
@@ -34,6 +42,13 @@ COUPLINGS = (-50.0, 0.0, 50.0)
 """Off the diagonal of the Delassus matrix of a motor's tip [1/kg]; 1000 and 2000 are on it."""
 
 ROUND_OFF = 1e-9
+
+MOST_VARIABLES = 128
+"""Internal variables that the state of a run has room for."""
+
+BETWEEN = 3
+"""Numbers between the internal variables of a law and its parameters in a row: the length of a step [s],
+whether it is that of an impact, and none."""
 
 
 def guarded(parameters: Array, guard: float = nan) -> Array:
@@ -61,22 +76,64 @@ def kernel_parameters(law: ContactLaw) -> Array:
     return values.astype(np.float64)
 
 
+def has_row(law: ContactLaw) -> bool:
+    """Tell whether the kernels read a row with more in it than parameters: what is remembered, or told."""
+    return bool(law.remembered) or (isinstance(law, MultiplierLaw) and law.told)
+
+
+def row_of(law: ContactLaw) -> Array:
+    """Give what the engine's kernels read: the parameters, behind the memory of a law that `has_row`.
+
+    z begins with its initial values, the step is the law's own and that of an impact.
+    """
+    parameters = kernel_parameters(law)
+    if not has_row(law):
+        return parameters
+    initial = [one.initial for one in law.remembered]
+    return np.array([*initial, law.default_contact_step, 1.0, nan, *parameters])
+
+
 def check_words(law: ContactLaw) -> None:
     """Refuse a law that contradicts itself in what it says by a LawError with a sentence on each fault."""
-    limit: object = law.friction_limit
-    if not isinstance(limit, Real) or not float(limit) >= 0.0:
-        faults = [f"friction_limit is {shown(limit)}; it must be a number and not negative."]
-    elif not isinstance(law.violations, Mapping):
-        faults = [f"violations is {shown(law.violations)}; it must give reasons by name."]
+    limit, offset = (getattr(law, name) for name in ("friction_limit", "friction_offset"))
+    for name, given in (("friction_limit", limit), ("friction_offset", offset)):
+        if not isinstance(given, Real) or not float(given) >= 0.0:
+            faults = [f"{name} is {shown(given)}; it must be a number and not negative."]
+            break
     else:
-        faults = [*misfits(law)] if isinstance(law, PenaltyLaw) else []
+        if not isinstance(law.violations, Mapping):
+            faults = [f"violations is {shown(law.violations)}; it must give reasons by name."]
+        else:
+            faults = [*misfits(law)]
     if faults:
         raise LawError(" ".join(f"{law.name}: {words}" for words in faults))
 
 
-def misfits(law: PenaltyLaw) -> Iterator[str]:
-    """Give what a law says of its friction and contradicts, in sentences."""
-    kind, kernel, kept = law.friction_kind, law.friction_force, law.internal_variables
+def misfits(law: ContactLaw) -> Iterator[str]:
+    """Give what a law says of its friction and its memory and contradicts, in sentences."""
+    kept = law.internal_variables
+    if not isinstance(kept, tuple) or not all(isinstance(one, InternalVariable) for one in kept):
+        yield (
+            f"internal_variables is {shown(kept)}; it must be a tuple of contactlab.laws.InternalVariable."
+        )
+        return
+    names = [one.name for one in kept]
+    if len(set(names)) < len(names) or not all(name.isidentifier() for name in names):
+        yield f"its internal variables are called {', '.join(names)}; each must have one word of its own."
+    if isinstance(law, PenaltyLaw):
+        yield from _misfits_of_friction(law)
+    elif isinstance(law, MultiplierLaw) and kept and not (law.remembered and law.told):
+        yield "it has internal variables, but no kernel rate or jump, or does not say told = True."
+    if len(law.remembered) > MOST_VARIABLES:
+        yield f"it has {len(law.remembered)} internal variables; it can have {MOST_VARIABLES} at most."
+    if law.guards and (law.guard is None or law.jump is None):
+        yield f"it says that it has {law.guards} guards; it needs a kernel guard and a kernel jump for them."
+    if law.guard is not None and not law.guards:
+        yield "it has a kernel of guards and says that it has none; say how many in guards."
+
+
+def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
+    kind, kernel, own = law.friction_kind, law.friction_force, law.friction_variable
     if kind not in (SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT):
         yield (f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base.")
         return
@@ -88,17 +145,16 @@ def misfits(law: PenaltyLaw) -> Iterator[str]:
         )
     if kind != SET_VALUED and kernel is None:
         yield f"{said}, but it has no kernel of friction. Give it one, or say SET_VALUED."
-    if not isinstance(kept, tuple) or not all(isinstance(one, str) for one in kept):
-        yield f"internal_variables is {shown(kept)}; it must be a tuple of texts."
-    elif len(kept) > 1:
-        yield f"it remembers {shown(kept)}; it can remember one quantity at most."
-    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(kept):
+    if len(law.internal_variables) > 1 and not law.remembered:
         yield (
-            f"{said} and its internal_variables {shown(kept)}; set-valued friction remembers nothing, and "
-            "a spring its stretch."
+            f"it remembers {', '.join(map(str, law.internal_variables))}; more than one quantity needs a "
+            "kernel rate or jump."
         )
-    if law.internal_parity not in (base.ODD, base.EVEN):
-        yield f"internal_parity is {shown(law.internal_parity)}; it must be ODD or EVEN."
+    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != (own is not None):
+        yield (
+            f"{said} and what its friction remembers {shown(own and own.name)}; set-valued friction "
+            "remembers by a kernel rate or jump, and a spring its stretch."
+        )
 
 
 def check_answers(

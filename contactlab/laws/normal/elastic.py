@@ -180,8 +180,3 @@ class Lining(NormalForce):
         if through > 0.0:
             return force, energy, soft + more, 0.0
         return force, energy, soft + slope * inside, slope
-
-
-NORMAL_FORCES: dict[str, type[NormalForce]] = {
-    part.name: part for part in (HertzPoint, HertzElliptic, Line, Linear, Lining)
-}
