@@ -40,7 +40,7 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if event == PEAK:
         return slope_at(state.normal, x)
     if event == GUARD:
-        return guard_at(run, law.memory, s)
+        return float(guard_at(run, law.memory, s))
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
