@@ -54,7 +54,9 @@ class Dahl(Friction):
         mu, sigma = parameters[at], parameters[at + 2]
         if mu == 0.0:
             return 0.0, 0.0, 0.0, 0.0
-        force = -max(normal, 0.0) * sigma * z
-        left = 1.0 - sigma * z / mu * (1.0 if slip > 0.0 else -1.0)
-        share = abs(left) ** parameters[at + 3]
-        return force, slip * (share if left > 0.0 else -share), -0.5 * force * z, 0.0
+        share = sigma * z / mu
+        # Steps may overshoot by their tolerance; the force stays in the cone.
+        force = -mu * max(normal, 0.0) * min(max(share, -1.0), 1.0)
+        left = 1.0 - share * (1.0 if slip > 0.0 else -1.0)
+        pace = abs(left) ** parameters[at + 3]
+        return force, slip * (pace if left > 0.0 else -pace), -0.5 * force * z, 0.0

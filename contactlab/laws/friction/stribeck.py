@@ -30,7 +30,7 @@ class Stribeck(Friction):
 
     static_ratio: Annotated[float, STATIC_RATIO] = 1.3
     stribeck_velocity: Annotated[float, positive("v_s", "m s-1", "Stribeck velocity")] = 1e-2
-    stribeck_exponent: Annotated[float, positive("p", "1", "exponent of the Stribeck curve")] = 2.0
+    stribeck_exponent: Annotated[float, positive("p", "1", "exponent of the Stribeck curve")] = 1.0
 
     @staticmethod
     @kernel
