@@ -8,6 +8,7 @@ from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Reg
 from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
 from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
+from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.memory import InternalVariable
 from contactlab.laws.normal import HertzElliptic, HertzPoint, Line, Linear, Lining
 from contactlab.laws.registry import LAWS, PARTS, law, law_class, law_names, origin_of

@@ -12,6 +12,7 @@ from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
 from contactlab.laws.memory import AT_SLIP, AT_TOUCH, InternalVariable
 from contactlab.parameter import not_negative, positive
 
+
 @inner_kernel
 def static_coefficient(age, parameters):
     """Give mu_s of an age [s]; parameters as those of the law."""
@@ -55,9 +56,7 @@ class LagrangeAgeing(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters
-    ):
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters):
         p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
         # An age is that of a stick. Slip that would reverse has ended: p_t > 0 drives slip > 0.
         rests = z[0] > 0.0 or p_t * slip >= 0.0

@@ -23,6 +23,7 @@ from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
 from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
+from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.suggestion import suggestion
 
@@ -36,6 +37,7 @@ LAWS: Mapping[str, type[ContactLaw]] = {
         Composed,
         HertzPenalty,
         Johnson,
+        LagrangeAgeing,
         LagrangeSlip,
         LagrangeStick,
         MoreauJean,
