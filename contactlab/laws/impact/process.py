@@ -112,7 +112,11 @@ class ImpactProcess(ImpactLaw):
 @final
 @dataclass(frozen=True)
 class Poisson(ImpactProcess):
-    """A rigid impact that gives back a share of the impulse of compression p_c, gdot(p_c) = 0."""
+    """A rigid impact that gives back a share of the impulse of compression p_c, gdot(p_c) = 0.
+
+    It has all modes of Wang and Mason: slip that lasts, ends in compression or in restitution, and then
+    sticks or reverses.
+    """
 
     name = "poisson"
     equation = "p = (1 + e) p_c, gdot(p_c) = 0, dp_t = -mu dp sign(v) or v = 0"
