@@ -21,8 +21,9 @@ from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.declaration import SHARED, Declared, family_of, fault_of, members_of
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
-from contactlab.laws.impact import MoreauJean, Newton, Poisson, Stronge
+from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
+from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.suggestion import suggestion
 
@@ -30,7 +31,20 @@ GROUP = "contactlab.laws"
 
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
-    for law in (Composed, HertzPenalty, LagrangeSlip, LagrangeStick, MoreauJean, Newton, Poisson, Stronge)
+    for law in (
+        Brach,
+        ChatterjeeRuina,
+        Composed,
+        HertzPenalty,
+        Johnson,
+        LagrangeAgeing,
+        LagrangeSlip,
+        LagrangeStick,
+        MoreauJean,
+        Newton,
+        Poisson,
+        Stronge,
+    )
 }
 """The package's own laws."""
 
