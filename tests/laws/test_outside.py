@@ -132,9 +132,16 @@ def law_of(run: Path) -> tuple[str, dict[str, object]]:
         return root.attrs["law"], yaml.safe_load(root.attrs["configuration"])["law"]
 
 
-def test_it_is_listed_with_all_that_it_declares_and_its_origin(elsewhere: Elsewhere) -> None:
-    status, out, err = elsewhere.command("laws", "power_law")
-    assert status == 0, err
+@pytest.fixture(scope="module")
+def listing(elsewhere: Elsewhere) -> str:
+    """What `contactlab laws` prints, on one line."""
+    status, out, err = elsewhere.command("laws")
+    assert (status, err) == (0, "")
+    return " ".join(out.split())
+
+
+def test_it_is_listed_with_all_that_it_declares_and_its_origin(listing: str) -> None:
+    out = listing
     assert "A force that grows with a power of the penetration, with Coulomb friction." in out
     assert "parameter exponent: p, exponent, default 1.5, at least 1 and at most 4" in out
     assert "package: example-law 1.2.3 (power_law:PowerLaw)" in out
@@ -215,16 +222,12 @@ AGEING = {"name": "ageing", "strengthening": 0.2, "half_age": 1e-5, "distance": 
 PARTS = ("law=composed", "law/normal=stiffening", "law/friction=ageing")
 
 
-def test_its_parts_are_listed_with_what_they_remember(elsewhere: Elsewhere) -> None:
-    status, out, err = elsewhere.command("laws", "ageing")
-    assert status == 0, err
-    words = " ".join(out.split())
-    assert words.startswith("friction/ageing Friction that is the stronger the older a contact is")
-    assert (
-        "internal variable age: z [s], age of the contact, begins at 0 with every contact stick" not in words
-    )
-    assert "internal variable age: z [s], age of the contact, begins at 0 with every contact" in words
-    assert "package: example-law 1.2.3 (parts:Ageing)" in words
+def test_its_parts_are_listed_with_what_they_remember(listing: str) -> None:
+    assert "friction/ageing Friction that is the stronger the older a contact is" in listing
+    assert "internal variable age: z [s], age of the contact, begins at 0 with every contact" in listing
+    assert "package: example-law 1.2.3 (parts:Ageing)" in listing
+    assert "law/normal=hertz_point, hertz_elliptic, line, linear, lining," in listing
+    assert ", stiffening, default hertz_point" in listing
 
 
 def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhere: Elsewhere) -> None:
@@ -243,14 +246,11 @@ def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhe
 
 
 def test_declarations_of_its_parts_are_the_rules_of_their_keys(elsewhere: Elsewhere) -> None:
-    faults = ("law.friction.distance=0", "law.normal.depth=3 N", "law.friction.strength=1")
-    status, _, err = elsewhere.command(*PARTS, *faults[:2])
+    faults = ("law.friction.distance=0", "law.normal.depth=3 N")
+    status, _, err = elsewhere.command(*PARTS, *faults)
     assert status == 2
-    assert "law.friction.distance is 0; it must be greater than 0 m" in err
+    assert "law.friction.distance is 0 m; it must be greater than 0 m" in err
     assert "law.normal.depth is '3 N', whose unit 'N' cannot be converted to m" in err
-    status, _, err = elsewhere.command(*PARTS, faults[2])
-    assert status == 2
-    assert "law.friction.strength is not a known key. Did you mean law.friction.strengthening?" in err
 
 
 def test_a_script_makes_and_sweeps_its_parts_by_name(elsewhere: Elsewhere) -> None:
@@ -258,9 +258,9 @@ def test_a_script_makes_and_sweeps_its_parts_by_name(elsewhere: Elsewhere) -> No
 import contactlab as cl
 law = cl.law("composed", friction="ageing", normal="stiffening")
 assert law.friction.describe()["distance"] == 1e-7
-result = cl.sweep(["law=composed", "solver.duration=0.1 ms", "record.interval=1e-6"],
-                  {"law/friction": ["ageing", "coulomb"]}, metrics=["ledger_residual"])
-print(*result["law/friction"].values)
+swept = {"law/friction": ["ageing", "coulomb"]}
+runs = cl.sweep(swept, base=["law=composed"], duration=1e-4, metrics=["rotor_velocity"], workers=1)
+print(*runs["status"].values)
 for name in ("agein", "grainy"):
     try:
         cl.law("composed", friction=name)
@@ -270,7 +270,7 @@ for name in ("agein", "grainy"):
     status, out, err = elsewhere.python("-c", code)
     assert status == 0, err
     swept, refused, lacking = out.splitlines()
-    assert swept == "ageing coulomb"
+    assert swept == "0 0"
     assert refused.startswith("There is no friction 'agein'; it must be one of ageing, coulomb,")
     assert lacking == "The friction grainy lacks grain; without default it must be given."
 
@@ -284,10 +284,8 @@ def test_the_contract_of_its_parts_holds_in_three_lines(elsewhere: Elsewhere) ->
     assert "17 passed" in out
 
 
-def test_broken_laws_are_listed_with_the_reason(elsewhere: Elsewhere) -> None:
-    status, out, err = elsewhere.command("laws")
-    assert (status, err) == (0, "")
-    words = " ".join(out.split())
+def test_broken_laws_are_listed_with_the_reason(listing: str) -> None:
+    words = listing
     for name, (_, reason) in (BROKEN | BROKEN_PARTS).items():
         assert f"{name}: not usable" in words
         assert reason in words
