@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.engine.preparation import take_in
+from contactlab.engine.preparation import LIMITS, take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.testing.plants import block, run, way_of
 from contactlab.trajectory import Trajectory
@@ -85,7 +85,7 @@ def curves_of(law: ContactLaw) -> Curves:
 def _depth_for(law: PenaltyLaw) -> float:
     """How deep a law is pressed [m]."""
     row, _, kernels, _ = take_in(law)
-    begins, _ = kernels[-2](row)
+    begins = 0.0 if law.limits is None else kernels[LIMITS](row)[0]
 
     def normal(depth: float) -> float:
         return float(kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
