@@ -151,7 +151,8 @@ def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
         values = trajectory.series[f"internal_{variable.name}"]
         most = float(np.abs(values).max())
         unit = "" if variable.units == "1" else f" {variable.units}"
-        words = f"{variable.symbol} / {most:.2g}{unit}" if most else f"{variable.symbol}, none"
+        said = variable.symbol or variable.name
+        words = said if most in (0.0, 1.0) else f"{said} / {most:.2g}{unit}"
         found.append((words, values / most if most else values))
     return tuple(found)
 
