@@ -17,7 +17,8 @@ from contactlab.engine.compliant import count_event, step_compliant, switch_fric
 from contactlab.engine.flight import step_flight
 from contactlab.engine.kinematics import Law, Memory, Run, begin, contact_at
 from contactlab.engine.law_kernels import compiled, idle
-from contactlab.engine.memory import jump, leave, press
+from contactlab.engine.memory import jump, leave
+from contactlab.engine.moments import press
 from contactlab.engine.recorder import commit
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.rows import SIGNATURES
@@ -50,7 +51,7 @@ IDLE: Final = {
     "guard": kernel(lambda _1, _2, _3, _4, _5, _6: 1.0),
     "jump": kernel(lambda k, _1, _2, _3, _4, _5, row: row[k]),
     "limits": kernel(lambda _: (0.0, 0.0)),
-    "moment": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0)),
+    "moment": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0, 0.0)),
 }
 """Kernels that stand for those that a law lacks: nothing acts, and what is remembered stays."""
 
