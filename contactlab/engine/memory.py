@@ -10,7 +10,8 @@ a rigid contact the motion is held meanwhile: there the flow is of the order of 
 """
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Memory, Run, contact_after, contact_at
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import STICK

@@ -8,7 +8,8 @@ against the spin thdot - Omega turns tip and rotor against each other.
 from math import asin
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Memory, Run, contact_at, tip_motion
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_at, tip_motion
 from contactlab.engine.state import START, value_at
 
 
