@@ -6,8 +6,9 @@ from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, Li
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION, LawError
 from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
 from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
-from contactlab.laws.impact import MoreauJean, Newton, Poisson, Stronge
+from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
+from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.memory import InternalVariable
 from contactlab.laws.normal import (
     Dmt,
