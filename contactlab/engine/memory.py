@@ -16,7 +16,7 @@ from contactlab.engine.kinematics import Law, Memory, Run, contact_after, contac
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import STICK
-from contactlab.laws.memory import AT_RELEASE
+from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
@@ -221,7 +221,7 @@ def guard_at(run: Run, memory: Memory | None, s: float) -> float:
 def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     """Let the internal variables jump at an event where the step starts; what is stored less is lost.
 
-    At a release all that is stored still is.
+    At a release all that is stored still is, and a touch gives back what it finds stored.
     """
     if memory is None:
         return
@@ -232,7 +232,8 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     normal, stored = state.normal.node[0], 0.0
     if state.compliant != 0:
         gap = min(gap, end_at(memory))
-        normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        normal, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        stored = 0.0 if event == AT_TOUCH else before
     for k in range(state.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
     recall_start(run, memory)
@@ -244,16 +245,17 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
 
 @inner_kernel
 def press(run: Run, law: Law, memory: Memory | None) -> None:
-    """Count what the moment of a contact that is pressed together at the start stores as brought along."""
+    """Count what a contact that is pressed together at the start stores as brought along."""
     if memory is None:
         return
     state = run.state
     _, th, _, th_rate, rotor = tip_motion(run.plant, START)
     gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
-    normal = law.force(gap, rate, slip, state.impact_speed, law.parameters)[0]
-    stored = moment_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[1]
-    state.total.friction_loss += stored
-    state.contact.energy_loss += stored
+    normal, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    turned = moment_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[1]
+    state.total.contact_loss += pressed
+    state.total.friction_loss += turned
+    state.contact.energy_loss += pressed + turned
 
 
 @inner_kernel
