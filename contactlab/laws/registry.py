@@ -15,6 +15,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Any, NamedTuple
 
+from contactlab.laws.archard import Archard
 from contactlab.laws.base import ContactLaw, MultiplierLaw, Part, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
@@ -30,7 +31,17 @@ GROUP = "contactlab.laws"
 
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
-    for law in (Composed, HertzPenalty, LagrangeSlip, LagrangeStick, MoreauJean, Newton, Poisson, Stronge)
+    for law in (
+        Archard,
+        Composed,
+        HertzPenalty,
+        LagrangeSlip,
+        LagrangeStick,
+        MoreauJean,
+        Newton,
+        Poisson,
+        Stronge,
+    )
 }
 """The package's own laws."""
 
