@@ -82,17 +82,21 @@ class Driven:
         self.events += 1
 
 
+def root_mean_square(errors: Array) -> float:
+    return float(np.sqrt(np.mean(errors**2)))
+
+
 def test_first_loading_is_that_of_spheres_in_the_second_order_of_the_number_of_elements() -> None:
     ways = np.linspace(0.0, 1.2 * WHOLE, 61)[1:]
     errors = []
     for n in (8, 16, 32):
         driven = Driven(Iwan(MU, n, WHOLE))
         forces = [driven.move(way) for way in np.diff(ways, prepend=0.0)]
-        errors.append(np.abs(forces - backbone(ways)).max() / LIMIT)
-        # All slides by x_s, with what is left of the friction: none.
+        errors.append(root_mean_square(forces - backbone(ways)) / LIMIT)
+        # At x_s all slides.
         assert forces[-1] == pytest.approx(LIMIT, rel=1e-9)
-    assert errors[-1] < 1e-3
-    assert_allclose([a / b for a, b in pairwise(errors)], 4.0, rtol=0.15)
+    assert errors[-1] < 3e-4
+    assert_allclose([a / b for a, b in pairwise(errors)], 4.0, rtol=0.1)
 
 
 def test_stiffness_of_a_small_slip_is_mindlins_for_any_number_of_elements() -> None:
@@ -101,18 +105,33 @@ def test_stiffness_of_a_small_slip_is_mindlins_for_any_number_of_elements() -> N
         assert Driven(Iwan(MU, n, WHOLE)).move(small) / small == pytest.approx(1.5 * LIMIT / WHOLE, rel=1e-12)
 
 
-@pytest.mark.parametrize("share", [0.1, 0.3, 0.7, 1.0])
-def test_loss_of_a_cycle_is_that_of_spheres(share: float) -> None:
+def elements_loss(friction: Iwan, amplitude: float) -> float:
+    """Loss [J] of a cycle of all elements, each of 4 f (A - f/k) as it begins to slide."""
+    n, given = friction.elements, np.array(friction.coefficients())
+    limits, stiffnesses = given[4 : 4 + n], NORMAL * given[4 + n :]
+    return float(4.0 * np.sum(stiffnesses * limits * np.maximum(amplitude - limits, 0.0)))
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
+def test_what_a_cycle_loses_is_what_its_elements_do(share: float) -> None:
+    friction, amplitude = Iwan(MU, 30, WHOLE), share * WHOLE
+    driven = Driven(friction)
+    driven.move(amplitude)
+    before = driven.work
+    driven.move(-2.0 * amplitude)
+    driven.move(2.0 * amplitude)
+    assert driven.work - before == pytest.approx(elements_loss(friction, amplitude), rel=1e-7)
+
+
+def test_loss_of_a_cycle_is_that_of_spheres_in_the_second_order_of_the_number_of_elements() -> None:
+    shares = np.linspace(0.05, 1.0, 200)
+    closed = np.array([cycle_loss(share * WHOLE) for share in shares])
     errors = []
-    for n in (20, 40, 80):
-        driven, amplitude = Driven(Iwan(MU, n, WHOLE)), share * WHOLE
-        driven.move(amplitude)
-        before = driven.work
-        driven.move(-2.0 * amplitude)
-        driven.move(2.0 * amplitude)
-        errors.append(abs((driven.work - before) / cycle_loss(amplitude) - 1.0))
-    assert errors[-1] < 4e-3
-    assert errors[-1] < 0.15 * errors[0]
+    for n in (10, 20, 40, 80):
+        found = np.array([elements_loss(Iwan(MU, n, WHOLE), share * WHOLE) for share in shares])
+        errors.append(root_mean_square(found - closed) / closed[-1])
+    assert errors[0] < 4e-3
+    assert_allclose([a / b for a, b in pairwise(errors)], 4.0, rtol=0.1)
 
 
 def test_loss_of_small_cycles_grows_with_the_cube_of_the_amplitude() -> None:
@@ -172,9 +191,11 @@ def test_a_run_loses_in_a_cycle_what_spheres_do() -> None:
     rate = 2.0 * np.pi * frequency
     for share in (0.5, 1.5):
         swing = share * WHOLE
-        driven = resting(velocity=rate * swing, stiffness=HEAVY * rate**2)
-        law = Composed(Linear(spring), friction=Iwan(MU, 24, WHOLE))
-        made = run(driven, law, 2.0 / frequency, 1e-4, 1.0 / frequency)
+        driven, friction = resting(velocity=rate * swing, stiffness=HEAVY * rate**2), Iwan(MU, 24, WHOLE)
+        made = run(
+            driven, Composed(Linear(spring), friction=friction), 2.0 / frequency, 1e-4, 1.0 / frequency
+        )
         loss = np.diff(made.series["friction_loss"])[-1]
-        beyond = max(share - 1.0, 0.0) * WHOLE
-        assert loss == pytest.approx(cycle_loss(min(share, 1.0) * WHOLE) + 4.0 * LIMIT * beyond, rel=5e-3)
+        assert loss == pytest.approx(elements_loss(friction, swing), rel=1e-6)
+        closed = cycle_loss(min(share, 1.0) * WHOLE) + 4.0 * LIMIT * max(share - 1.0, 0.0) * WHOLE
+        assert loss == pytest.approx(closed, rel=7e-3)
