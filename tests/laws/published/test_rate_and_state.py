@@ -96,7 +96,7 @@ def characteristic(stiffness: float, mass: float, speed: float) -> Array:
     return np.linalg.eigvals(rows)
 
 
-MASS, SPEED, SPRING = 2e-3, 1e-5, 1e7
+MASS, SPEED, SPRING = 2e-5, 1e-3, 1e4
 CRITICAL = NORMAL * (B - A) / D
 
 
@@ -115,7 +115,8 @@ def slider(share: float, off: float, periods: float) -> Trajectory:
         belt_velocity=SPEED,
     )
     period = 2.0 * np.pi * D / SPEED / sqrt((B - A) / A)
-    return run(motor, Composed(Linear(SPRING), friction=friction), periods * period, 5e-3, period / 200.0)
+    law = Composed(Linear(SPRING), friction=friction)
+    return run(motor, law, periods * period, 0.01 * period, 0.005 * period)
 
 
 def swings(made: Trajectory) -> Array:
