@@ -7,6 +7,7 @@ A rigid law has no force over penetration; it is asked about impacts of one body
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -89,11 +90,15 @@ def _tidy(energy: float) -> str:
 
 
 def _impacts(law: MultiplierLaw) -> Curves:
-    parameters = law.parameters()
     (d_nn, d_nt), (_, d_tt) = DELASSUS
+    behind: tuple[Any, ...] = (law.parameters(),)
+    if law.told:
+        # An impact finds the memory as it is at first.
+        behind = law.default_contact_step, 1.0, np.array([one.initial for one in law.remembered]), *behind
 
     def answers(rate: float, slip: float) -> tuple[float, float]:
-        p_n, p_t, _ = law.solve(-rate, slip, -rate, slip, d_nn, d_nt, d_tt, parameters)
+        solve: Any = law.solve
+        p_n, p_t, _ = solve(-rate, slip, -rate, slip, d_nn, d_nt, d_tt, *behind)
         return p_n, p_t
 
     speeds = np.linspace(0.0, 2.0 * APPROACH, 201)[1:]
