@@ -10,6 +10,17 @@ from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, 
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
 from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.memory import InternalVariable
-from contactlab.laws.normal import HertzElliptic, HertzPoint, Line, Linear, Lining
+from contactlab.laws.normal import (
+    Dmt,
+    HertzElliptic,
+    HertzPoint,
+    Jkr,
+    Line,
+    Linear,
+    Lining,
+    Prony,
+    Thornton,
+    WaltonBraun,
+)
 from contactlab.laws.registry import LAWS, PARTS, law, law_class, law_names, origin_of
 from contactlab.parameter import Parameter
