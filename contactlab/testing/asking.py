@@ -103,4 +103,4 @@ class Asked:
         if not self._told:
             return self._solve(*step, self.row)
         self._seen(kept)
-        return self._solve(*step, length, float(impact), self._z, self.row)
+        return self._solve(*step, length, impact, self._z, self.row)

@@ -10,7 +10,7 @@ from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claims, at_most
 from contactlab.testing.flows import Instant, flow_of
-from contactlab.testing.kernel_properties import ROUND_OFF, TINY, Worst
+from contactlab.testing.kernel_properties import TINY, Worst
 from contactlab.testing.plants import Bench
 
 NUDGE = 1e-4
@@ -50,6 +50,23 @@ def held_of(asked: Asked, at: Instant) -> float:
     """Give what friction stores [J]."""
     normal = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
     return float(asked.friction(at.gap, at.rate, at.slip, normal, at.kept)[2])
+
+
+def losses_of(bench: Bench) -> tuple[Worst, Worst]:
+    """Give the losses that are negative along a law's flows: of the normal direction, and of friction."""
+    flow, pressed, dragged = flow_of(bench), Worst(), Worst()
+    asked = Asked(bench.law)
+    for at in flow.instants:
+        normal, _, _, loss = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)
+        size = abs(normal * at.rate) + abs(loss) + TINY
+        pressed.take("negative normal loss along a flow, over the power", -loss / size)
+        if asked.has_friction:
+            drag = asked.friction(at.gap, at.rate, at.slip, normal, at.kept)[0]
+            change, error = slope(partial(held_of, asked), asked, at, flow.span)
+            power = abs(drag * at.slip) + abs(change) + TINY
+            gained = max(drag * at.slip + change - error, 0.0) / power
+            dragged.take("energy that friction makes along a flow, over the power", gained, DIFFERENCE)
+    return pressed, dragged
 
 
 def flow_keeps_the_ledger(bench: Bench) -> Claims:
@@ -172,11 +189,9 @@ def _all_of(asked: Asked, at: Instant) -> list[float]:
     return [float(each) for each in found]
 
 
-def unlike_its_image(bench: Bench) -> Claims:
-    """Left and right exchanged, an odd variable changes its sign, and what the law says does as they do."""
+def image_of(bench: Bench) -> Worst:
+    """Give how unlike a law is in the mirror, where odd variables change their signs as the slip does."""
     flow, worst = flow_of(bench), Worst()
-    if not flow.instants:
-        return
     asked = Asked(bench.law)
     parity = np.array([one.parity for one in bench.law.internal_variables], dtype=np.float64)
     for at in flow.instants:
@@ -187,7 +202,7 @@ def unlike_its_image(bench: Bench) -> Claims:
         here, there = (np.array(_signed(*side)) for side in sides)
         apart = np.abs(here - there) / (np.abs(here) + np.abs(there) + TINY)
         worst.take("answers unlike those to the mirrored state, relative", float(apart.max()))
-    yield from worst.values()
+    return worst
 
 
 def _signed(asked: Asked, at: Instant, side: float, signs: Array) -> list[float]:
