@@ -65,7 +65,11 @@ def inside_the_cone(bench: Bench) -> Claims:
         normal, friction = (np.abs(made.series[f"{n}_force"]) for n in ("normal", "friction"))
         # Forces are read as differences of impulses, which round off.
         cone = bench.law.friction_limit * (normal + bench.law.friction_offset)
-        excess = (friction - cone).max() / max(normal.max(), TINY)
+        # Where a force begins to pull within an interval, its mean says nothing of its size.
+        side = np.sign(made.series["normal_force"])
+        turns = np.convolve(np.append(side[1:] * side[:-1] < 0.0, False), np.ones(3), "same") > 0.0
+        judged = ~(turns & bench.law.allows_tension)
+        excess = (friction - cone)[judged].max(initial=0.0) / max(normal.max(), TINY)
         yield at_most(f"friction over its bound, {words}, over the peak force", excess, 1e-8)
 
 
