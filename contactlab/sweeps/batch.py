@@ -99,10 +99,9 @@ class Outputs:
         faults = []
         for name, found in asked.items():
             if not found:
-                words = f"There is no series '{name}'; what the law remembers must be one of "
-                faults.append(
-                    f"{words}{', '.join(sorted(there)) or 'none'}. {suggestion(name, there)}".rstrip()
-                )
+                words = ", ".join(sorted(there)) or "nothing under these laws"
+                hint = suggestion(name, there)
+                faults.append(f"There is no series '{name}'; what is remembered is {words}. {hint}".rstrip())
             elif len(found) > 1:
                 said = " and ".join(sorted(f"{one.long_name} [{one.units}]" for one in found))
                 faults.append(
