@@ -2,6 +2,7 @@
 
 from math import inf
 from typing import Final
+from zlib import crc32
 
 import numpy as np
 
@@ -94,6 +95,12 @@ def check_rates(plant: Plant, duration: float) -> None:
         )
 
 
+def memory_mark(law: ContactLaw) -> int:
+    """Give a number by which a memory is told from another law's; zero for none."""
+    names = ",".join(f"{one.name} {one.life}" for one in law.internal_variables)
+    return crc32(names.encode())
+
+
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
     """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
     if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
@@ -112,8 +119,9 @@ def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
             "state of before."
         )
     friction = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
-    kind = isinstance(law, PenaltyLaw), friction
-    if start["phase"] == TOUCHING and (start["compliant"], start["friction_kind"]) != kind:
+    kind = isinstance(law, PenaltyLaw), friction, memory_mark(law)
+    told = start["compliant"], start["friction_kind"], start["memory_of"]
+    if start["phase"] == TOUCHING and told != kind:
         raise ValueError(
             f"The start is a state in contact under a law of another kind than {law.name}; cut the run in "
             "flight to go on with another kind."

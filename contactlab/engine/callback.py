@@ -16,12 +16,12 @@ import numba
 
 from contactlab.laws.declaration import LawError
 
-Callback = tuple[Any, Callable[..., Any]]
-"""The signature of a kernel, and the Python function that is in its place within `law_errors`."""
+Callback = tuple[str, Callable[..., Any]]
+"""The name of a kernel, and the Python function that is in its place within `law_errors`."""
 
-_standing: ContextVar[tuple[dict[Any, Callable[..., Any]], list[KeyboardInterrupt]]]
+_standing: ContextVar[tuple[dict[str, Callable[..., Any]], list[KeyboardInterrupt]]]
 _standing = ContextVar("_standing")
-"""The functions behind the stand-ins by signature, and what waits until the loop has ended."""
+"""The functions behind the stand-ins by name, and what waits until the loop has ended."""
 
 
 @contextmanager
@@ -46,23 +46,25 @@ def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
         raise interrupt
 
 
-def _answer(signature: Any, given: tuple[Any, ...]) -> tuple[float, ...]:
-    """Give the numbers that the function behind a signature answers; Ctrl-C waits for the end of the loop."""
+def _answer(name: str, signature: Any, given: tuple[Any, ...]) -> Any:
+    """Give the numbers that the function behind a name answers; Ctrl-C waits for the end of the loop."""
     functions, interrupts = _standing.get()
     try:
-        answer = tuple(functions[signature](*given))
+        answer = functions[name](*given)
     except KeyboardInterrupt as error:
         interrupts.append(error)
-        answer = tuple(functions[signature](*given))
-    count = len(signature.return_type)
+        answer = functions[name](*given)
+    if isinstance(signature.return_type, numba.types.Float):
+        return float(answer)
+    answer, count = tuple(answer), len(signature.return_type)
     if len(answer) != count:
         raise TypeError(f"it gave {len(answer)} numbers, not {count}")
     return tuple(map(float, answer))
 
 
 @cache
-def stand_in(signature: Any) -> Any:
-    """Give the kernel that asks the function behind a signature."""
+def stand_in(name: str, signature: Any) -> Any:
+    """Give the kernel that asks the function behind a name."""
     names = ", ".join(f"a{i}" for i in range(len(signature.args)))
     source = (
         f"def stand_in({names}):\n"
@@ -73,7 +75,7 @@ def stand_in(signature: Any) -> Any:
     known: dict[str, Any] = {
         "objmode": numba.objmode,
         "kinds": signature.return_type,
-        "ask": partial(_answer, signature),
+        "ask": partial(_answer, name, signature),
     }
     exec(source, known)
     # It allocates, as no other kernel does.

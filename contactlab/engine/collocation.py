@@ -22,6 +22,7 @@ from contactlab.engine.friction import (
     push_node,
 )
 from contactlab.engine.kinematics import Law, Run, contact_of, free_response, tip_motion
+from contactlab.engine.memory import correct_memory, end_at, guess_memory, moment_of, recall
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, fit, largest, value_at
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
@@ -105,9 +106,9 @@ def _kinked_force(run: Run, known: Known) -> float:
         if run.state.friction_kind == RATE_DEPENDENT:
             # Friction that no bound ties to the normal force.
             most = max(most, abs(run.state.friction.node[i]))
-        ends = ends or (normal > 0.0 and forces[i] == 0.0)
+        ends = ends or (normal > 0.0 and forces[i] == 0.0) or run.step.gap[i] >= run.step.end[i]
     begins = normal == 0.0 == forces[0] and largest(forces) > 0.0
-    return most if ends or begins or largest(run.step.gap) >= 0.0 else -1.0
+    return most if ends or begins else -1.0
 
 
 @merged_kernel
@@ -125,6 +126,7 @@ def _first_forces(run: Run, stretch: float) -> None:
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
         step.internal[i] = state.internal + nodes[i] * state.length * state.internal_rate.node[i]
         push_node(run, i)
+    guess_memory(run)
 
 
 @inner_kernel
@@ -156,10 +158,11 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
         holds = (held and sweep == 1) or (sticks and not follows)
         if holds or follows:
             change = max(change, correct_friction(run, law, level, holds, least_slip))
+        flowed = correct_memory(run, law, state.length) if state.variables > 0 else 0.0
         if not np.isfinite(change):
             return 0
         least = 1e-3 * AGREEMENT * state.momentum
-        if change <= AGREEMENT * most or change * state.length <= least:
+        if flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least):
             if kind != SET_VALUED and not follows:
                 follow_bound(run, law, sign)
             fit(rule, state.normal)
@@ -168,6 +171,8 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             fit(rule, state.internal_rate)
             fit(rule, step.push_u)
             fit(rule, step.push_th)
+            fit(rule, step.push_r)
+            fit(rule, step.moment)
             return sweep
     return 0
 
@@ -185,13 +190,18 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
         th += tip_q[1, i, m] * push_u + tip_q[2, i, m] * push_th
         u_rate += tip_v[0, i, m] * push_u + tip_v[1, i, m] * push_th
         th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
-        rotor += tip_v[3, i, m] * state.friction.node[m]
+        rotor += tip_v[3, i, m] * step.push_r.node[m]
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
-    normal, bound, loss = 0.0, 0.0, 0.0
-    if gap < 0.0:
+    normal, bound, loss, moment = 0.0, 0.0, 0.0, 0.0
+    recall(run, law, i)
+    step.end[i] = end_at(run, law)
+    if gap < step.end[i]:
         seen = 0.0 if state.mode == STICK else slip
         normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         normal = sound_normal(normal, bound)
+        if state.turns != 0:
+            moment, _ = moment_of(run, law, gap, normal, (th, t_u, th_rate, rotor))
+    step.moment.node[i] = moment
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], step.loss[i] = normal, bound, loss
     step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip

@@ -9,9 +9,16 @@ from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.collocation import Known, attempt, sound_normal
 from contactlab.engine.friction import friction_and_steepness
 from contactlab.engine.kinematics import Law, Run, add_collocated, checked, contact_at
+from contactlab.engine.memory import end_at, jump, open_step, recall
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
-from contactlab.engine.rootfinding import CONE_ROUND_OFF, event_value, first_event, track_extremes
+from contactlab.engine.rootfinding import (
+    CONE_ROUND_OFF,
+    event_value,
+    first_event,
+    first_guard,
+    track_extremes,
+)
 from contactlab.engine.state import (
     CHATTERED,
     COLLOCATED,
@@ -27,6 +34,7 @@ from contactlab.engine.state import (
     value_at,
 )
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
+from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 CLOCK = 64.0 * np.finfo(np.float64).eps
 """Shortest step over the time at which it begins: below it the clock decides, and no force."""
@@ -56,6 +64,7 @@ def step_compliant(run: Run, law: Law) -> int:
     for i in range(NODES):
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
+    open_step(run, law, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
     if state.contact.duration == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         state.momentum = _impulse_scale(run, law, rate, known[0], mobility)
@@ -68,6 +77,8 @@ def step_compliant(run: Run, law: Law) -> int:
         return checked(run, NOTHING)
     remaining = state.end - state.time
     event, s = first_event(run, law, rate)
+    if state.guards > 0:
+        event, s = first_guard(run, law, event, s)
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
@@ -92,7 +103,7 @@ def _solve(
     UNSOLVED where no step, however short, satisfies the law.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(run, gap, rate, known[0])
+    level = _separation_level(run, gap - end_at(run, law), rate, known[0])
     # The shortest step at this time.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
@@ -102,7 +113,7 @@ def _solve(
         error = attempt(run, law, level, known)
         # A dip that ends before the first node would be left where it begins, still approaching,
         # unless nothing of it could be seen.
-        hidden = step.gap[0] >= 0.0 and rate * state.length < TOUCHED
+        hidden = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
         if (error > 1.0 or hidden) and (level < finest or error == np.inf):
             state.rejected_steps += 1
             level += 2 if error > 500.0 or hidden else 1
@@ -112,7 +123,9 @@ def _solve(
             # Neither slipping nor sticking fits at this length: look closer before trying again.
             flips += 1
             level += 2 * (flips // 2)
+            jump(run, law, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
+            open_step(run, law, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
         else:
             break
     else:
@@ -142,10 +155,14 @@ def _guess(run: Run, known: Known) -> None:
 def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> Known:
     """Give what is known of the forces where the step begins."""
     state = run.state
-    if gap >= 0.0:
+    for k in range(state.variables):
+        run.step.memory[START, k] = state.memory[k]
+    recall(run, law, START)
+    end = end_at(run, law)
+    if gap >= end:
         if rate >= 0.0:
             return 0.0, 0.0, 0.0, 0.0
-        gap = TOUCHED
+        gap = end + TOUCHED
     seen = slip
     if state.mode == STICK:
         seen = 0.0
@@ -157,13 +174,16 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     friction, steepness = 0.0, 0.0
     if state.friction_kind != SET_VALUED:
         at = gap, rate, slip
-        friction, steepness = friction_and_steepness(law, at, normal, state.internal)
+        friction, steepness = friction_and_steepness(law, at, end, normal, state.internal)
     return normal, bound, friction, steepness if state.friction_kind == RATE_DEPENDENT else 0.0
 
 
 @merged_kernel
 def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
-    """Give the level that walks up to a release instead of stepping over it while the force matters."""
+    """Give the level that walks up to a release instead of stepping over it while the force matters.
+
+    The gap is that over the one at which the contact ends [m].
+    """
     state, level = run.state, run.state.level
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)

@@ -68,10 +68,12 @@ def step_flight(run: Run, law: Law) -> int:
     where it has certainly opened; one that opens so slowly that round-off or the error of a rigid
     release decides its sign is followed, in steps that double from very short ones, until it is
     clear. A gap that is closed and closes faster and faster is a new contact; one that rests is none.
+    Gaps are those over the one at which the next contact begins.
     """
     state, level = run.state, run.state.level
     tip = tip_motion(run.plant, START)
     before, rate_before, _, _, _, _, _ = contact_of(run.plant, tip)
+    before -= state.begins
     coarse = coarseness(run, tip[1])
     h = step_length(run.propagator, level)
     bound = curvature_bound(run, tip, h)
@@ -88,6 +90,7 @@ def step_flight(run: Run, law: Law) -> int:
     build_level(run.plant, run.propagator, level)
     free_response(run, level, LAST)
     gap, rate, _, _, _, _, _ = contact_at(run.plant, LAST)
+    gap -= state.begins
     state.flight_steps += 1
     touch = NO_TOUCH
     if state.phase == OPEN:
@@ -95,6 +98,7 @@ def step_flight(run: Run, law: Law) -> int:
     elif opening > 0.0:
         state.phase = OPEN
         before, rate_before, _, _, _, _, _ = contact_after(run, opening)
+        before -= state.begins
         touch = _first_touch(run, law, (opening, before, rate_before), (h, gap, rate), bound, coarse)
     elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0 and rate < rate_before:
         touch = h
@@ -219,4 +223,5 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
             halvings += 1
             b = 0.5 * (a + b)
             gap_b, rate_b, _, _, _, _, _ = contact_after(run, b)
+            gap_b -= run.state.begins
     return LOST

@@ -15,7 +15,7 @@ from contactlab.engine.kinematics import contacts_from
 from contactlab.engine.plant import modes_of
 from contactlab.engine.preparation import Prepared, fresh_state, overlap_at, phase_at, prepared
 from contactlab.engine.simulation import STEPS_PER_CALL
-from contactlab.engine.state import RUNNING, SAMPLE, START, STATE
+from contactlab.engine.state import RUNNING, START, STATE
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import Motor
 
@@ -73,14 +73,16 @@ class Flow:
         motions[:, 1, -1] = -rotor_velocity * radius / row
         states: Any = np.repeat(self._fresh, len(motions))
         contacts = contacts_from(ready.plant, motions[:, 0], motions[:, 1])
-        states["phase"] = [phase_at(gap, rate) for gap, rate, _ in contacts]
+        begins = float(self._fresh[0]["begins"])
+        states["phase"] = [phase_at(gap - begins, rate) for gap, rate, _ in contacts]
         messages = [overlap_at(gap, ready.law) for gap, _, _ in contacts]
         going = np.flatnonzero([not message for message in messages])
         run = ready.run_of(self._fresh[0])
+        records = ready.records(0, run)
         while going.size:
             # What waits here for Ctrl-C is as long as one run's wait, however many there are.
             some, moved = states[going], motions[going]
-            ready.advance(run, some, moved, np.zeros(0, SAMPLE), max(STEPS_PER_CALL // going.size, 1))
+            ready.advance(run, some, moved, records, max(STEPS_PER_CALL // going.size, 1))
             some["stored"] = 0
             states[going], motions[going] = some, moved
             going = going[(some["time"] < some["end"]) & (some["ending"] == RUNNING)]

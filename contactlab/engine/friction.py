@@ -15,9 +15,10 @@ from typing import Final, cast
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.linear import solve_linear
+from contactlab.engine.memory import end_at, memory_at, recall
 from contactlab.engine.state import NODES, internal_at, value_at
 from contactlab.laws.base import Forces
 from contactlab.laws.memory import EVEN
@@ -37,10 +38,13 @@ HELD_SLIP = 1e-9
 
 @part_kernel
 def push_node(run: Run, i: int) -> None:
-    """Set the generalised forces of node i from its normal force and friction."""
+    """Set the generalised forces of node i from its normal force, friction and moment."""
     step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
+    moment = step.moment.node[i]
     step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
-    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
+    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i] + moment
+    # The rotor's row carries forces at its radius.
+    step.push_r.node[i] = friction + moment / run.plant.geometry.radius
 
 
 @inner_kernel
@@ -57,26 +61,28 @@ def mobility(run: Run, level: int, i: int, m: int) -> float:
 
 
 @inner_kernel
-def friction_at(law: Law, at: tuple[float, float, float], normal: float, internal: float) -> Forces:
+def friction_at(
+    law: Law, at: tuple[float, float, float], end: float, normal: float, internal: float
+) -> Forces:
     """Give the law's friction at gap, gap rate and slip, a normal force and an internal variable.
 
-    It is zero where there is no contact.
+    It is zero where there is no contact, from the gap `end` on [m].
     """
     gap, rate, slip = at
-    if gap >= 0.0:
+    if gap >= end:
         return 0.0, 0.0, 0.0, 0.0
     return law.friction(gap, rate, slip, normal, internal, law.parameters)
 
 
 @inner_kernel
 def friction_and_steepness(
-    law: Law, at: tuple[float, float, float], normal: float, internal: float
+    law: Law, at: tuple[float, float, float], end: float, normal: float, internal: float
 ) -> tuple[float, float]:
     """Give friction [N], and how steeply it falls with the slip [N s/m], zero where it rises."""
     gap, rate, slip = at
-    friction = friction_at(law, at, normal, internal)[0]
+    friction = friction_at(law, at, end, normal, internal)[0]
     dv = _nudge_of(slip, HELD_SLIP)
-    steeper = friction_at(law, (gap, rate, slip + dv), normal, internal)[0]
+    steeper = friction_at(law, (gap, rate, slip + dv), end, normal, internal)[0]
     return friction, max((friction - steeper) / dv, 0.0)
 
 
@@ -84,27 +90,6 @@ def friction_and_steepness(
 def _nudge_of(slip: float, least: float) -> float:
     """Give the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
     return (NUDGE if slip >= 0.0 else -NUDGE) * (abs(slip) + least)
-
-
-@merged_kernel
-def _solve_linear(system: Array, n: int) -> None:
-    """Solve n linear equations in place, their right side in column n, with row pivots."""
-    for p in range(n):
-        best = p
-        for row in range(p + 1, n):
-            if abs(system[row, p]) > abs(system[best, p]):
-                best = row
-        for column in range(p, n + 1):
-            held = system[p, column]
-            system[p, column] = system[best, column]
-            system[best, column] = held
-        for row in range(n):
-            if row != p:
-                ratio = system[row, p] / system[p, p]
-                for column in range(p, n + 1):
-                    system[row, column] -= ratio * system[p, column]
-    for p in range(n):
-        system[p, n] /= system[p, p]
 
 
 @inner_kernel
@@ -138,10 +123,11 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
         way = NUDGE if slip >= 0.0 or state.parity == EVEN else -NUDGE
         dv = _nudge_of(slip, least)
         dz = way * (abs(z) + LEAST_INTERNAL)
-        normal = state.normal.node[i]
-        f, g, _, _ = friction_at(law, (gap, rate, slip), normal, z)
-        f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), normal, z)
-        f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), normal, z + dz)
+        normal, end = state.normal.node[i], step.end[i]
+        recall(run, law, i)
+        f, g, _, _ = friction_at(law, (gap, rate, slip), end, normal, z)
+        f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal, z)
+        f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), end, normal, z + dz)
         f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
         for m in range(NODES):
             s = mobility(run, level, i, m)
@@ -152,7 +138,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
             system[NODES + i, NODES + m] = derivative[i, m] - h * g_z * same
         system[i, right] = f - state.friction.node[i]
         system[NODES + i, right] = h * (g - _internal_rate(run, i))
-    _solve_linear(system, right)
+    solve_linear(system, right)
     most = 0.0
     for i in range(NODES):
         change = system[i, right]
@@ -172,14 +158,16 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
     state, step = run.state, run.step
     for i in range(NODES):
         at = step.gap[i], step.gap_rate[i], step.slip[i]
-        stiffness = friction_at(law, at, state.normal.node[i], 0.0)[3]
+        recall(run, law, i)
+        stiffness = friction_at(law, at, step.end[i], state.normal.node[i], 0.0)[3]
         bound = state.bound.node[i]
         step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
     for i in range(NODES):
         at = step.gap[i], step.gap_rate[i], step.slip[i]
         state.internal_rate.node[i] = _internal_rate(run, i)
-        if step.gap[i] < 0.0:
-            stretching = friction_at(law, at, state.normal.node[i], step.internal[i])[1]
+        if step.gap[i] < step.end[i]:
+            recall(run, law, i)
+            stretching = friction_at(law, at, step.end[i], state.normal.node[i], step.internal[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
 
 
@@ -197,9 +185,11 @@ def missed_between(run: Run, law: Law, yielding: float) -> float:
     for i in range(NODES - 1):
         x = 0.5 * (nodes[i] + nodes[i + 1])
         gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
-        if gap < 0.0:
+        memory_at(run, law, x * state.length)
+        end = end_at(run, law)
+        if gap < end:
             normal, internal = max(value_at(state.normal, x), 0.0), internal_at(state, x)
-            friction, steepness = friction_and_steepness(law, (gap, rate, slip), normal, internal)
+            friction, steepness = friction_and_steepness(law, (gap, rate, slip), end, normal, internal)
             missed = abs(friction - value_at(state.friction, x))
             most = max(most, missed / (1.0 + steepness * yielding))
     return most

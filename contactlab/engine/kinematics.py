@@ -47,12 +47,22 @@ class Run(NamedTuple):
 
 
 class Law(NamedTuple):
-    """The kernels of a law, idle ones for those that it lacks, and its parameters."""
+    """The kernels of a law, idle ones for those that it lacks, and the row that they read.
+
+    The row is the law's parameters; before them it has what the law remembers and is told, which is the
+    `memory` here: what is written there, the kernels see.
+    """
 
     force: PenaltyKernel
     friction: FrictionKernel
     solve: MultiplierKernel
+    rate: Any
+    guard: Any
+    jump: Any
+    limits: Any
+    moment: Any
     parameters: Array
+    memory: Array
 
 
 @part_kernel
@@ -139,9 +149,9 @@ def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: floa
 
 
 @part_kernel
-def _modal_force(mode: Any, u: float, th: float, tangential: float) -> float:
-    """Give what generalised forces along u and th and a friction do to a coordinate."""
-    return float(mode.row_u * u + mode.row_th * th + mode.row_r * tangential)
+def _modal_force(mode: Any, u: float, th: float, rotor: float) -> float:
+    """Give what generalised forces along u and th and the rotor's row do to a coordinate."""
+    return float(mode.row_u * u + mode.row_th * th + mode.row_r * rotor)
 
 
 @part_kernel
@@ -197,7 +207,7 @@ def flow_to(run: Run, s: float) -> None:
             if d > 0:
                 scale *= d / h
             u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
-            push = scale * _modal_force(mode, u, th, state.friction.coefficient[d])
+            push = scale * _modal_force(mode, u, th, step.push_r.coefficient[d])
             q += push * integrals[d + 2]
             v += push * integrals[d + 1]
         mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q, v, 1.0)
@@ -237,10 +247,10 @@ def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
     for m in range(NODES):
-        u, th, friction = step.push_u.node[m], step.push_th.node[m], run.state.friction.node[m]
+        u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
         for j in range(run.plant.mode_count):
             mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-            push = _modal_force(mode, u, th, friction)
+            push = _modal_force(mode, u, th, rotor)
             for i in range(NODES):
                 mode.v[i] += response.answer_v[i, m] * push
             mode.q[LAST] += response.answer_q[LAST, m] * push
@@ -250,10 +260,10 @@ def add_collocated(run: Run, level: int) -> None:
 def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
     """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
     step = run.step
-    u, th, friction = step.push_u.node[0], step.push_th.node[0], run.state.friction.node[0]
+    u, th, rotor = step.push_u.node[0], step.push_th.node[0], step.push_r.node[0]
     for j in range(run.plant.mode_count):
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-        push = _modal_force(mode, u, th, friction)
+        push = _modal_force(mode, u, th, rotor)
         if displacement:
             mode.q[LAST] += response.hold[LAST, 0] * push
         if rates:

@@ -14,31 +14,57 @@ from weakref import WeakKeyDictionary
 from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, remade
 from contactlab.engine.callback import Callback, stand_in
 from contactlab.engine.obstacle import obstacle
+from contactlab.engine.rows import SIGNATURES, own_signature, reading_row
 from contactlab.fingerprint import Fingerprint, is_own
+from contactlab.laws.base import ContactLaw
+from contactlab.laws.intake import has_row
 
 _made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
 """Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
 
 
-def compiled(function: Any, signature: Any) -> tuple[Any, Callback | None]:
-    """Give a kernel with this signature, and the callback behind it where the function is interpreted.
+def compiled(law: ContactLaw, name: str, function: Any) -> tuple[Any, Callback | None]:
+    """Give one of a law's kernels as the loop takes it, and the callback behind it if that is interpreted.
 
-    The function is a compiled kernel of this package, which is given back, or any callable.
+    The function is a compiled kernel of this package, which is given back unless it has to be asked through
+    a row, or any callable.
     """
+    signature, rows = SIGNATURES[name], has_row(law)
+    shape = len(law.remembered), getattr(law, "friction_variable", None) is None
     if INTERPRETED:
-        return function, None
+        return (reading_row(name, function, *shape) if rows else function), None
+    kernel = _compiled(function, own_signature(law, name))
+    if isinstance(kernel, str):
+        plain = getattr(function, "py_func", function)
+        _say_once(
+            f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({kernel}), so "
+            "the Python interpreter runs it: a call takes microseconds, that of a compiled kernel some ns."
+        )
+        return stand_in(name, signature), (name, reading_row(name, plain, *shape) if rows else plain)
+    return (_reading_row(name, kernel, *shape) if rows else kernel), None
+
+
+def idle(name: str, kernel: Any) -> Any:
+    """Give a kernel of this package that stands for one that a law lacks."""
+    if not INTERPRETED:
+        _compile(kernel, SIGNATURES[name])
+    return kernel
+
+
+@lru_cache(maxsize=256)
+def _reading_row(name: str, kernel: Any, count: int, of_three: bool) -> Any:
+    made = fleeting_kernel(reading_row(name, kernel, count, of_three))
+    _compile(made, SIGNATURES[name])
+    return made
+
+
+def _compiled(function: Any, signature: Any) -> Any:
+    """Give the compiled function; where there is an obstacle, give that in words."""
     plain = getattr(function, "py_func", function)
     if plain is not function and is_own(plain) and not plain.__closure__:
         _compile(function, signature)
-        return function, None
-    kernel = _made(Fingerprint(function), signature)
-    if not isinstance(kernel, str):
-        return kernel, None
-    _say_once(
-        f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({kernel}), so the "
-        "Python interpreter runs it: a call takes microseconds, that of a compiled kernel some ns."
-    )
-    return stand_in(signature), (signature, plain)
+        return function
+    return _made(Fingerprint(function), signature)
 
 
 @lru_cache(maxsize=256)

@@ -5,7 +5,7 @@ address, as first-class functions of one type, and is so compiled once for all l
 """
 
 import sys
-from typing import Any
+from typing import Any, Final, NamedTuple, final
 
 import numba
 import numpy as np
@@ -16,11 +16,14 @@ from contactlab.engine.callback import Callback, law_errors
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.flight import step_flight
 from contactlab.engine.kinematics import Law, Run, begin, contact_at
-from contactlab.engine.law_kernels import compiled
+from contactlab.engine.law_kernels import compiled, idle
+from contactlab.engine.memory import jump, leave
 from contactlab.engine.recorder import commit
 from contactlab.engine.rigid import step_rigid
+from contactlab.engine.rows import SIGNATURES
 from contactlab.engine.state import (
     CONE,
+    GUARD,
     PRESSED,
     RELEASE,
     RELEASED,
@@ -32,29 +35,24 @@ from contactlab.engine.state import (
     TOUCH,
     TOUCHING,
 )
-from contactlab.laws.base import (
-    FREE,
-    FRICTION_SIGNATURE,
-    MULTIPLIER_SIGNATURE,
-    PENALTY_SIGNATURE,
-    RATE_DEPENDENT,
-    SLIP,
-    STICK,
-    ContactLaw,
-    MultiplierLaw,
-    PenaltyLaw,
-)
+from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, ContactLaw, PenaltyLaw
 from contactlab.laws.intake import function_of
+from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 
 TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
-NO_FORCE = kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0, 0.0, 0.0))
-NO_FRICTION = kernel(lambda _1, _2, _3, _4, _5, _6: (0.0, 0.0, 0.0, 0.0))
-NO_IMPULSE = kernel(lambda _1, _2, _3, _4, _5, _6, _7, _8: (0.0, 0.0, 0))
-"""Kernels that stand for those that a law lacks."""
-
-SIGNATURES = PENALTY_SIGNATURE, FRICTION_SIGNATURE, MULTIPLIER_SIGNATURE
+IDLE: Final = {
+    "force": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0, 0.0, 0.0)),
+    "friction_force": kernel(lambda _1, _2, _3, _4, _5, _6: (0.0, 0.0, 0.0, 0.0)),
+    "solve": kernel(lambda _1, _2, _3, _4, _5, _6, _7, _8: (0.0, 0.0, 0)),
+    "rate": kernel(lambda _1, _2, _3, _4, _5, _6: 0.0),
+    "guard": kernel(lambda _1, _2, _3, _4, _5, _6: 1.0),
+    "jump": kernel(lambda k, _1, _2, _3, _4, _5, row: row[k]),
+    "limits": kernel(lambda _: (0.0, 0.0)),
+    "moment": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0)),
+}
+"""Kernels that stand for those that a law lacks: nothing acts, and what is remembered stays."""
 
 _compiled: set[object] = set()
 """Loops with the rooms for coordinates and tones that they are compiled for."""
@@ -62,16 +60,20 @@ _compiled: set[object] = set()
 
 def kernels_of(law: ContactLaw) -> tuple[tuple[Any, ...], tuple[Callback, ...]]:
     """Give the law's kernels, idle ones for those that it lacks, and the callbacks of interpreted ones."""
-    functions: list[Any] = [NO_FORCE, NO_FRICTION, NO_IMPULSE]
-    with law_errors(law.name):
-        if isinstance(law, PenaltyLaw):
-            functions[0] = function_of(law, "force")
-            if law.friction_force is not None:
-                functions[1] = function_of(law, "friction_force")
-        if isinstance(law, MultiplierLaw):
-            functions[2] = function_of(law, "solve")
-    kernels, callbacks = zip(*map(compiled, functions, SIGNATURES), strict=True)
-    return kernels, tuple(each for each in callbacks if each is not None)
+    kernels: list[Any] = []
+    callbacks: list[Callback] = []
+    needed = "force" if isinstance(law, PenaltyLaw) else "solve"
+    for name, nothing in IDLE.items():
+        with law_errors(law.name):
+            own = name == needed or getattr(law, name, None) is not None
+            function = function_of(law, name) if own else None
+        if function is None:
+            kernels.append(idle(name, nothing))
+            continue
+        found, callback = compiled(law, name, function)
+        kernels.append(found)
+        callbacks += [callback] if callback else []
+    return tuple(kernels), tuple(callbacks)
 
 
 def loop_for(law: ContactLaw, run: Run) -> Any:
@@ -88,14 +90,29 @@ def loop_for(law: ContactLaw, run: Run) -> Any:
             flush=True,
         )
     # Left to itself the compiler would take each law for a type of its own.
-    laws = map(numba.types.FunctionType, SIGNATURES)
-    memory = np.zeros(1, STATE), np.zeros((1, 2, 1)), np.zeros(1, SAMPLE)
-    given = numba.typeof(run), *map(numba.typeof, memory), *laws
+    kernels = map(numba.types.FunctionType, SIGNATURES.values())
+    row = SIGNATURES["force"].args[-1]
+    memory = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
+    given = numba.typeof(run), *map(numba.typeof, memory), *kernels
     loop.disable_compile(False)
-    loop.compile((*given, PENALTY_SIGNATURE.args[-1], numba.types.int64))
+    loop.compile((*given, row, row.copy(readonly=False), numba.types.int64))
     loop.disable_compile()
     _compiled.add(room)
     return loop
+
+
+@final
+class Records(NamedTuple):
+    """What a run writes: its series, and the internal variables at records and at the ends of contacts."""
+
+    series: Any
+    traces: Array
+    ends: Array
+
+    @classmethod
+    def of(cls, records: int, contacts: int, variables: int) -> "Records":
+        """Give room for so many of each."""
+        return cls(np.zeros(records, SAMPLE), np.zeros((records, variables)), np.zeros((contacts, variables)))
 
 
 @kernel
@@ -103,27 +120,33 @@ def advance_compliant(
     run: Run,
     states: Any,
     motions: Array,
-    series: Any,
+    records: Records,
     force: Any,
     friction: Any,
     solve: Any,
+    rate: Any,
+    guard: Any,
+    jumps: Any,
+    limits: Any,
+    moment: Any,
     parameters: Array,
+    memory: Array,
     budget: int,
 ) -> None:
     """Run a penalty law, start after start, until the end, an ending, full contact storage or so many steps.
 
     States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
-    Call it again to go on: they and the series hold all that there is, however often a run is cut.
+    Call it again to go on: they and the records hold all that there is, however often a run is cut.
     """
-    law = Law(force, friction, solve, parameters)
+    law = Law(force, friction, solve, rate, guard, jumps, limits, moment, parameters, memory)
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
-        while left > 0 and _opens_step(each):
+        while left > 0 and _opens_step(each, law):
             touching = each.state.phase == TOUCHING
             event = step_compliant(each, law) if touching else step_flight(each, law)
-            commit(each, law, series)
-            _act(each, event)
+            commit(each, law, records.series, records.traces)
+            _act(each, law, records.ends, event)
             left -= 1
         _leave_at(each, motions[i])
 
@@ -133,23 +156,29 @@ def advance_rigid(
     run: Run,
     states: Any,
     motions: Array,
-    series: Any,
+    records: Records,
     force: Any,
     friction: Any,
     solve: Any,
+    rate: Any,
+    guard: Any,
+    jumps: Any,
+    limits: Any,
+    moment: Any,
     parameters: Array,
+    memory: Array,
     budget: int,
 ) -> None:
     """Run a multiplier law, see `advance_compliant`."""
-    law = Law(force, friction, solve, parameters)
+    law = Law(force, friction, solve, rate, guard, jumps, limits, moment, parameters, memory)
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
-        while left > 0 and _opens_step(each):
+        while left > 0 and _opens_step(each, law):
             touching = each.state.phase == TOUCHING
             event = step_rigid(each, law) if touching else step_flight(each, law)
-            commit(each, law, series)
-            _act(each, event)
+            commit(each, law, records.series, records.traces)
+            _act(each, law, records.ends, event)
             left -= 1
         _leave_at(each, motions[i])
 
@@ -171,7 +200,7 @@ def _leave_at(run: Run, motion: Array) -> None:
 
 
 @inner_kernel
-def _opens_step(run: Run) -> bool:
+def _opens_step(run: Run, law: Law) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state, step = run.state, run.step
     full = state.stored >= step.contacts.size - 1
@@ -184,20 +213,30 @@ def _opens_step(run: Run) -> bool:
             mode = run.plant.modes[j]
             mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
     if state.phase == PRESSED:
-        _open_contact(run)
+        _open_contact(run, law)
     begin(run)
     return True
 
 
 @inner_kernel
-def _act(run: Run, event: int) -> None:
+def _act(run: Run, law: Law, ends: Array, event: int) -> None:
     """Open, close or switch the contact after the event of a committed step."""
     state = run.state
     if event == TOUCH:
-        _open_contact(run)
+        _open_contact(run, law)
     elif event in (REVERSAL, CONE):
         switch_friction(state, event)
+        jump(run, law, AT_STICK if event == REVERSAL else AT_SLIP)
+    elif event == GUARD:
+        jump(run, law, state.guard)
+        # No polynomial goes on over a jump.
+        state.level_before = state.level + 1
+        count_event(state)
     elif event == RELEASE:
+        _note_memory(state, ends)
+        if state.lasts == 0:
+            state.internal = state.first_internal
+        jump(run, law, AT_RELEASE)
         state.contact.separation_velocity = contact_at(run.plant, START)[1]
         if state.contact.duration > 0.0:
             run.step.contacts[state.stored] = state.contact
@@ -207,10 +246,24 @@ def _act(run: Run, event: int) -> None:
             state.touchdowns -= 1
         state.mode, state.phase = FREE, RELEASED
         state.level = run.propagator.rule.fresh_level
+        leave(run, law)
+    elif state.switched != 0:
+        jump(run, law, state.switched)
+        state.switched = 0
+    elif state.mode == FREE:
+        leave(run, law)
 
 
 @inner_kernel
-def _open_contact(run: Run) -> None:
+def _note_memory(state: Any, ends: Array) -> None:
+    """Keep the internal variables at the end of a contact with its row."""
+    own = ends.shape[1] - state.variables
+    for k in range(ends.shape[1]):
+        ends[state.stored, k] = state.memory[k - own] if k >= own else state.internal
+
+
+@inner_kernel
+def _open_contact(run: Run, law: Law) -> None:
     """Start a contact at the present state, some levels below that of the contact step."""
     state, contact = run.state, run.state.contact
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
@@ -218,10 +271,11 @@ def _open_contact(run: Run) -> None:
     contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
     contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
     contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
-    state.normal_before, state.friction_before, state.internal = 0.0, 0.0, 0.0
+    state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     state.mode = SLIP if slip != 0.0 or state.friction_kind == RATE_DEPENDENT else STICK
     state.sign = 1 if slip > 0.0 else -1
     state.level = run.propagator.rule.contact_level + state.compliant * TOUCH_REFINEMENT
     state.touchdowns += 1
     count_event(state)
+    jump(run, law, AT_TOUCH)

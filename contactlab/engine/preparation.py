@@ -4,21 +4,27 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
-from typing import Any, NamedTuple, final
+from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.engine.arguments import check_kinds, check_numbers, check_rates, default_contact_step
+from contactlab.engine.arguments import (
+    check_kinds,
+    check_numbers,
+    check_rates,
+    default_contact_step,
+    memory_mark,
+)
 from contactlab.engine.callback import law_errors
 from contactlab.engine.explanation import explain
 from contactlab.engine.kinematics import Run
-from contactlab.engine.loop import TOUCH_REFINEMENT, kernels_of, loop_for
+from contactlab.engine.loop import IDLE, TOUCH_REFINEMENT, Records, kernels_of, loop_for
 from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import check_answers, check_words, guarded, kernel_parameters
+from contactlab.laws.intake import GUARDS, check_answers, check_words, guarded, memory_size, row_of
 from contactlab.laws.memory import ODD
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
@@ -32,6 +38,9 @@ ON_GRID = 1e-6
 
 _sound: deque[object] = deque(maxlen=64)
 """What the last laws that were taken in are made of: they answered as a law must."""
+
+LIMITS: Final = tuple(IDLE).index("limits")
+"""Where the kernel of limits is among a law's."""
 
 _workspace = Workspace()
 """Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
@@ -52,22 +61,37 @@ class Prepared(NamedTuple):
     propagator: Propagator
     kernels: tuple[Any, ...]
     parameters: Array
+    memory: Array
+    """The part of the parameters that is the law's memory, as `Law` has it."""
     errors: LawErrors
 
     def run_of(self, state: Any) -> Run:
         """Give the context of a run in a state."""
-        return Run(self.plant, self.propagator, state, one(STEP))
+        run = Run(self.plant, self.propagator, state, one(STEP))
+        for k, variable in enumerate(self.law.remembered):
+            run.step["memory_first"][k] = variable.initial
+            run.step["memory_lasts"][k] = variable.life == "run"
+        return run
 
-    def advance(self, run: Run, states: Any, motions: Array, records: Any, budget: int) -> None:
+    def records(self, count: int, run: Run) -> Records:
+        """Give room for so many records of a run, and for its contacts."""
+        return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables))
+
+    def advance(self, run: Run, states: Any, motions: Array, records: Records, budget: int) -> None:
         """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
         loop = loop_for(self.law, run)
         with self.errors():
-            loop(run, states, motions, records, *self.kernels, self.parameters, budget)
+            loop(run, states, motions, records, *self.kernels, self.parameters, self.memory, budget)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Give the ending of a run that stopped by itself, and a sentence on it."""
+        self._recall(run.state)
         with self.errors():
             return explain(run, self.kernels, self.parameters, self.contact_step)
+
+    def _recall(self, state: Any) -> None:
+        count = len(self.law.remembered)
+        self.memory[:count] = state["memory"][:count]
 
     def set_up(self, state: Any, interval: float) -> None:
         """Set clock, grid of records, ladder, pace and what the kernels know of a law beside its own.
@@ -88,14 +112,29 @@ class Prepared(NamedTuple):
             state["level_before"] = state["level"] + 1
             state["longest"], state["contact_level"] = rule.longest, rule.contact_level
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
+        self._set_memory(state)
         if isinstance(law, PenaltyLaw):
             own = law.friction_variable
             state["friction_kind"], state["parity"] = law.friction_kind, own.parity if own else ODD
+            state["limited"], state["turns"] = law.limits is not None, law.moment is not None
         if isinstance(law, MultiplierLaw):
-            state["projects"] = law.projects
+            state["projects"], state["told"] = law.projects, law.told
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
+
+    def _set_memory(self, state: Any) -> None:
+        """Let what is remembered go on, or begin where it is another law's."""
+        law, own = self.law, self.law.friction_variable
+        state["variables"], state["guards"] = len(law.remembered), law.guards
+        state["first_internal"], state["lasts"] = (own.initial, own.life == "run") if own else (0.0, 0)
+        if state["memory_of"] != (whose := memory_mark(law)):
+            state["memory_of"], state["kept"], state["internal"] = whose, 0, state["first_internal"]
+            state["memory"][: len(law.remembered)] = [one.initial for one in law.remembered]
+        self._recall(state)
+        if not state["kept"]:
+            with self.errors():
+                state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
 
 
 def prepared(
@@ -112,24 +151,25 @@ def prepared(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, interval, contact_step, tolerance)
-    parameters, kernels, errors = take_in(law)
+    parameters, memory, kernels, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
     exact = isinstance(law, MultiplierLaw)
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    return Prepared(law, duration, contact_step, tolerance, plant, propagator, kernels, parameters, errors)
+    made = plant, propagator, kernels, parameters, memory, errors
+    return Prepared(law, duration, contact_step, tolerance, *made)
 
 
-def take_in(law: ContactLaw) -> tuple[Array, tuple[Any, ...], LawErrors]:
-    """Give a law's parameters between guards and its kernels, see `kernels_of`.
+def take_in(law: ContactLaw) -> tuple[Array, Array, tuple[Any, ...], LawErrors]:
+    """Give what a law's kernels read, between guards, its part that is memory, and the kernels.
 
     Raises:
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     with law_errors(law.name):
         check_words(law)
-        parameters = kernel_parameters(law)
+        parameters = row_of(law)
     kernels, callbacks = kernels_of(law)
     errors = partial(law_errors, law.name, *callbacks)
     friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
@@ -139,11 +179,14 @@ def take_in(law: ContactLaw) -> tuple[Array, tuple[Any, ...], LawErrors]:
         with errors():
             check_answers(law, parameters, *kernels)
         _sound.append(made_of)
-    return guarded(parameters), kernels, errors
+    # What the law may only read, the engine writes.
+    row = guarded(parameters)
+    memory: Any = row.base
+    return row, memory[GUARDS : GUARDS + memory_size(law)], kernels, errors
 
 
 def phase_at(gap: float, rate: float) -> int:
-    """Give the phase of a motion that starts with a gap [m] and a gap rate [m/s]."""
+    """Give the phase of a motion that starts with a gap [m], over that of a touch-down, and a rate [m/s]."""
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
         return PRESSED
     return OPEN if gap > 0.0 else RELEASED

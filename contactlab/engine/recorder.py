@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame, tip_motion
+from contactlab.engine.memory import end_at, memory_at, moment_of
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
@@ -53,7 +54,7 @@ Terms = tuple[float, float, float, float, float, float, float]
 
 
 @part_kernel
-def commit(run: Run, law: Law, series: Any) -> None:
+def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, step, plant = run.state, run.step, run.plant
     s = state.taken
@@ -74,7 +75,7 @@ def commit(run: Run, law: Law, series: Any) -> None:
             due = state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
-        _write_record(run, law, series, max(min(due - start, s), 0.0))
+        _write_record(run, law, series, traces, max(min(due - start, s), 0.0))
     total, row = state.total, state.contact
     total.drive_work += drive
     total.damping_loss += damping
@@ -92,6 +93,9 @@ def commit(run: Run, law: Law, series: Any) -> None:
     state.time = now
     if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
         state.internal = internal_at(state, s / state.length)
+    memory_at(run, law, s)
+    for k in range(state.variables):
+        state.memory[k] = step.memory[BETWEEN, k]
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
@@ -100,18 +104,21 @@ def commit(run: Run, law: Law, series: Any) -> None:
 
 
 @inner_kernel
-def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
+def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> None:
     """Write the next record, at time s of the step, and leave the state there BETWEEN."""
     state, lengths, total = run.state, run.plant.geometry, run.state.total
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
-    u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
-    gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
-    stored, held = 0.0, 0.0
-    if run.step.kind == COLLOCATED and gap < 0.0:
+    u, th, _, th_rate, rotor = tip_motion(run.plant, BETWEEN)
+    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, BETWEEN)
+    memory_at(run, law, s)
+    stored, held, internal = 0.0, 0.0, state.internal
+    if run.step.kind == COLLOCATED and gap < end_at(run, law):
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
             internal = internal_at(state, s / state.length)
             held = law.friction(gap, rate, slip, normal, internal, law.parameters)[2]
+        if state.turns != 0:
+            held += moment_of(run, law, gap, normal, (th, t_u, th_rate, rotor))[1]
     angle = 0.0
     for j in range(run.plant.mode_count):
         angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
@@ -132,6 +139,9 @@ def _write_record(run: Run, law: Law, series: Any, s: float) -> None:
     row.load_work = total.load_work + load
     row.contact_mode = state.mode
     state.held_energy = held
+    own = traces.shape[1] - state.variables
+    for k in range(traces.shape[1]):
+        traces[state.recorded, k] = run.step.memory[BETWEEN, k - own] if k >= own else internal
     state.recorded += 1
 
 
@@ -181,8 +191,13 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
                 loss = -normal * rate
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
+                memory_at(run, law, at)
                 loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
         friction -= weight * tangential * slip
+        if state.turns != 0:
+            moment = step.moment.node[i] if whole else value_at(step.moment, at / state.length)
+            _, _, _, th_rate, rotor = tip_motion(run.plant, place)
+            friction -= weight * moment * (th_rate + rotor / run.plant.geometry.radius)
         contact += weight * loss
         p_n += weight * normal
         p_t += weight * tangential

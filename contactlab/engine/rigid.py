@@ -26,11 +26,13 @@ from contactlab.engine.kinematics import (
     free_response,
     rates_in_frame,
 )
+from contactlab.engine.memory import recall
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
-from contactlab.laws.base import SLIP
+from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.lagrange import wedges
+from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 NONE, ONE, SEVERAL = range(3)
 """How many answers the step of a law has; what is none and what are several see `wedges`."""
@@ -54,6 +56,8 @@ def step_rigid(run: Run, law: Law) -> int:
     gap, gap_rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.max_penetration = max(contact.max_penetration, -gap)
     impact = contact.duration == 0.0
+    for k in range(state.variables):
+        run.step.memory[START, k] = state.memory[k]
     while True:
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
         # Over a long step a graze seems to open by itself; the approach it began with must still be met.
@@ -76,7 +80,11 @@ def step_rigid(run: Run, law: Law) -> int:
         # The gap is closed still and opens by itself.
         normal, friction, mode = 0.0, 0.0, SLIP
     _hold_forces(run, normal, friction)
-    state.taken, state.mode = min(taken, state.end - state.time), mode
+    state.taken, before = min(taken, state.end - state.time), state.mode
+    state.switched = 0
+    if mode != before and count != NONE and event == NOTHING:
+        state.switched = AT_STICK if mode == STICK else AT_SLIP
+    state.mode = mode
     state.wedged_steps += 1 if count == SEVERAL else 0
     if count != NONE and event == NOTHING:
         add_held(run, level, not projects, True)
@@ -145,6 +153,10 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
         nt += mobility * normal * tangential
         tt += mobility * tangential * tangential
     normal_rate, tangential_rate = rates_in_frame(run, LAST)
+    if state.told != 0:
+        recall(run, law, START)
+        law.memory[state.variables] = state.length
+        law.memory[state.variables + 1] = 1.0 if state.contact.duration == 0.0 else 0.0
     p_n, p_t, friction_mode = law.solve(
         normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, law.parameters
     )
@@ -166,3 +178,4 @@ def _hold_forces(run: Run, normal: float, friction: float) -> None:
     push_node(run, 0)
     hold(run.step.push_u, run.step.push_u.node[0])
     hold(run.step.push_th, run.step.push_th.node[0])
+    hold(run.step.push_r, run.step.push_r.node[0])

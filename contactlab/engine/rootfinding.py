@@ -3,13 +3,16 @@
 from contactlab.compiled import inner_kernel
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.memory import end_at, guard_at, memory_at
 from contactlab.engine.state import (
     CONE,
+    GUARD,
     NODES,
     NOTHING,
     PEAK,
     RELEASE,
     REVERSAL,
+    TOUCH,
     internal_at,
     largest,
     slope_at,
@@ -36,15 +39,21 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
         return value_at(state.bound, x) - abs(value_at(state.friction, x))
     if event == PEAK:
         return slope_at(state.normal, x)
+    if event == GUARD:
+        return guard_at(run, law, s)
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
-    if event != REVERSAL:
-        return gap
-    if state.friction_kind == SET_VALUED or gap >= 0.0:
+    if event == TOUCH:
+        return gap - state.begins
+    memory_at(run, law, s)
+    end = end_at(run, law)
+    if event == RELEASE:
+        return gap - end
+    if state.friction_kind == SET_VALUED or gap >= end:
         return slip
     normal = max(value_at(state.normal, x), 0.0)
-    stretching = friction_at(law, (gap, rate, slip), normal, internal_at(state, x))[1]
+    stretching = friction_at(law, (gap, rate, slip), end, normal, internal_at(state, x))[1]
     return stretching - value_at(state.internal_rate, x)
 
 
@@ -96,7 +105,7 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     slides = largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
-        gap, now = step.gap[i], step.gap_rate[i]
+        opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
         first, s, until = NOTHING, right, right
         for event in (CONE, REVERSAL, SUMMIT, RELEASE):
             if event == CONE:
@@ -105,10 +114,10 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
             elif event == REVERSAL:
                 happened = slides and state.sign * step.sliding[i] < 0.0
             elif event == SUMMIT:
-                happened = before > 0.0 > now and gap < 0.0
+                happened = before > 0.0 > now and opening < 0.0
             else:
                 # A gap that is open while it closes is round-off of a touch-down.
-                happened = until < right or (gap >= 0.0 and now >= 0.0)
+                happened = until < right or (opening >= 0.0 and now >= 0.0)
             if happened:
                 at = locate(run, law, event, left, until, 0.0)
                 if event == SUMMIT:
@@ -122,6 +131,31 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
             return first, s
         left, before = right, now
     return NOTHING, state.length
+
+
+@inner_kernel
+def first_guard(run: Run, law: Law, event: int, s: float) -> tuple[int, float]:
+    """Find the earliest guard that falls through zero before an event at time s, or give that back.
+
+    One that is below zero from the start on, and stays, falls at once.
+    """
+    state, chosen = run.state, run.state.guard
+    for guard in range(state.guards):
+        state.guard = guard
+        left, before = 0.0, guard_at(run, law, 0.0)
+        for i in range(NODES):
+            right = min(run.propagator.rule.nodes[i] * state.length, s)
+            now = guard_at(run, law, right)
+            if now < 0.0:
+                at = locate(run, law, GUARD, left, right, 0.0) if before > 0.0 else left
+                if event != GUARD or at < s:
+                    event, s, chosen = GUARD, at, guard
+                break
+            if right == s:
+                break
+            left, before = right, now
+    state.guard = chosen
+    return event, s
 
 
 @inner_kernel

@@ -16,7 +16,6 @@ from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     COUNTS,
     RUNNING,
-    SAMPLE,
     START,
     STATE,
     TOUCHING,
@@ -78,38 +77,53 @@ def simulate(
     states[0] = _at_start(motor, law, plant) if start is None else _going_on(start, law, plant)
     state = states[0]
     ready.set_up(state, record_interval)
+    if start is None:
+        state["phase"] = _first_phase(plant, float(state["begins"]))
     run = ready.run_of(state)
     motions = np.stack([modes_of(plant)[name][:, START] for name in ("q", "v")])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
-    records = np.zeros(intervals + 1, SAMPLE)
+    records = ready.records(intervals + 1, run)
     loop_for(law, run)
 
     if progress is not None:
         progress(0.0)
     finished: list[Any] = []
+    ends: list[Array] = []
+
+    def collect() -> None:
+        """Take the finished contacts out of the run's storage."""
+        count = state["stored"]
+        finished.append(run.step["contacts"][:count].copy())
+        ends.append(records.ends[:count].copy())
+        state["stored"] = 0
+
     ending, message = Ending.COMPLETE, ""
     try:
         while state.time < state.end and state.ending == RUNNING:
             ready.advance(run, states, motions, records, STEPS_PER_CALL)
-            finished.append(_finished(run))
+            collect()
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
     if state.ending != RUNNING:
         ending, message = ready.explain(run)
-    finished.append(_finished(run))
+    collect()
     if state.phase == TOUCHING:
         # The end of the run cut it: it has no separation.
         cut = state.contact.copy().reshape(1)
         cut["separation_velocity"] = np.nan
         cut["energy_loss"] -= state.held_energy
         finished.append(cut)
-    time, series, modes = take_series(run, records)
+        ends.append(_memory_of(state, law)[None])
+    time, series, modes = take_series(run, records.series)
+    names = [f"internal_{variable.name}" for variable in law.internal_variables]
+    series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
     if ending is Ending.COMPLETE:
         ending, message = balanced(state, series, contact_step)
-    rows = np.concatenate(finished)
+    rows, memory = np.concatenate(finished), np.concatenate(ends).T
+    contacts = {variable.name: rows[variable.name].copy() for variable in CONTACTS}
     return Trajectory(
         motor=motor,
         law=law,
@@ -119,7 +133,7 @@ def simulate(
         time=time,
         series=series,
         contact_mode=modes,
-        contacts={variable.name: rows[variable.name].copy() for variable in CONTACTS},
+        contacts=contacts | dict(zip(names, memory.copy(), strict=True)),
         statistics={name: int(state[name]) for name in COUNTS.split()},
         ending=ending,
         message=message,
@@ -135,18 +149,21 @@ def prepare(motor: Motor, law: ContactLaw) -> None:
 
 
 def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
-    """Set the initial motion, and give the state of its phase."""
+    """Set the initial motion, and give a state that has no phase yet."""
     modes = modes_of(plant)
     q, v = modes["q"][:, START], modes["v"][:, START]
     v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
     if motor.start is not None:
         q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
-    gap, rate, _ = contact_from(plant, q, v)
-    if fault := overlap_at(gap, law):
+    if fault := overlap_at(contact_from(plant, q, v)[0], law):
         raise ValueError(fault)
-    state = fresh_state()
-    state["phase"] = phase_at(gap, rate)
-    return state
+    return fresh_state()
+
+
+def _first_phase(plant: Plant, begins: float) -> int:
+    """Give the phase of the motion that is set, where contacts begin at a gap [m]."""
+    gap, rate, _ = contact_from(plant, *(modes_of(plant)[name][:, START] for name in ("q", "v")))
+    return phase_at(gap - begins, rate)
 
 
 def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
@@ -157,11 +174,10 @@ def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
     return state_from_value(start)
 
 
-def _finished(run: Run) -> Any:
-    """Take the finished contacts out of the run's storage."""
-    rows = run.step["contacts"][: run.state["stored"]].copy()
-    run.state["stored"] = 0
-    return rows
+def _memory_of(state: Any, law: ContactLaw) -> Array:
+    """Give the law's internal variables in a state, shape (variable,)."""
+    own = [state["internal"]] if law.friction_variable else []
+    return np.append(own, state["memory"][: len(law.remembered)])
 
 
 def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:

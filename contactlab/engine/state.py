@@ -12,6 +12,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.laws.memory import MOST_VARIABLES
 from contactlab.variables import CONTACTS, SERIES
 
 
@@ -33,9 +34,10 @@ start in contact, or on the point of it."""
 FLIGHT, HELD, COLLOCATED = _number(-1), _number(0), NODES - 1
 """Kinds of a step: the degree of its force polynomial. FLIGHT has no force, HELD a constant one."""
 
-NOTHING, TOUCH, RELEASE, REVERSAL, CONE, PEAK = map(_number, range(6))
+NOTHING, TOUCH, RELEASE, REVERSAL, CONE, GUARD, PEAK = map(_number, range(7))
 """What ends a step: no event; the gap closes; the gap opens or the contact would pull; slip changes sign;
-friction that sticks reaches its bound. A PEAK of the normal force ends none."""
+friction that sticks reaches its bound; a guard of the law falls through zero. A PEAK of the normal force ends
+none."""
 
 RUNNING, DIVERGED, UNSOLVED, CHATTERED, UNFOLLOWED, STALLED, NOT_FINITE, INCONSISTENT = range(8)
 """Endings as the kernels know them: no motor's state any more, no step that satisfies the law, too many
@@ -81,10 +83,12 @@ STATE: Final = record(
     *((name, FORCE) for name in ("normal", "friction", "bound", "internal_rate")),
     ("contact", CONTACT),
     ("total", LEDGER),
+    ("memory", float, MOST_VARIABLES),  # internal variables of the law, see `contactlab.laws.memory`
     real="time end interval origin "  # [s]; records lie at origin + (first + i) interval
     "window window_start tolerance "  # of the pace [s]; of a compliant step [1]
     "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
     "impact_speed internal "  # with which the contact began [m/s]; variable of the friction
+    "first_internal begins "  # its value at first; gap at which the next contact begins [m]
     "normal_before friction_before "  # of a rigid contact [N]
     "held_energy "  # what a spring of the friction holds at the last record [J]
     "initial_energy least_open most_open "  # at t = 0; what the ledger's terms left so far [J]
@@ -96,16 +100,23 @@ STATE: Final = record(
     "level level_before contact_level "  # of the next step, of the one before and of the contact step
     "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
     "most_steps steps_before "  # in contact in a window, and those taken before it
-    "projects compliant friction_kind parity " + COUNTS,  # of the law
+    "projects compliant friction_kind parity told variables guards limited turns lasts "  # of the law;
+    # the last: whether the variable of the friction has the life of the run
+    "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
+    # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
 )
 """All that a run goes on from, beside displacements and rates."""
 
 STEP: Final = record(
-    # Generalised forces along u and th [N, N m].
-    *((name, FORCE) for name in ("push_u", "push_th")),
-    # The contact at the nodes [m, m/s, W]; `sliding` is what must keep its sign in slip: the slip, less what
-    # a spring of the friction takes of it [m/s].
-    *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal")),
+    # Generalised forces along u and th [N, N m],
+    # and along the rotor's row, and the moment among them.
+    *((name, FORCE) for name in ("push_u", "push_th", "push_r", "moment")),
+    # The contact at the nodes [m, m/s, W]; `end` is the gap at which it ends; `sliding` is what must keep its
+    # sign in slip: the slip, less what a spring of the friction takes of it [m/s].
+    *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal", "end")),
+    # The law's internal variables, their rates at the start, their first values, and whose life is the run.
+    ("memory", float, (PLACES, MOST_VARIABLES)),
+    *((n, float, MOST_VARIABLES) for n in ("memory_rate", "memory_first", "memory_lasts")),
     # The tip's motion there without contact, and the directions, of which a HELD step keeps the first.
     *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),

@@ -24,7 +24,7 @@ from contactlab.laws.base import (
     PenaltyLaw,
 )
 from contactlab.laws.declaration import LawError
-from contactlab.laws.memory import InternalVariable
+from contactlab.laws.memory import EVENTS, MOST_VARIABLES, InternalVariable
 
 Kernel = Callable[..., Any]
 
@@ -43,8 +43,8 @@ COUPLINGS = (-50.0, 0.0, 50.0)
 
 ROUND_OFF = 1e-9
 
-MOST_VARIABLES = 128
-"""Internal variables that the state of a run has room for."""
+COUNTS = {"force": 4, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
+"""Numbers that kernels answer with."""
 
 BETWEEN = 3
 """Numbers between the internal variables of a law and its parameters in a row: the length of a step [s],
@@ -54,9 +54,10 @@ whether it is that of an impact, and none."""
 def guarded(parameters: Array, guard: float = nan) -> Array:
     """Put the parameters between guards, so that a kernel that reads beyond them finds no number."""
     padded = np.pad(parameters, GUARDS, constant_values=guard)
+    row = padded[GUARDS:-GUARDS]
     # As the kernels are compiled for it: one for another kind of array would be compiled anew.
-    padded.flags.writeable = bool(base.PENALTY_SIGNATURE.args[-1].mutable)
-    return padded[GUARDS:-GUARDS]
+    row.flags.writeable = bool(base.PENALTY_SIGNATURE.args[-1].mutable)
+    return row
 
 
 def function_of(law: ContactLaw, name: str) -> Kernel:
@@ -79,6 +80,11 @@ def kernel_parameters(law: ContactLaw) -> Array:
 def has_row(law: ContactLaw) -> bool:
     """Tell whether the kernels read a row with more in it than parameters: what is remembered, or told."""
     return bool(law.remembered) or (isinstance(law, MultiplierLaw) and law.told)
+
+
+def memory_size(law: ContactLaw) -> int:
+    """Give how many numbers at the beginning of a law's row the engine writes."""
+    return len(law.remembered) + 2 if has_row(law) else 0
 
 
 def row_of(law: ContactLaw) -> Array:
@@ -157,26 +163,39 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
         )
 
 
-def check_answers(
-    law: ContactLaw, parameters: Array, force: Kernel, friction_force: Kernel, solve: Kernel
-) -> None:
+def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
     Kernels that stand for those that a law lacks are not asked.
     """
     ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
+    force, friction_force, solve, rate_of, guard, jump, limits, _ = kernels
     if isinstance(law, PenaltyLaw):
+        begin, end = ask("limits", limits, "at first")
+        if begin > end:
+            raise LawError(
+                f"{law.name}: its limits say that a contact begins at a gap of {begin:g} m and ends at "
+                f"{end:g} m; it must not end before it begins."
+            )
         for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
-            where = f"at a gap of {-depth:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-            normal, bound, *_ = ask("force", force, where, -depth, rate, slip, abs(rate))
+            gap = begin - depth
+            where = f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
+            normal, bound, *_ = ask("force", force, where, gap, rate, slip, abs(rate))
+            for k in range(len(law.remembered)):
+                ask("rate", rate_of, where, k, gap, rate, slip, normal)
+                for event in (*EVENTS, *range(law.guards)):
+                    ask("jump", jump, where, k, event, gap, rate, slip, normal)
+            for k in range(law.guards):
+                ask("guard", guard, where, k, gap, rate, slip, normal)
             if bound < -ROUND_OFF * abs(normal):
                 raise LawError(
                     f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
                     "the normal force pulls there is no friction."
                 )
             if law.friction_kind != SET_VALUED:
-                # Every touch-down begins with a variable of zero; what else it may be, the law alone knows.
-                ask("friction_force", friction_force, where, -depth, rate, slip, normal, 0.0)
+                # What else the variable may be than at first, the law alone knows.
+                first = law.friction_variable.initial if law.friction_variable else 0.0
+                ask("friction_force", friction_force, where, gap, rate, slip, normal, first)
         return
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
@@ -195,8 +214,9 @@ def check_answers(
 
 def _answer(law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Any:
     """Give the answer to one state, or raise a LawError where it cannot be one, whatever it means."""
-    given, *others = (kernel(*state, row) for row in rows)
-    count = 3 if name == "solve" else 4
+    answers = (kernel(*state, row) for row in rows)
+    count = COUNTS[name]
+    given, *others = ((answer,) for answer in answers) if count == 1 else answers
     said = f"{law}: its kernel {name}"
     if not isinstance(given, tuple) or len(given) != count:
         found = f"{len(given)} numbers" if isinstance(given, tuple) else shown(given)

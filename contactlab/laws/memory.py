@@ -24,6 +24,11 @@ from typing import Any, ClassVar, Literal, final
 AT_TOUCH, AT_RELEASE, AT_SLIP, AT_STICK = -4, -3, -2, -1
 """Events that are no guard's: a contact begins, ends; stick gives way to slip, slip to stick."""
 
+EVENTS = AT_TOUCH, AT_RELEASE, AT_SLIP, AT_STICK
+
+MOST_VARIABLES = 128
+"""Internal variables that the state of a run has room for."""
+
 ODD, EVEN = -1, 1
 """Parities of an internal variable: whether it changes its sign where left and right are exchanged."""
 

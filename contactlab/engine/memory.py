@@ -1,0 +1,228 @@
+"""The internal variables of a law in the engine: recalled for its kernels, flowing over a step, jumping.
+
+Over a step the variables flow as a polynomial through their values z at its start and at the nodes,
+
+    dz_k/dt (node i) = rate_k(contact at i, z at i),
+
+solved one variable after the other by Newton's method with the variable's own derivative, so that a fast
+relaxation is no matter of the step; what couples variables is met by the sweeps of the step. In flight and in
+a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
+"""
+
+from math import asin
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.kinematics import Law, Run, contact_after, contact_at
+from contactlab.engine.linear import solve_linear
+from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
+from contactlab.laws.base import STICK
+from contactlab.laws.memory import AT_RELEASE
+
+NUDGE = 1e-7
+"""Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
+
+FLOWED = 1e-12
+"""Correction over the size of a variable that is round-off."""
+
+MOST_CORRECTIONS = 25
+"""Of a flow without collocation."""
+
+
+@inner_kernel
+def recall(run: Run, law: Law, place: int) -> None:
+    """Let the law's kernels see the internal variables of a place of the step."""
+    for k in range(run.state.variables):
+        law.memory[k] = run.step.memory[place, k]
+
+
+@inner_kernel
+def open_step(run: Run, law: Law, gap: float, gap_rate: float, slip: float, normal: float) -> None:
+    """Take the internal variables at the start of a step, and their rates there."""
+    state, step = run.state, run.step
+    for k in range(state.variables):
+        step.memory[START, k] = state.memory[k]
+    recall(run, law, START)
+    for k in range(state.variables):
+        step.memory_rate[k] = law.rate(k, gap, gap_rate, slip, normal, law.parameters)
+
+
+@inner_kernel
+def guess_memory(run: Run) -> None:
+    """Let the internal variables go on from the start at their rates."""
+    state, step, nodes = run.state, run.step, run.propagator.rule.nodes
+    for k in range(state.variables):
+        for i in range(NODES):
+            step.memory[i, k] = state.memory[k] + nodes[i] * state.length * step.memory_rate[k]
+
+
+@inner_kernel
+def correct_memory(run: Run, law: Law, h: float) -> float:
+    """Take a Newton step of each internal variable over a step of length h; gives the largest correction.
+
+    It is relative to the size of its variable [1].
+    """
+    state, step, system = run.state, run.step, run.step.system
+    derivative = run.propagator.rule.derivative
+    flies, sticks = step.kind == FLIGHT, state.mode == STICK
+    most = 0.0
+    for k in range(state.variables):
+        if flies and step.memory_lasts[k] == 0.0:
+            continue
+        first, size, moves = state.memory[k], abs(state.memory[k]), False
+        for i in range(NODES):
+            z, g, g_z = step.memory[i, k], 0.0, 0.0
+            if flies or step.kind == HELD or step.gap[i] < step.end[i]:
+                recall(run, law, i)
+                slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
+                gap, rate = step.gap[i], step.gap_rate[i]
+                g = law.rate(k, gap, rate, slip, normal, law.parameters)
+                dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
+                if dz != 0.0:
+                    law.memory[k] = z + dz
+                    g_z = (law.rate(k, gap, rate, slip, normal, law.parameters) - g) / dz
+            size = max(size, abs(z))
+            left = h * g
+            for m in range(NODES):
+                left -= derivative[i, m] * (step.memory[m, k] - first)
+                system[i, m] = derivative[i, m] - (h * g_z if m == i else 0.0)
+            system[i, NODES] = left
+            moves = moves or left != 0.0
+        if not moves:
+            continue
+        solve_linear(system, NODES)
+        for i in range(NODES):
+            change = system[i, NODES]
+            step.memory[i, k] += change
+            # Of what is no number, the step is told by the comparison that fails.
+            most = abs(change) / size if not abs(change) <= most * size and size > 0.0 else most
+    return float(most)
+
+
+@inner_kernel
+def memory_at(run: Run, law: Law, s: float) -> None:
+    """Leave the internal variables at time s of the step BETWEEN, recalled."""
+    state, step, rule = run.state, run.step, run.propagator.rule
+    if state.variables == 0:
+        return
+    if step.kind != COLLOCATED:
+        _relax(run, law, s)
+    if step.kind != COLLOCATED or s == state.length:
+        for k in range(state.variables):
+            step.memory[BETWEEN, k] = step.memory[LAST, k]
+    else:
+        x = s / state.length
+        for k in range(state.variables):
+            first, total = state.memory[k], 0.0
+            for d in range(NODES - 1, -1, -1):
+                coefficient = 0.0
+                for m in range(NODES):
+                    rate = 0.0
+                    for i in range(NODES):
+                        rate += rule.derivative[m, i] * (step.memory[i, k] - first)
+                    coefficient += rate * rule.lagrange[m, d]
+                total = (total + coefficient / (d + 1)) * x
+            step.memory[BETWEEN, k] = first + total
+    recall(run, law, BETWEEN)
+
+
+@inner_kernel
+def _relax(run: Run, law: Law, s: float) -> None:
+    """Let the variables flow for a time s in which the motion is held as it is at the step's end."""
+    state, step = run.state, run.step
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
+    normal = state.normal.node[0] if step.kind == HELD else 0.0
+    for i in range(NODES):
+        step.gap[i], step.gap_rate[i], step.slip[i] = gap, rate, slip
+        state.normal.node[i] = normal
+        for k in range(state.variables):
+            step.memory[i, k] = state.memory[k]
+    for _ in range(MOST_CORRECTIONS):
+        if s == 0.0 or correct_memory(run, law, s) <= FLOWED:
+            break
+
+
+@inner_kernel
+def end_at(run: Run, law: Law) -> float:
+    """Give the gap at which the contact ends with the internal variables that are recalled [m]."""
+    return law.limits(law.parameters)[1] if run.state.limited != 0 else 0.0
+
+
+@inner_kernel
+def moment_of(
+    run: Run, law: Law, gap: float, normal: float, turn: tuple[float, float, float, float]
+) -> tuple[float, float]:
+    """Give the moment on the tip [N m] and what it stores [J]; of what is recalled.
+
+    `turn` is the tip's slope th [rad], t_u of the contact's directions, which is the sine of the angle by
+    which the tangent has turned, thdot [rad/s] and -R Omega [m/s].
+    """
+    th, t_u, th_rate, rotor = turn
+    spin = th_rate + rotor / run.plant.geometry.radius
+    return law.moment(th - asin(t_u), spin, gap, normal, law.parameters)
+
+
+@inner_kernel
+def guard_at(run: Run, law: Law, s: float) -> float:
+    """Give the guard that is looked at, at time s of a collocated step."""
+    state = run.state
+    gap, rate, slip, _, _, _, _ = contact_after(run, s)
+    memory_at(run, law, s)
+    normal = value_at(state.normal, s / state.length)
+    slip = 0.0 if state.mode == STICK else slip
+    return float(law.guard(state.guard, gap, rate, slip, normal, law.parameters))
+
+
+@inner_kernel
+def jump(run: Run, law: Law, event: int) -> None:
+    """Let the internal variables jump at an event where the step starts; what is stored less is lost.
+
+    At a release all that is stored still is.
+    """
+    state, step = run.state, run.step
+    if state.variables == 0 and state.limited == 0:
+        return
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    slip = 0.0 if state.mode == STICK else slip
+    for k in range(state.variables):
+        step.memory[START, k] = state.memory[k]
+    recall(run, law, START)
+    gap = min(gap, end_at(run, law))
+    normal, stored = state.normal.node[0], 0.0
+    if state.compliant != 0:
+        normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    for k in range(state.variables):
+        state.memory[k] = law.jump(k, event, gap, rate, slip, normal, law.parameters)
+    for k in range(state.variables):
+        step.memory[START, k] = state.memory[k]
+    recall(run, law, START)
+    if state.compliant != 0 and event != AT_RELEASE:
+        stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
+    state.total.contact_loss += stored
+    state.contact.energy_loss += stored
+
+
+@inner_kernel
+def leave(run: Run, law: Law) -> None:
+    """Set where the next contact begins, after a release or a step of flight.
+
+    What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
+    then it puts off the next one.
+    """
+    state, step = run.state, run.step
+    if state.variables == 0:
+        return
+    for k in range(state.variables):
+        step.memory[START, k] = state.memory[k]
+        lasts = step.memory_lasts[k] != 0.0
+        step.memory[BETWEEN, k] = state.memory[k] if lasts else step.memory_first[k]
+    begins, anew = 0.0, 0.0
+    if state.limited != 0:
+        recall(run, law, START)
+        begins = law.limits(law.parameters)[0]
+        recall(run, law, BETWEEN)
+        anew = law.limits(law.parameters)[0]
+    clear = anew <= begins or contact_at(run.plant, START)[0] > anew
+    if clear:
+        for k in range(state.variables):
+            state.memory[k] = step.memory[BETWEEN, k]
+    state.begins, state.kept = anew if clear else begins, 0 if clear else 1
