@@ -22,7 +22,7 @@ from contactlab.engine.friction import (
     push_node,
 )
 from contactlab.engine.kinematics import Law, Run, contact_of, free_response, tip_motion
-from contactlab.engine.memory import correct_memory, end_at, guess_memory, moment_of, recall
+from contactlab.engine.memory import correct_memory, end_at, guess_memory, moment_at, recall
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, fit, largest, value_at
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
@@ -74,7 +74,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     sweeps = 0
     for held in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
         if sweeps == 0:
-            _first_forces(run, stretch)
+            _first_forces(run, law, stretch)
             sweeps = _collocate(run, law, level, held == 1)
     state.taken = 0.0
     state.sweeps += sweeps
@@ -112,7 +112,7 @@ def _kinked_force(run: Run, known: Known) -> float:
 
 
 @merged_kernel
-def _first_forces(run: Run, stretch: float) -> None:
+def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
     for i in range(NODES):
@@ -126,7 +126,7 @@ def _first_forces(run: Run, stretch: float) -> None:
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
         step.internal[i] = state.internal + nodes[i] * state.length * state.internal_rate.node[i]
         push_node(run, i)
-    guess_memory(run)
+    guess_memory(run, law.memory)
 
 
 @inner_kernel
@@ -158,7 +158,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
         holds = (held and sweep == 1) or (sticks and not follows)
         if holds or follows:
             change = max(change, correct_friction(run, law, level, holds, least_slip))
-        flowed = correct_memory(run, law, state.length) if state.variables > 0 else 0.0
+        flowed = correct_memory(run, law.memory, state.length)
         if not np.isfinite(change):
             return 0
         least = 1e-3 * AGREEMENT * state.momentum
@@ -193,14 +193,13 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
         rotor += tip_v[3, i, m] * step.push_r.node[m]
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
     normal, bound, loss, moment = 0.0, 0.0, 0.0, 0.0
-    recall(run, law, i)
-    step.end[i] = end_at(run, law)
+    recall(run, law.memory, i)
+    step.end[i] = end_at(law.memory)
     if gap < step.end[i]:
         seen = 0.0 if state.mode == STICK else slip
         normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         normal = sound_normal(normal, bound)
-        if state.turns != 0:
-            moment, _ = moment_of(run, law, gap, normal, (th, t_u, th_rate, rotor))
+        moment, _ = moment_at(run, law.memory, gap, normal, (th, t_u, th_rate, rotor))
     step.moment.node[i] = moment
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], step.loss[i] = normal, bound, loss

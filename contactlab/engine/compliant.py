@@ -9,7 +9,7 @@ from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.collocation import Known, attempt, sound_normal
 from contactlab.engine.friction import friction_and_steepness
 from contactlab.engine.kinematics import Law, Run, add_collocated, checked, contact_at
-from contactlab.engine.memory import end_at, jump, open_step, recall
+from contactlab.engine.memory import end_at, jump, open_step, recall_start
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
 from contactlab.engine.rootfinding import (
@@ -64,7 +64,7 @@ def step_compliant(run: Run, law: Law) -> int:
     for i in range(NODES):
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
-    open_step(run, law, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+    open_step(run, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
     if state.contact.duration == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         state.momentum = _impulse_scale(run, law, rate, known[0], mobility)
@@ -77,8 +77,7 @@ def step_compliant(run: Run, law: Law) -> int:
         return checked(run, NOTHING)
     remaining = state.end - state.time
     event, s = first_event(run, law, rate)
-    if state.guards > 0:
-        event, s = first_guard(run, law, event, s)
+    event, s = first_guard(run, law, law.memory, event, s)
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
@@ -103,7 +102,7 @@ def _solve(
     UNSOLVED where no step, however short, satisfies the law.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(run, gap - end_at(run, law), rate, known[0])
+    level = _separation_level(run, gap - end_at(law.memory), rate, known[0])
     # The shortest step at this time.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
@@ -123,9 +122,9 @@ def _solve(
             # Neither slipping nor sticking fits at this length: look closer before trying again.
             flips += 1
             level += 2 * (flips // 2)
-            jump(run, law, AT_STICK if state.mode == STICK else AT_SLIP)
+            jump(run, law, law.memory, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
-            open_step(run, law, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+            open_step(run, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
         else:
             break
     else:
@@ -155,10 +154,8 @@ def _guess(run: Run, known: Known) -> None:
 def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> Known:
     """Give what is known of the forces where the step begins."""
     state = run.state
-    for k in range(state.variables):
-        run.step.memory[START, k] = state.memory[k]
-    recall(run, law, START)
-    end = end_at(run, law)
+    recall_start(run, law.memory)
+    end = end_at(law.memory)
     if gap >= end:
         if rate >= 0.0:
             return 0.0, 0.0, 0.0, 0.0

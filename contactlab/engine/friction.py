@@ -124,7 +124,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
         dv = _nudge_of(slip, least)
         dz = way * (abs(z) + LEAST_INTERNAL)
         normal, end = state.normal.node[i], step.end[i]
-        recall(run, law, i)
+        recall(run, law.memory, i)
         f, g, _, _ = friction_at(law, (gap, rate, slip), end, normal, z)
         f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal, z)
         f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), end, normal, z + dz)
@@ -158,7 +158,7 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
     state, step = run.state, run.step
     for i in range(NODES):
         at = step.gap[i], step.gap_rate[i], step.slip[i]
-        recall(run, law, i)
+        recall(run, law.memory, i)
         stiffness = friction_at(law, at, step.end[i], state.normal.node[i], 0.0)[3]
         bound = state.bound.node[i]
         step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
@@ -166,7 +166,7 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
         at = step.gap[i], step.gap_rate[i], step.slip[i]
         state.internal_rate.node[i] = _internal_rate(run, i)
         if step.gap[i] < step.end[i]:
-            recall(run, law, i)
+            recall(run, law.memory, i)
             stretching = friction_at(law, at, step.end[i], state.normal.node[i], step.internal[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
 
@@ -185,8 +185,8 @@ def missed_between(run: Run, law: Law, yielding: float) -> float:
     for i in range(NODES - 1):
         x = 0.5 * (nodes[i] + nodes[i + 1])
         gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
-        memory_at(run, law, x * state.length)
-        end = end_at(run, law)
+        memory_at(run, law.memory, x * state.length)
+        end = end_at(law.memory)
         if gap < end:
             normal, internal = max(value_at(state.normal, x), 0.0), internal_at(state, x)
             friction, steepness = friction_and_steepness(law, (gap, rate, slip), end, normal, internal)

@@ -46,23 +46,34 @@ class Run(NamedTuple):
     step: Any
 
 
-class Law(NamedTuple):
-    """The kernels of a law, idle ones for those that it lacks, and the row that they read.
+class Memory(NamedTuple):
+    """The kernels of a law that remembers, has limits, a moment, or is told more, and what they read.
 
-    The row is the law's parameters; before them it has what the law remembers and is told, which is the
-    `memory` here: what is written there, the kernels see.
+    `parameters` are those of `Law`; `row` is the part of them that is memory: what is written there, the
+    kernels see.
     """
 
-    force: PenaltyKernel
-    friction: FrictionKernel
-    solve: MultiplierKernel
     rate: Any
     guard: Any
     jump: Any
     limits: Any
     moment: Any
     parameters: Array
-    memory: Array
+    row: Array
+
+
+class Law(NamedTuple):
+    """The kernels of a law, idle ones for those that it lacks, and its parameters.
+
+    Of a law that is plain the memory is None, and code that is about it is compiled to nothing: functions
+    that take a memory ask whether it is None before all else.
+    """
+
+    force: PenaltyKernel
+    friction: FrictionKernel
+    solve: MultiplierKernel
+    parameters: Array
+    memory: Memory | None
 
 
 @part_kernel

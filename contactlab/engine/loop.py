@@ -15,7 +15,7 @@ from contactlab.compiled import INTERPRETED, inner_kernel, is_compiled, kernel
 from contactlab.engine.callback import Callback, law_errors
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.flight import step_flight
-from contactlab.engine.kinematics import Law, Run, begin, contact_at
+from contactlab.engine.kinematics import Law, Memory, Run, begin, contact_at
 from contactlab.engine.law_kernels import compiled, idle
 from contactlab.engine.memory import jump, leave
 from contactlab.engine.recorder import commit
@@ -36,7 +36,7 @@ from contactlab.engine.state import (
     TOUCHING,
 )
 from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, ContactLaw, PenaltyLaw
-from contactlab.laws.intake import function_of
+from contactlab.laws.intake import function_of, is_plain
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 
 TOUCH_REFINEMENT = 6
@@ -54,16 +54,22 @@ IDLE: Final = {
 }
 """Kernels that stand for those that a law lacks: nothing acts, and what is remembered stays."""
 
+OF_PLAIN = 3
+"""Of them, those of a plain law."""
+
 _compiled: set[object] = set()
 """Loops with the rooms for coordinates and tones that they are compiled for."""
 
 
 def kernels_of(law: ContactLaw) -> tuple[tuple[Any, ...], tuple[Callback, ...]]:
-    """Give the law's kernels, idle ones for those that it lacks, and the callbacks of interpreted ones."""
+    """Give the law's kernels, idle ones for those that it lacks, and the callbacks of interpreted ones.
+
+    Of a plain law these are the first three alone.
+    """
     kernels: list[Any] = []
     callbacks: list[Callback] = []
     needed = "force" if isinstance(law, PenaltyLaw) else "solve"
-    for name, nothing in IDLE.items():
+    for name, nothing in [*IDLE.items()][: OF_PLAIN if is_plain(law) else None]:
         with law_errors(law.name):
             own = name == needed or getattr(law, name, None) is not None
             function = function_of(law, name) if own else None
@@ -77,25 +83,30 @@ def kernels_of(law: ContactLaw) -> tuple[tuple[Any, ...], tuple[Callback, ...]]:
 
 
 def loop_for(law: ContactLaw, run: Run) -> Any:
-    """Give the loop of a law's family, compiled or with its code loaded."""
-    loop: Any = advance_compliant if isinstance(law, PenaltyLaw) else advance_rigid
+    """Give the loop of a law's kind, compiled or with its code loaded."""
+    plain = is_plain(law)
+    loops: Any = (advance_compliant_with_memory, advance_compliant)
+    if not isinstance(law, PenaltyLaw):
+        loops = (advance_rigid_with_memory, advance_rigid)
+    loop = loops[plain]
     room = loop, run.plant["phasors"].shape
     if INTERPRETED or room in _compiled:
         return loop
     if not is_compiled(loop.__name__):
+        what = "the engine" if plain else "the engine for laws that remember"
         print(
-            "contactlab: compiling the engine; this happens once for an installation and takes "
-            "up to a minute.",
+            f"contactlab: compiling {what}; this happens once for an installation and takes up to a minute.",
             file=sys.stderr,
             flush=True,
         )
     # Left to itself the compiler would take each law for a type of its own.
-    kernels = map(numba.types.FunctionType, SIGNATURES.values())
+    kernels = [*map(numba.types.FunctionType, SIGNATURES.values())][: OF_PLAIN if plain else None]
     row = SIGNATURES["force"].args[-1]
+    rows = (row,) if plain else (row, row.copy(readonly=False))
     memory = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
-    given = numba.typeof(run), *map(numba.typeof, memory), *kernels
+    given = numba.typeof(run), *map(numba.typeof, memory), *rows, numba.types.int64
     loop.disable_compile(False)
-    loop.compile((*given, row, row.copy(readonly=False), numba.types.int64))
+    loop.compile((*given, *kernels))
     loop.disable_compile()
     _compiled.add(room)
     return loop
@@ -115,30 +126,8 @@ class Records(NamedTuple):
         return cls(np.zeros(records, SAMPLE), np.zeros((records, variables)), np.zeros((contacts, variables)))
 
 
-@kernel
-def advance_compliant(
-    run: Run,
-    states: Any,
-    motions: Array,
-    records: Records,
-    force: Any,
-    friction: Any,
-    solve: Any,
-    rate: Any,
-    guard: Any,
-    jumps: Any,
-    limits: Any,
-    moment: Any,
-    parameters: Array,
-    memory: Array,
-    budget: int,
-) -> None:
-    """Run a penalty law, start after start, until the end, an ending, full contact storage or so many steps.
-
-    States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
-    Call it again to go on: they and the records hold all that there is, however often a run is cut.
-    """
-    law = Law(force, friction, solve, rate, guard, jumps, limits, moment, parameters, memory)
+@inner_kernel
+def _run_compliant(run: Run, states: Any, motions: Array, records: Records, law: Law, budget: int) -> None:
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
@@ -151,26 +140,8 @@ def advance_compliant(
         _leave_at(each, motions[i])
 
 
-@kernel
-def advance_rigid(
-    run: Run,
-    states: Any,
-    motions: Array,
-    records: Records,
-    force: Any,
-    friction: Any,
-    solve: Any,
-    rate: Any,
-    guard: Any,
-    jumps: Any,
-    limits: Any,
-    moment: Any,
-    parameters: Array,
-    memory: Array,
-    budget: int,
-) -> None:
-    """Run a multiplier law, see `advance_compliant`."""
-    law = Law(force, friction, solve, rate, guard, jumps, limits, moment, parameters, memory)
+@inner_kernel
+def _run_rigid(run: Run, states: Any, motions: Array, records: Records, law: Law, budget: int) -> None:
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
@@ -181,6 +152,92 @@ def advance_rigid(
             _act(each, law, records.ends, event)
             left -= 1
         _leave_at(each, motions[i])
+
+
+@kernel
+def advance_compliant(
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    parameters: Array,
+    budget: int,
+    force: Any,
+    friction: Any,
+    solve: Any,
+) -> None:
+    """Run a penalty law, start after start, until the end, an ending, full contact storage or so many steps.
+
+    States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
+    Call it again to go on: they and the records hold all that there is, however often a run is cut.
+    """
+    law = Law(force, friction, solve, parameters, None)
+    _run_compliant(run, states, motions, records, law, budget)
+
+
+@kernel
+def advance_rigid(
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    parameters: Array,
+    budget: int,
+    force: Any,
+    friction: Any,
+    solve: Any,
+) -> None:
+    """Run a multiplier law, see `advance_compliant`."""
+    law = Law(force, friction, solve, parameters, None)
+    _run_rigid(run, states, motions, records, law, budget)
+
+
+@kernel
+def advance_compliant_with_memory(
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    parameters: Array,
+    row: Array,
+    budget: int,
+    force: Any,
+    friction: Any,
+    solve: Any,
+    rate: Any,
+    guard: Any,
+    jumps: Any,
+    limits: Any,
+    moment: Any,
+) -> None:
+    """Run a penalty law that is not plain, see `advance_compliant`."""
+    memory = Memory(rate, guard, jumps, limits, moment, parameters, row)
+    law = Law(force, friction, solve, parameters, memory)
+    _run_compliant(run, states, motions, records, law, budget)
+
+
+@kernel
+def advance_rigid_with_memory(
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    parameters: Array,
+    row: Array,
+    budget: int,
+    force: Any,
+    friction: Any,
+    solve: Any,
+    rate: Any,
+    guard: Any,
+    jumps: Any,
+    limits: Any,
+    moment: Any,
+) -> None:
+    """Run a multiplier law that is not plain, see `advance_compliant`."""
+    memory = Memory(rate, guard, jumps, limits, moment, parameters, row)
+    law = Law(force, friction, solve, parameters, memory)
+    _run_rigid(run, states, motions, records, law, budget)
 
 
 @inner_kernel
@@ -226,9 +283,9 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         _open_contact(run, law)
     elif event in (REVERSAL, CONE):
         switch_friction(state, event)
-        jump(run, law, AT_STICK if event == REVERSAL else AT_SLIP)
+        jump(run, law, law.memory, AT_STICK if event == REVERSAL else AT_SLIP)
     elif event == GUARD:
-        jump(run, law, state.guard)
+        jump(run, law, law.memory, state.guard)
         # No polynomial goes on over a jump.
         state.level_before = state.level + 1
         count_event(state)
@@ -236,7 +293,7 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         _note_memory(state, ends)
         if state.lasts == 0:
             state.internal = state.first_internal
-        jump(run, law, AT_RELEASE)
+        jump(run, law, law.memory, AT_RELEASE)
         state.contact.separation_velocity = contact_at(run.plant, START)[1]
         if state.contact.duration > 0.0:
             run.step.contacts[state.stored] = state.contact
@@ -246,12 +303,12 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
             state.touchdowns -= 1
         state.mode, state.phase = FREE, RELEASED
         state.level = run.propagator.rule.fresh_level
-        leave(run, law)
+        leave(run, law.memory)
     elif state.switched != 0:
-        jump(run, law, state.switched)
+        jump(run, law, law.memory, state.switched)
         state.switched = 0
     elif state.mode == FREE:
-        leave(run, law)
+        leave(run, law.memory)
 
 
 @inner_kernel
@@ -278,4 +335,4 @@ def _open_contact(run: Run, law: Law) -> None:
     state.level = run.propagator.rule.contact_level + state.compliant * TOUCH_REFINEMENT
     state.touchdowns += 1
     count_event(state)
-    jump(run, law, AT_TOUCH)
+    jump(run, law, law.memory, AT_TOUCH)

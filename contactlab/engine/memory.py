@@ -12,7 +12,7 @@ a rigid contact the motion is held meanwhile: there the flow is of the order of 
 from math import asin
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Run, contact_after, contact_at
+from contactlab.engine.kinematics import Law, Memory, Run, contact_after, contact_at, tip_motion
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import STICK
@@ -29,26 +29,53 @@ MOST_CORRECTIONS = 25
 
 
 @inner_kernel
-def recall(run: Run, law: Law, place: int) -> None:
+def recall(run: Run, memory: Memory | None, place: int) -> None:
     """Let the law's kernels see the internal variables of a place of the step."""
+    if memory is None:
+        return
     for k in range(run.state.variables):
-        law.memory[k] = run.step.memory[place, k]
+        memory.row[k] = run.step.memory[place, k]
 
 
 @inner_kernel
-def open_step(run: Run, law: Law, gap: float, gap_rate: float, slip: float, normal: float) -> None:
-    """Take the internal variables at the start of a step, and their rates there."""
-    state, step = run.state, run.step
-    for k in range(state.variables):
-        step.memory[START, k] = state.memory[k]
-    recall(run, law, START)
-    for k in range(state.variables):
-        step.memory_rate[k] = law.rate(k, gap, gap_rate, slip, normal, law.parameters)
+def recall_start(run: Run, memory: Memory | None) -> None:
+    """Let them see the internal variables where the step starts."""
+    if memory is None:
+        return
+    for k in range(run.state.variables):
+        run.step.memory[START, k] = run.state.memory[k]
+        memory.row[k] = run.state.memory[k]
 
 
 @inner_kernel
-def guess_memory(run: Run) -> None:
+def tell(run: Run, memory: Memory | None) -> None:
+    """Tell a rigid law its memory, the length of its step [s], and whether that is of an impact."""
+    if memory is None:
+        return
+    state = run.state
+    recall_start(run, memory)
+    if state.told != 0:
+        memory.row[state.variables] = state.length
+        memory.row[state.variables + 1] = 1.0 if state.contact.duration == 0.0 else 0.0
+
+
+@inner_kernel
+def open_step(
+    run: Run, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
+) -> None:
+    """Take the rates of the internal variables at the start of a step."""
+    if memory is None:
+        return
+    recall_start(run, memory)
+    for k in range(run.state.variables):
+        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, memory.parameters)
+
+
+@inner_kernel
+def guess_memory(run: Run, memory: Memory | None) -> None:
     """Let the internal variables go on from the start at their rates."""
+    if memory is None:
+        return
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
     for k in range(state.variables):
         for i in range(NODES):
@@ -56,11 +83,13 @@ def guess_memory(run: Run) -> None:
 
 
 @inner_kernel
-def correct_memory(run: Run, law: Law, h: float) -> float:
+def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
     """Take a Newton step of each internal variable over a step of length h; gives the largest correction.
 
     It is relative to the size of its variable [1].
     """
+    if memory is None:
+        return 0.0
     state, step, system = run.state, run.step, run.step.system
     derivative = run.propagator.rule.derivative
     flies, sticks = step.kind == FLIGHT, state.mode == STICK
@@ -71,15 +100,15 @@ def correct_memory(run: Run, law: Law, h: float) -> float:
         first, size, moves = state.memory[k], abs(state.memory[k]), False
         for i in range(NODES):
             z, g, g_z = step.memory[i, k], 0.0, 0.0
-            if flies or step.kind == HELD or step.gap[i] < step.end[i]:
-                recall(run, law, i)
+            if step.kind != COLLOCATED or step.gap[i] < step.end[i]:
+                recall(run, memory, i)
                 slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
                 gap, rate = step.gap[i], step.gap_rate[i]
-                g = law.rate(k, gap, rate, slip, normal, law.parameters)
+                g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
                 dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
                 if dz != 0.0:
-                    law.memory[k] = z + dz
-                    g_z = (law.rate(k, gap, rate, slip, normal, law.parameters) - g) / dz
+                    memory.row[k] = z + dz
+                    g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
             size = max(size, abs(z))
             left = h * g
             for m in range(NODES):
@@ -93,19 +122,19 @@ def correct_memory(run: Run, law: Law, h: float) -> float:
         for i in range(NODES):
             change = system[i, NODES]
             step.memory[i, k] += change
-            # Of what is no number, the step is told by the comparison that fails.
-            most = abs(change) / size if not abs(change) <= most * size and size > 0.0 else most
+            # What is no number fails every comparison, and is told so.
+            most = abs(change) / size if not abs(change) <= most * size else most
     return float(most)
 
 
 @inner_kernel
-def memory_at(run: Run, law: Law, s: float) -> None:
+def memory_at(run: Run, memory: Memory | None, s: float) -> None:
     """Leave the internal variables at time s of the step BETWEEN, recalled."""
-    state, step, rule = run.state, run.step, run.propagator.rule
-    if state.variables == 0:
+    if memory is None:
         return
+    state, step, rule = run.state, run.step, run.propagator.rule
     if step.kind != COLLOCATED:
-        _relax(run, law, s)
+        _relax(run, memory, s)
     if step.kind != COLLOCATED or s == state.length:
         for k in range(state.variables):
             step.memory[BETWEEN, k] = step.memory[LAST, k]
@@ -122,11 +151,11 @@ def memory_at(run: Run, law: Law, s: float) -> None:
                     coefficient += rate * rule.lagrange[m, d]
                 total = (total + coefficient / (d + 1)) * x
             step.memory[BETWEEN, k] = first + total
-    recall(run, law, BETWEEN)
+    recall(run, memory, BETWEEN)
 
 
 @inner_kernel
-def _relax(run: Run, law: Law, s: float) -> None:
+def _relax(run: Run, memory: Memory, s: float) -> None:
     """Let the variables flow for a time s in which the motion is held as it is at the step's end."""
     state, step = run.state, run.step
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
@@ -137,64 +166,76 @@ def _relax(run: Run, law: Law, s: float) -> None:
         for k in range(state.variables):
             step.memory[i, k] = state.memory[k]
     for _ in range(MOST_CORRECTIONS):
-        if s == 0.0 or correct_memory(run, law, s) <= FLOWED:
+        if s == 0.0 or correct_memory(run, memory, s) <= FLOWED:
             break
 
 
 @inner_kernel
-def end_at(run: Run, law: Law) -> float:
+def end_at(memory: Memory | None) -> float:
     """Give the gap at which the contact ends with the internal variables that are recalled [m]."""
-    return law.limits(law.parameters)[1] if run.state.limited != 0 else 0.0
+    if memory is None:
+        return 0.0
+    return float(memory.limits(memory.parameters)[1])
 
 
 @inner_kernel
-def moment_of(
-    run: Run, law: Law, gap: float, normal: float, turn: tuple[float, float, float, float]
+def moment_at(
+    run: Run, memory: Memory | None, gap: float, normal: float, turn: tuple[float, float, float, float]
 ) -> tuple[float, float]:
     """Give the moment on the tip [N m] and what it stores [J]; of what is recalled.
 
     `turn` is the tip's slope th [rad], t_u of the contact's directions, which is the sine of the angle by
     which the tangent has turned, thdot [rad/s] and -R Omega [m/s].
     """
+    if memory is None:
+        return 0.0, 0.0
     th, t_u, th_rate, rotor = turn
     spin = th_rate + rotor / run.plant.geometry.radius
-    return law.moment(th - asin(t_u), spin, gap, normal, law.parameters)
+    moment, stored = memory.moment(th - asin(t_u), spin, gap, normal, memory.parameters)
+    return moment, stored
 
 
 @inner_kernel
-def guard_at(run: Run, law: Law, s: float) -> float:
+def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
+    """Give the power of the moment at a place of the step, at x = s/h [W]."""
+    if memory is None:
+        return 0.0
+    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
+    return float(value_at(run.step.moment, x) * (th_rate + rotor / run.plant.geometry.radius))
+
+
+@inner_kernel
+def guard_at(run: Run, memory: Memory | None, s: float) -> float:
     """Give the guard that is looked at, at time s of a collocated step."""
+    if memory is None:
+        return 1.0
     state = run.state
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
-    memory_at(run, law, s)
+    memory_at(run, memory, s)
     normal = value_at(state.normal, s / state.length)
     slip = 0.0 if state.mode == STICK else slip
-    return float(law.guard(state.guard, gap, rate, slip, normal, law.parameters))
+    return float(memory.guard(state.guard, gap, rate, slip, normal, memory.parameters))
 
 
 @inner_kernel
-def jump(run: Run, law: Law, event: int) -> None:
+def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     """Let the internal variables jump at an event where the step starts; what is stored less is lost.
 
     At a release all that is stored still is.
     """
-    state, step = run.state, run.step
-    if state.variables == 0 and state.limited == 0:
+    if memory is None:
         return
+    state = run.state
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     slip = 0.0 if state.mode == STICK else slip
-    for k in range(state.variables):
-        step.memory[START, k] = state.memory[k]
-    recall(run, law, START)
-    gap = min(gap, end_at(run, law))
+    recall_start(run, memory)
     normal, stored = state.normal.node[0], 0.0
     if state.compliant != 0:
+        gap = min(gap, end_at(memory))
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
     for k in range(state.variables):
-        state.memory[k] = law.jump(k, event, gap, rate, slip, normal, law.parameters)
-    for k in range(state.variables):
-        step.memory[START, k] = state.memory[k]
-    recall(run, law, START)
+        state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
+    recall_start(run, memory)
     if state.compliant != 0 and event != AT_RELEASE:
         stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
     state.total.contact_loss += stored
@@ -202,27 +243,24 @@ def jump(run: Run, law: Law, event: int) -> None:
 
 
 @inner_kernel
-def leave(run: Run, law: Law) -> None:
+def leave(run: Run, memory: Memory | None) -> None:
     """Set where the next contact begins, after a release or a step of flight.
 
     What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
     then it puts off the next one.
     """
-    state, step = run.state, run.step
-    if state.variables == 0:
+    if memory is None:
         return
+    state, step = run.state, run.step
     for k in range(state.variables):
-        step.memory[START, k] = state.memory[k]
         lasts = step.memory_lasts[k] != 0.0
         step.memory[BETWEEN, k] = state.memory[k] if lasts else step.memory_first[k]
-    begins, anew = 0.0, 0.0
-    if state.limited != 0:
-        recall(run, law, START)
-        begins = law.limits(law.parameters)[0]
-        recall(run, law, BETWEEN)
-        anew = law.limits(law.parameters)[0]
-    clear = anew <= begins or contact_at(run.plant, START)[0] > anew
-    if clear:
+    recall_start(run, memory)
+    begins = memory.limits(memory.parameters)[0]
+    recall(run, memory, BETWEEN)
+    anew = memory.limits(memory.parameters)[0]
+    state.begins, state.kept = begins, 1
+    if anew <= begins or contact_at(run.plant, START)[0] > anew:
         for k in range(state.variables):
             state.memory[k] = step.memory[BETWEEN, k]
-    state.begins, state.kept = anew if clear else begins, 0 if clear else 1
+        state.begins, state.kept = anew, 0

@@ -24,7 +24,7 @@ from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import GUARDS, check_answers, check_words, guarded, memory_size, row_of
+from contactlab.laws.intake import GUARDS, check_answers, check_words, guarded, is_plain, memory_size, row_of
 from contactlab.laws.memory import ODD
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
@@ -81,7 +81,8 @@ class Prepared(NamedTuple):
         """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
         loop = loop_for(self.law, run)
         with self.errors():
-            loop(run, states, motions, records, *self.kernels, self.parameters, self.memory, budget)
+            rows = (self.parameters,) if is_plain(self.law) else (self.parameters, self.memory)
+            loop(run, states, motions, records, *rows, budget, *self.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Give the ending of a run that stopped by itself, and a sentence on it."""
@@ -116,7 +117,6 @@ class Prepared(NamedTuple):
         if isinstance(law, PenaltyLaw):
             own = law.friction_variable
             state["friction_kind"], state["parity"] = law.friction_kind, own.parity if own else ODD
-            state["limited"], state["turns"] = law.limits is not None, law.moment is not None
         if isinstance(law, MultiplierLaw):
             state["projects"], state["told"] = law.projects, law.told
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
@@ -132,7 +132,7 @@ class Prepared(NamedTuple):
             state["memory_of"], state["kept"], state["internal"] = whose, 0, state["first_internal"]
             state["memory"][: len(law.remembered)] = [one.initial for one in law.remembered]
         self._recall(state)
-        if not state["kept"]:
+        if not state["kept"] and not is_plain(law):
             with self.errors():
                 state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
 

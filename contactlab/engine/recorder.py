@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame, tip_motion
-from contactlab.engine.memory import end_at, memory_at, moment_of
+from contactlab.engine.memory import end_at, memory_at, moment_at, moment_power
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
@@ -93,7 +93,7 @@ def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
     state.time = now
     if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
         state.internal = internal_at(state, s / state.length)
-    memory_at(run, law, s)
+    memory_at(run, law.memory, s)
     for k in range(state.variables):
         state.memory[k] = step.memory[BETWEEN, k]
     for j in range(plant.mode_count):
@@ -110,15 +110,14 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
     u, th, _, th_rate, rotor = tip_motion(run.plant, BETWEEN)
     gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, BETWEEN)
-    memory_at(run, law, s)
+    memory_at(run, law.memory, s)
     stored, held, internal = 0.0, 0.0, state.internal
-    if run.step.kind == COLLOCATED and gap < end_at(run, law):
+    if run.step.kind == COLLOCATED and gap < end_at(law.memory):
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
             internal = internal_at(state, s / state.length)
             held = law.friction(gap, rate, slip, normal, internal, law.parameters)[2]
-        if state.turns != 0:
-            held += moment_of(run, law, gap, normal, (th, t_u, th_rate, rotor))[1]
+        held += moment_at(run, law.memory, gap, normal, (th, t_u, th_rate, rotor))[1]
     angle = 0.0
     for j in range(run.plant.mode_count):
         angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
@@ -191,13 +190,10 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
                 loss = -normal * rate
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
-                memory_at(run, law, at)
+                memory_at(run, law.memory, at)
                 loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
         friction -= weight * tangential * slip
-        if state.turns != 0:
-            moment = step.moment.node[i] if whole else value_at(step.moment, at / state.length)
-            _, _, _, th_rate, rotor = tip_motion(run.plant, place)
-            friction -= weight * moment * (th_rate + rotor / run.plant.geometry.radius)
+        friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss
         p_n += weight * normal
         p_t += weight * tangential

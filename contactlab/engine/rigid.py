@@ -26,7 +26,7 @@ from contactlab.engine.kinematics import (
     free_response,
     rates_in_frame,
 )
-from contactlab.engine.memory import recall
+from contactlab.engine.memory import tell
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
@@ -56,8 +56,6 @@ def step_rigid(run: Run, law: Law) -> int:
     gap, gap_rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.max_penetration = max(contact.max_penetration, -gap)
     impact = contact.duration == 0.0
-    for k in range(state.variables):
-        run.step.memory[START, k] = state.memory[k]
     while True:
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
         # Over a long step a graze seems to open by itself; the approach it began with must still be met.
@@ -153,10 +151,7 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
         nt += mobility * normal * tangential
         tt += mobility * tangential * tangential
     normal_rate, tangential_rate = rates_in_frame(run, LAST)
-    if state.told != 0:
-        recall(run, law, START)
-        law.memory[state.variables] = state.length
-        law.memory[state.variables + 1] = 1.0 if state.contact.duration == 0.0 else 0.0
+    tell(run, law.memory)
     p_n, p_t, friction_mode = law.solve(
         normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, law.parameters
     )

@@ -2,7 +2,7 @@
 
 from contactlab.compiled import inner_kernel
 from contactlab.engine.friction import friction_at
-from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.kinematics import Law, Memory, Run, contact_after
 from contactlab.engine.memory import end_at, guard_at, memory_at
 from contactlab.engine.state import (
     CONE,
@@ -40,14 +40,14 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if event == PEAK:
         return slope_at(state.normal, x)
     if event == GUARD:
-        return guard_at(run, law, s)
+        return guard_at(run, law.memory, s)
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
     if event == TOUCH:
         return gap - state.begins
-    memory_at(run, law, s)
-    end = end_at(run, law)
+    memory_at(run, law.memory, s)
+    end = end_at(law.memory)
     if event == RELEASE:
         return gap - end
     if state.friction_kind == SET_VALUED or gap >= end:
@@ -134,18 +134,20 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
 
 
 @inner_kernel
-def first_guard(run: Run, law: Law, event: int, s: float) -> tuple[int, float]:
+def first_guard(run: Run, law: Law, memory: Memory | None, event: int, s: float) -> tuple[int, float]:
     """Find the earliest guard that falls through zero before an event at time s, or give that back.
 
     One that is below zero from the start on, and stays, falls at once.
     """
+    if memory is None:
+        return event, s
     state, chosen = run.state, run.state.guard
     for guard in range(state.guards):
         state.guard = guard
-        left, before = 0.0, guard_at(run, law, 0.0)
+        left, before = 0.0, guard_at(run, memory, 0.0)
         for i in range(NODES):
             right = min(run.propagator.rule.nodes[i] * state.length, s)
-            now = guard_at(run, law, right)
+            now = guard_at(run, memory, right)
             if now < 0.0:
                 at = locate(run, law, GUARD, left, right, 0.0) if before > 0.0 else left
                 if event != GUARD or at < s:

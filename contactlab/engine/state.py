@@ -100,7 +100,7 @@ STATE: Final = record(
     "level level_before contact_level "  # of the next step, of the one before and of the contact step
     "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
     "most_steps steps_before "  # in contact in a window, and those taken before it
-    "projects compliant friction_kind parity told variables guards limited turns lasts "  # of the law;
+    "projects compliant friction_kind parity told variables guards lasts "  # of the law;
     # the last: whether the variable of the friction has the life of the run
     "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
     # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet

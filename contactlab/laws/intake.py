@@ -82,6 +82,13 @@ def has_row(law: ContactLaw) -> bool:
     return bool(law.remembered) or (isinstance(law, MultiplierLaw) and law.told)
 
 
+def is_plain(law: ContactLaw) -> bool:
+    """Tell whether a law has nothing beyond what its family needs: no row, no limits and no moment."""
+    if isinstance(law, PenaltyLaw) and (law.limits is not None or law.moment is not None):
+        return False
+    return not has_row(law)
+
+
 def memory_size(law: ContactLaw) -> int:
     """Give how many numbers at the beginning of a law's row the engine writes."""
     return len(law.remembered) + 2 if has_row(law) else 0
@@ -166,27 +173,17 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
 def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
-    Kernels that stand for those that a law lacks are not asked.
+    The kernels are those of `contactlab.engine.loop.kernels_of`, and read what `row_of` gives.
     """
     ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
-    force, friction_force, solve, rate_of, guard, jump, limits, _ = kernels
+    force, friction_force, solve, *of_memory = kernels
     if isinstance(law, PenaltyLaw):
-        begin, end = ask("limits", limits, "at first")
-        if begin > end:
-            raise LawError(
-                f"{law.name}: its limits say that a contact begins at a gap of {begin:g} m and ends at "
-                f"{end:g} m; it must not end before it begins."
-            )
+        begin = _first_limit(law, ask, of_memory[3]) if of_memory else 0.0
+        own = law.friction_variable
         for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
             gap = begin - depth
             where = f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
             normal, bound, *_ = ask("force", force, where, gap, rate, slip, abs(rate))
-            for k in range(len(law.remembered)):
-                ask("rate", rate_of, where, k, gap, rate, slip, normal)
-                for event in (*EVENTS, *range(law.guards)):
-                    ask("jump", jump, where, k, event, gap, rate, slip, normal)
-            for k in range(law.guards):
-                ask("guard", guard, where, k, gap, rate, slip, normal)
             if bound < -ROUND_OFF * abs(normal):
                 raise LawError(
                     f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
@@ -194,8 +191,9 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
                 )
             if law.friction_kind != SET_VALUED:
                 # What else the variable may be than at first, the law alone knows.
-                first = law.friction_variable.initial if law.friction_variable else 0.0
+                first = own.initial if own else 0.0
                 ask("friction_force", friction_force, where, gap, rate, slip, normal, first)
+            _check_memory(law, ask, of_memory, where, gap, rate, slip, normal)
         return
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
@@ -210,6 +208,28 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
         if p_n > 0.0 and not stops:
             fault = f"leaves an approach of {-left:g} m/s {where}; the impulse must stop it."
             raise LawError(f"{law.name}: its kernel solve {fault}")
+        _check_memory(law, ask, of_memory, where, 0.0, approach, slip, p_n / law.default_contact_step)
+
+
+def _first_limit(law: ContactLaw, ask: Any, limits: Kernel) -> float:
+    """Give the gap at which a first contact begins [m]; refuse one that ends before."""
+    begin, end = ask("limits", limits, "at first")
+    if begin > end:
+        raise LawError(
+            f"{law.name}: its limits say that a contact begins at a gap of {begin:g} m and ends at {end:g} "
+            "m; it must not end before it begins."
+        )
+    return float(begin)
+
+
+def _check_memory(law: ContactLaw, ask: Any, kernels: list[Kernel], where: str, *state: float) -> None:
+    """Ask rates, jumps and guards at a state, as `contactlab.laws.memory` has it."""
+    for k in range(len(law.remembered)):
+        ask("rate", kernels[0], where, k, *state)
+        for event in (*EVENTS, *range(law.guards)):
+            ask("jump", kernels[2], where, k, event, *state)
+    for k in range(law.guards):
+        ask("guard", kernels[1], where, k, *state)
 
 
 def _answer(law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Any:
