@@ -73,7 +73,7 @@ def section(name: str, owner: type[ContactLaw] | type[Part], numbers: str) -> st
     """What the page says of one law or part."""
     words = inspect.getdoc(owner) or ""
     words = words.partition("\nArgs:")[0].partition("\nSource:")[0].strip()
-    rows = [f"| `{n}` | {described_parameter(n, m)} |" for n, m in members_of(owner).items()]
+    rows = [f"| `{n}` | {described_parameter(n, m, own=True)} |" for n, m in members_of(owner).items()]
     table = ["| parameter | symbol, unit, meaning, default, range |", "|---|---|", *rows, ""]
     declared = [f"* {word}: {text}" for word, text in declared_rows(owner).items() if text]
     return "\n".join(

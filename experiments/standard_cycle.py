@@ -1,26 +1,49 @@
 """The standard cycle of a contact law: a body too heavy to be disturbed presses and slides to and fro.
 
-    d = 1 µm sin(pi t / T),   way = 1 µm sin(4 pi t / T),   0 <= t <= T = 50 µs
+    d = 1 µm sin(pi t / T),   way = 1 µm sin(4 pi t / T),   -T/6 <= t <= 7 T/6,   T = 50 µs
 
-A rigid law has no force over penetration; it is asked about impacts of one body instead.
+It comes from a gap and leaves to one, so that a law may begin and end its contact where it says. One that
+pulls is pressed in less, to ten times its pull at the touch, or nobody would see that.
+
+A rigid law has no force over penetration; it is asked about impacts of one body instead. Where it remembers
+something it is seen in stick-slip, too: a block of 2 g on a spring of 1 N/µm is pressed by 10 N onto a belt
+of 20 mm/s. What a law remembers is drawn over time.
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, sin
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
+from contactlab.engine.preparation import take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.testing.plants import block, way_of
+from contactlab.testing.plants import block, run, way_of
+from contactlab.trajectory import Trajectory
 
 DURATION, DEPTH, WAY, MASS = 50e-6, 1e-6, 1e-6, 1e3
 """[s], [m], [m], [kg]."""
 
+BEFORE = 1.0 / 6.0
+"""Time before and after the cycle in which the body comes and goes, over its duration."""
+
+PULLS = 10.0
+"""Largest push over the pull at the touch."""
+
 TOLERANCE = 1e-12
 """Of the body's momentum, which is a millionfold the impulse of the contact."""
+
+STICKING_MASS, WEIGHT, SPRING, BELT = 2e-3, 10.0, 1e6, 0.02
+"""[kg], [N], [N/m], [m/s]."""
+
+STICKING_TIME = 1e-3
+"""[s]."""
+
+MOST_TOLD = 4
+"""Internal variables that are told apart in a picture."""
 
 DELASSUS = np.array([[600.0, 250.0], [250.0, 800.0]])
 """Of the body that strikes [1/kg]: of the motor's size, and with coupled directions."""
@@ -31,12 +54,14 @@ APPROACH = 0.1
 
 @dataclass(frozen=True)
 class Curves:
-    """Two curves, each with the words on its axes.
+    """Two curves, each with the words on its axes, and what is remembered.
 
     Args:
         left, right: x and y.
         left_words, right_words: labels of x and y.
         numbers: what the page says of them.
+        time: of the memory [µs].
+        memory: of every internal variable what it is called, and its values over their largest.
     """
 
     left: tuple[Array, Array]
@@ -44,6 +69,8 @@ class Curves:
     left_words: tuple[str, str]
     right_words: tuple[str, str]
     numbers: str
+    time: Array
+    memory: tuple[tuple[str, Array], ...] = ()
 
 
 def curves_of(law: ContactLaw) -> Curves:
@@ -55,32 +82,67 @@ def curves_of(law: ContactLaw) -> Curves:
     raise TypeError(f"{type(law).__name__} is of neither family.")
 
 
+def _depth_for(law: PenaltyLaw) -> float:
+    """How deep a law is pressed [m]."""
+    row, _, kernels, _ = take_in(law)
+    begins, _ = kernels[-2](row)
+
+    def normal(depth: float) -> float:
+        return float(kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
+
+    touch = normal(0.0)
+    if touch >= 0.0 or normal(DEPTH) < -PULLS * touch:
+        return DEPTH
+    return float(brentq(lambda depth: normal(depth) + PULLS * touch, 0.0, DEPTH))
+
+
 def _cycle(law: PenaltyLaw) -> Curves:
-    pressing, sliding = pi / DURATION, 4.0 * pi / DURATION
+    pressing, sliding, deepest = pi / DURATION, 4.0 * pi / DURATION, _depth_for(law)
+    before = BEFORE * DURATION
     motor = block(
         MASS,
-        gap_rate=-DEPTH * pressing,
+        height=deepest * sin(pressing * before),
+        gap_rate=-deepest * pressing * np.cos(pressing * before),
         normal_stiffness=MASS * pressing**2,
-        velocity=WAY * sliding,
+        way=-WAY * sin(sliding * before),
+        velocity=WAY * sliding * np.cos(sliding * before),
         stiffness=MASS * sliding**2,
     )
-    run = simulate(motor, law, duration=DURATION, record_interval=DURATION / 1000.0, tolerance=TOLERANCE)
-    series = run.series
+    interval = DURATION / 1000.0
+    span = DURATION + 2.0 * before
+    trajectory = simulate(motor, law, duration=span, record_interval=interval, tolerance=TOLERANCE)
+    series = trajectory.series
     # Forces are means over the intervals before the records.
     depth, way = (0.5 * (x[1:] + x[:-1]) for x in (-series["gap"], way_of(series["tip_slope"])))
     normal, friction = series["normal_force"][1:], series["friction_force"][1:]
     contact, rubbing = series["contact_loss"][-1], series["friction_loss"][-1]
+    touching = np.flatnonzero((normal != 0.0) | (friction != 0.0))
+    shown = slice(max(touching[0] - 1, 0), touching[-1] + 2)
+    pull = f", largest pull {-normal.min():.3g} N" if normal.min() < 0.0 else ""
     return Curves(
-        left=(depth * 1e6, normal),
-        right=(way * 1e6, friction),
+        left=(depth[shown] * 1e6, normal[shown]),
+        right=(way[shown] * 1e6, friction[shown]),
         left_words=("penetration [µm]", "normal force [N]"),
         right_words=("way [µm]", "friction [N]"),
         numbers=(
-            f"In the standard cycle: peak normal force {normal.max():.3g} N, largest friction "
+            f"In the standard cycle: peak normal force {normal.max():.3g} N{pull}, largest friction "
             f"{np.abs(friction).max():.3g} N, normal loss {_tidy(contact)} µJ, "
             f"friction loss {_tidy(rubbing)} µJ."
         ),
+        time=(trajectory.time - before) * 1e6,
+        memory=_memory_of(trajectory),
     )
+
+
+def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
+    """What a law remembers in a run, each variable over its largest value."""
+    found = []
+    for variable in trajectory.law.internal_variables:
+        values = trajectory.series[f"internal_{variable.name}"]
+        most = float(np.abs(values).max())
+        unit = "" if variable.units == "1" else f" {variable.units}"
+        found.append((f"{variable.symbol} / {most:.2g}{unit}", values / most if most else values))
+    return tuple(found)
 
 
 def _tidy(energy: float) -> str:
@@ -89,11 +151,12 @@ def _tidy(energy: float) -> str:
 
 
 def _impacts(law: MultiplierLaw) -> Curves:
-    parameters = law.parameters()
+    row, _, kernels, _ = take_in(law)
     (d_nn, d_nt), (_, d_tt) = DELASSUS
 
     def answers(rate: float, slip: float) -> tuple[float, float]:
-        p_n, p_t, _ = law.solve(-rate, slip, -rate, slip, d_nn, d_nt, d_tt, parameters)
+        # As the engine asks it in an impact, with the memory of a first touch.
+        p_n, p_t, _ = kernels[2](-rate, slip, -rate, slip, d_nn, d_nt, d_tt, row)
         return p_n, p_t
 
     speeds = np.linspace(0.0, 2.0 * APPROACH, 201)[1:]
@@ -103,28 +166,50 @@ def _impacts(law: MultiplierLaw) -> Curves:
     ends = [d_nn * p_n + d_nt * p_t for p_n, p_t in (answers(APPROACH, s) for s in slips)]
     # Round-off of a plastic impact is none, whatever its sign.
     rebound = np.round((np.array(ends) - APPROACH) / APPROACH, 9) + 0.0
-    return Curves(
-        left=(speeds, normal * 1e6),
-        right=(slips, friction * 1e6),
-        left_words=("approach [m/s]", "normal impulse [µN s]"),
-        right_words=("slip before the impact [m/s]", "friction impulse [µN s]"),
-        numbers=(
-            f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
-            f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
-        ),
+    words = (
+        f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
+        f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
     )
+    left = speeds, normal * 1e6
+    left_words = "approach [m/s]", "normal impulse [µN s]"
+    if not law.remembered:
+        right = slips, friction * 1e6
+        right_words = "slip before the impact [m/s]", "friction impulse [µN s]"
+        return Curves(left, right, left_words, right_words, words, np.empty(0))
+    sticking = _stick_slip(law)
+    time, force = sticking.time * 1e6, sticking.series["friction_force"]
+    words += f" In stick-slip the friction goes up to {np.abs(force).max():.3g} N."
+    right_words = "time [µs]", "friction [N]"
+    memory = _memory_of(sticking)
+    return Curves(left, (time[1:], force[1:]), left_words, right_words, words, time, memory)
+
+
+def _stick_slip(law: MultiplierLaw) -> Trajectory:
+    motor = block(STICKING_MASS, velocity=BELT, weight=WEIGHT, stiffness=SPRING, belt_velocity=BELT)
+    return run(motor, law, STICKING_TIME, record_interval=1e-6)
 
 
 def draw(curves: Curves) -> Figure:
-    """The two curves side by side."""
-    figure = Figure(figsize=(5.6, 2.0), layout="constrained")
-    for axes, (x, y), (across, up) in zip(
-        figure.subplots(1, 2),
-        (curves.left, curves.right),
-        (curves.left_words, curves.right_words),
-        strict=True,
+    """The two curves side by side, and what is remembered beside them."""
+    count = 3 if curves.memory else 2
+    figure = Figure(figsize=(2.8 * count, 2.0), layout="constrained")
+    left, right, *third = figure.subplots(1, count)
+    for axes, (x, y), (across, up) in (
+        (left, curves.left, curves.left_words),
+        (right, curves.right, curves.right_words),
     ):
         axes.axhline(0.0, color="0.8", linewidth=0.6)
         axes.plot(x, y)
         axes.set(xlabel=across, ylabel=up)
+    for axes in third:
+        axes.axhline(0.0, color="0.8", linewidth=0.6)
+        several = len(curves.memory) > MOST_TOLD
+        for name, values in curves.memory:
+            axes.plot(curves.time, values, label=None if several else name, linewidth=0.8)
+        first, last = curves.memory[0][0], curves.memory[-1][0]
+        axes.set(xlabel="time [µs]", ylabel="internal variables")
+        if several:
+            axes.set_title(f"{first} to {last}", fontsize="x-small")
+        else:
+            axes.legend(fontsize="x-small", frameon=False)
     return figure

@@ -17,7 +17,7 @@ from contactlab.engine.compliant import count_event, step_compliant, switch_fric
 from contactlab.engine.flight import step_flight
 from contactlab.engine.kinematics import Law, Memory, Run, begin, contact_at
 from contactlab.engine.law_kernels import compiled, idle
-from contactlab.engine.memory import jump, leave
+from contactlab.engine.memory import jump, leave, press
 from contactlab.engine.recorder import commit
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.rows import SIGNATURES
@@ -271,6 +271,8 @@ def _opens_step(run: Run, law: Law) -> bool:
             mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
     if state.phase == PRESSED:
         _open_contact(run, law)
+        if state.compliant != 0:
+            press(run, law, law.memory)
     begin(run)
     return True
 

@@ -243,6 +243,20 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
 
 
 @inner_kernel
+def press(run: Run, law: Law, memory: Memory | None) -> None:
+    """Count what the moment of a contact that is pressed together at the start stores as brought along."""
+    if memory is None:
+        return
+    state = run.state
+    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
+    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
+    normal = law.force(gap, rate, slip, state.impact_speed, law.parameters)[0]
+    stored = moment_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[1]
+    state.total.friction_loss += stored
+    state.contact.energy_loss += stored
+
+
+@inner_kernel
 def leave(run: Run, memory: Memory | None) -> None:
     """Set where the next contact begins, after a release or a step of flight.
 

@@ -40,16 +40,16 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if event == PEAK:
         return slope_at(state.normal, x)
     if event == GUARD:
-        return guard_at(run, law.memory, s)
+        return float(guard_at(run, law.memory, s))
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
     if event == TOUCH:
-        return gap - state.begins
+        return float(gap - state.begins)
     memory_at(run, law.memory, s)
     end = end_at(law.memory)
     if event == RELEASE:
-        return gap - end
+        return float(gap - end)
     if state.friction_kind == SET_VALUED or gap >= end:
         return slip
     normal = max(value_at(state.normal, x), 0.0)

@@ -6,9 +6,21 @@ from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, Li
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION, LawError
 from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
 from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
-from contactlab.laws.impact import MoreauJean, Newton, Poisson, Stronge
+from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
+from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.memory import InternalVariable
-from contactlab.laws.normal import HertzElliptic, HertzPoint, Line, Linear, Lining
+from contactlab.laws.normal import (
+    Dmt,
+    HertzElliptic,
+    HertzPoint,
+    Jkr,
+    Line,
+    Linear,
+    Lining,
+    Prony,
+    Thornton,
+    WaltonBraun,
+)
 from contactlab.laws.registry import LAWS, PARTS, law, law_class, law_names, origin_of
 from contactlab.parameter import Parameter

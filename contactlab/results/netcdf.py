@@ -20,7 +20,7 @@ import yaml
 
 from contactlab import variables
 from contactlab.laws import ContactLaw
-from contactlab.laws.registry import provenance
+from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.free_vibration import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
@@ -209,7 +209,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "source": f"contactlab {code['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {law.source}.",
         "law": law.name,
-        "law_origin": provenance(type(law)),
+        "law_origin": provenance(*classes_of(law)),
         "law_parameters": json.dumps(law.describe()),
         "duration": float(trajectory.duration),
         "contact_step": float(trajectory.contact_step),
