@@ -37,7 +37,7 @@ OPENING = """\
 
 One row a law, or a part in a law that is a Hertz contact with Coulomb friction but for it. *Lines* are those
 of its class, words and blank lines included. *Remembers* counts the internal variables with the default
-parameters. The contract is that of `contactlab.testing.LawContract`: how many of its properties hold, and which
+parameters. The contract is `contactlab.testing.LawContract`: how many of its properties hold, and which
 the law declares to break, with the reason at its class. What is published is a number or a closed form of the
 source, ours is what the law answers or does in the engine.
 
