@@ -11,6 +11,7 @@ from math import nan
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import (
     FIRST,
     HELD_SLIP,
@@ -21,7 +22,7 @@ from contactlab.engine.friction import (
     mobility,
     push_node,
 )
-from contactlab.engine.kinematics import Law, Run, contact_of, free_response, tip_motion
+from contactlab.engine.kinematics import contact_of, free_response, tip_motion
 from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
 from contactlab.engine.moments import missed_moments, set_moments
 from contactlab.engine.propagator import build_level, step_length

@@ -7,8 +7,9 @@ import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.collocation import Known, attempt, sound_normal
+from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import friction_and_steepness
-from contactlab.engine.kinematics import Law, Run, add_collocated, checked, contact_at
+from contactlab.engine.kinematics import add_collocated, checked, contact_at
 from contactlab.engine.memory import end_at, jump, open_step, recall_start
 from contactlab.engine.moments import first_moments
 from contactlab.engine.plant import delassus

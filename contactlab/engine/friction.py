@@ -16,7 +16,8 @@ from typing import Final, cast
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.context import Law, Run
+from contactlab.engine.kinematics import contact_after
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.memory import end_at, memory_at, recall
 from contactlab.engine.state import NODES, internal_at, value_at

@@ -10,11 +10,12 @@ a rigid contact the motion is held meanwhile: there the flow is of the order of 
 """
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Memory, Run, contact_after, contact_at
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import STICK
-from contactlab.laws.memory import AT_RELEASE
+from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
@@ -194,7 +195,7 @@ def guard_at(run: Run, memory: Memory | None, s: float) -> float:
 def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     """Let the internal variables jump at an event where the step starts; what is stored less is lost.
 
-    At a release all that is stored still is.
+    At a release all that is stored still is, and a touch gives back what it finds stored.
     """
     if memory is None:
         return
@@ -205,7 +206,8 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     normal, stored = state.normal.node[0], 0.0
     if state.compliant != 0:
         gap = min(gap, end_at(memory))
-        normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        normal, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        stored = 0.0 if event == AT_TOUCH else before
     for k in range(state.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
     recall_start(run, memory)

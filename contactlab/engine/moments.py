@@ -8,7 +8,8 @@ against the spin thdot - Omega turns tip and rotor against each other.
 from math import asin
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Memory, Run, contact_at, tip_motion
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_at, tip_motion
 from contactlab.engine.state import START, value_at
 
 
@@ -85,13 +86,14 @@ def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float
 
 @inner_kernel
 def press(run: Run, law: Law, memory: Memory | None) -> None:
-    """Count what the moment of a contact that is pressed together at the start stores as brought along."""
+    """Count what a contact that is pressed together at the start stores as brought along."""
     if memory is None:
         return
     state = run.state
     _, th, _, th_rate, rotor = tip_motion(run.plant, START)
     gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
-    normal = law.force(gap, rate, slip, state.impact_speed, law.parameters)[0]
-    stored = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[2]
-    state.total.friction_loss += stored
-    state.contact.energy_loss += stored
+    normal, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    turned = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[2]
+    state.total.contact_loss += pressed
+    state.total.friction_loss += turned
+    state.contact.energy_loss += pressed + turned

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame, tip_motion
+from contactlab.engine.context import Law, Run
+from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
 from contactlab.engine.memory import end_at, memory_at
 from contactlab.engine.moments import moment_power, moments_at
 from contactlab.engine.plant import Plant
