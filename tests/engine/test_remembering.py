@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from support.remembering import Cooling, FreshDent, LastingDent, Ledge, Pad, Softening, Told, softened_end
+from support.remembering import (
+    Cooling,
+    FreshDent,
+    LastingDent,
+    Ledge,
+    Pad,
+    Softening,
+    Told,
+    TwoClocks,
+    softened_end,
+)
 
 from contactlab.engine import Flow, simulate
 from contactlab.laws import ContactLaw
@@ -34,6 +44,11 @@ def test_a_guard_is_located_and_the_step_ends_there(time: float) -> None:
     assert_allclose(made.contacts["internal_clock"], duration, rtol=1e-7)
     assert_allclose(made.contacts["duration"], duration, rtol=1e-7)
     assert_allclose(made.contacts["separation_velocity"], rebound, rtol=1e-7)
+
+
+def test_of_two_guards_within_a_step_the_earlier_one_falls_first() -> None:
+    made = run(thrown(), TwoClocks(), 4e-4)
+    assert_array_equal(made.contacts["internal_order"], 21.0)
 
 
 def test_what_is_stored_less_after_a_jump_is_lost_by_the_contact() -> None:

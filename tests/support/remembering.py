@@ -255,3 +255,44 @@ def softened_end(law: Softening, mass: float, speed: float) -> tuple[float, floa
     depth, rate = speed / stiff * sin(stiff * law.time), speed * cos(stiff * law.time)
     rebound = hypot(rate, soft * depth)
     return law.time + (pi - atan2(soft * depth, rate)) / soft, rebound
+
+
+@final
+@dataclass(frozen=True)
+class TwoClocks(PenaltyLaw):
+    """A spring with two guards that fall within one step, the later one asked first."""
+
+    name = "two_clocks"
+    equation = "N = k d"
+    source = "this test"
+    default_contact_step = 4e-6
+    guards = 2
+    internal_variables = (
+        InternalVariable("clock", "t", "s", "time since the touch-down"),
+        InternalVariable("order", "n", "1", "the guards that fell, as digits"),
+    )
+
+    stiffness: Annotated[float, STIFFNESS] = 1e6
+    time: Annotated[float, TIME] = 3e-5
+
+    @staticmethod
+    @kernel
+    def force(gap, gap_rate, slip, impact_speed, z, parameters):
+        return -parameters[0] * gap, 0.0, 0.5 * parameters[0] * gap * gap, 0.0
+
+    @staticmethod
+    @kernel
+    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+        return 1.0 if which == 0 else 0.0
+
+    @staticmethod
+    @kernel
+    def guard(which, gap, gap_rate, slip, normal, z, parameters):
+        if which == 0:
+            return 1.001 * parameters[1] - z[0] if z[1] % 10.0 != 1.0 else 1.0
+        return parameters[1] - z[0] if z[1] == 0.0 else 1.0
+
+    @staticmethod
+    @kernel
+    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+        return 10.0 * z[1] + event + 1.0 if event >= 0 and which == 1 else z[which]
