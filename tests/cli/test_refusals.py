@@ -11,7 +11,7 @@ from support.command_line import Command, left_behind
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["law=hertz"], "law is 'hertz'; it must be one of composed, hertz_penalty"),
+        (["law=hertz"], "law is 'hertz'; it must be one of brach, chatterjee_ruina, composed"),
         (["law=hertz"], "Did you mean hertz_penalty?"),
         (["law=null"], "law=null names no option; it must have the form GROUP=OPTION"),
         (["experiment=case_b"], "experiment is 'case_b'; it must be one of basis_convergence, case_a,"),
