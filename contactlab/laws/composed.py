@@ -92,7 +92,8 @@ class Composed(PenaltyLaw):
 
     @property
     def _spring(self) -> Any:
-        return composition.spring_of(self.normal.force, self.normal.elastic)
+        limited = self.normal.limits is not None
+        return composition.spring_of(self.normal.force, self.normal.elastic, limited)
 
     @property
     def force(self) -> Any:

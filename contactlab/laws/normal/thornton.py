@@ -1,4 +1,4 @@
-"""The elastic, perfectly plastic sphere: Hertz until it yields, a straight line, Hertz of a flatter sphere."""
+"""The elastic, perfectly plastic sphere: Hertz until it yields, a straight line, Hertz of a flatter one."""
 
 from dataclasses import dataclass
 from math import pi, sqrt
@@ -102,7 +102,7 @@ class Thornton(NormalForce):
     def jump(which, event, depth, depth_rate, z, parameters, at):
         if event == BEGINS:
             return 1.0 if which == YIELDS else z[PEAK]
-        if event == STOPS or event == AT_TOUCH:
+        if event in (STOPS, AT_TOUCH):
             # A contact that begins under load has been loaded.
             return 0.0 if which == YIELDS else max(depth, z[PEAK])
         return z[which]
