@@ -41,8 +41,8 @@ class Johnson(MultiplierLaw):
     violations = OF_THE_GAP_RATE
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-    modulus: Annotated[float, positive("E*", "Pa", "effective modulus")] = 115e9
-    yield_strength: Annotated[float, positive("Y", "Pa", "yield strength of the softer body")] = 3e8
+    modulus: Annotated[float, positive("E*", "Pa", "effective modulus")] = 59e9
+    yield_strength: Annotated[float, positive("Y", "Pa", "yield strength of the softer body")] = 1e8
     radius: Annotated[float, positive("R", "m", "effective radius, 1/(1/R1 + 1/R2)")] = 4.5e-3
 
     def parameters(self) -> Array:
