@@ -1,26 +1,52 @@
 """The standard cycle of a contact law: a body too heavy to be disturbed presses and slides to and fro.
 
-    d = 1 µm sin(pi t / T),   way = 1 µm sin(4 pi t / T),   0 <= t <= T = 50 µs
+    d = 1 µm sin(pi t / T),   way = 1 µm sin(4 pi t / T),   -T/6 <= t <= 7 T/6,   T = 50 µs
 
-A rigid law has no force over penetration; it is asked about impacts of one body instead.
+It comes from a gap and leaves to one, so that a law may begin and end its contact where it says. One that
+pulls is pressed in less, to ten times its pull at the touch, or nobody would see that.
+
+A rigid law has no force over penetration; it is asked about impacts of one body instead. Where it remembers
+something it is seen in stick-slip, too, and so is a compliant one whose memory is not stirred by the cycle: a
+block of 2 g on a spring of 1 N/µm is pressed by 10 N onto a belt of 20 mm/s. What a law remembers is drawn
+over time.
 """
 
-from dataclasses import dataclass
-from math import pi
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from math import pi, sin
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
+from contactlab.engine.preparation import LIMITS, take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.testing.plants import block, way_of
+from contactlab.testing.plants import block, run, way_of
+from contactlab.trajectory import Trajectory
 
 DURATION, DEPTH, WAY, MASS = 50e-6, 1e-6, 1e-6, 1e3
 """[s], [m], [m], [kg]."""
 
+BEFORE = 1.0 / 6.0
+"""Time before and after the cycle in which the body comes and goes, over its duration."""
+
+PULLS = 10.0
+"""Largest push over the pull at the touch."""
+
 TOLERANCE = 1e-12
 """Of the body's momentum, which is a millionfold the impulse of the contact."""
+
+STICKING_MASS, WEIGHT, SPRING, BELT = 2e-3, 10.0, 1e6, 0.02
+"""[kg], [N], [N/m], [m/s]."""
+
+STICKING_TIME = 1e-3
+"""[s]."""
+
+MOST_TOLD = 4
+"""Internal variables that are told apart in a picture."""
 
 DELASSUS = np.array([[600.0, 250.0], [250.0, 800.0]])
 """Of the body that strikes [1/kg]: of the motor's size, and with coupled directions."""
@@ -31,12 +57,14 @@ APPROACH = 0.1
 
 @dataclass(frozen=True)
 class Curves:
-    """Two curves, each with the words on its axes.
+    """Two curves, each with the words on its axes, and what is remembered.
 
     Args:
         left, right: x and y.
         left_words, right_words: labels of x and y.
         numbers: what the page says of them.
+        time: of the memory [µs].
+        memory: of every internal variable what it is called, and its values over their largest.
     """
 
     left: tuple[Array, Array]
@@ -44,8 +72,11 @@ class Curves:
     left_words: tuple[str, str]
     right_words: tuple[str, str]
     numbers: str
+    time: Array
+    memory: tuple[tuple[str, Array], ...] = ()
 
 
+@cache
 def curves_of(law: ContactLaw) -> Curves:
     """The cycle of a compliant law, or the impacts of a rigid one."""
     if isinstance(law, MultiplierLaw):
@@ -55,32 +86,77 @@ def curves_of(law: ContactLaw) -> Curves:
     raise TypeError(f"{type(law).__name__} is of neither family.")
 
 
+def _normal_of(law: PenaltyLaw) -> Callable[[float], float]:
+    """The force [N] of a depth [m] below the first touch, at rest and with the memory of that."""
+    row, _, kernels, _ = take_in(law)
+    begins = 0.0 if law.limits is None else kernels[LIMITS](row)[0]
+
+    def normal(depth: float) -> float:
+        return float(kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
+
+    return normal
+
+
+def _depth_for(law: PenaltyLaw) -> float:
+    """How deep a law is pressed [m]."""
+    normal = _normal_of(law)
+    touch = normal(0.0)
+    if touch >= 0.0 or normal(DEPTH) < -PULLS * touch:
+        return DEPTH
+    return float(brentq(lambda depth: normal(depth) + PULLS * touch, 0.0, DEPTH))
+
+
 def _cycle(law: PenaltyLaw) -> Curves:
-    pressing, sliding = pi / DURATION, 4.0 * pi / DURATION
+    pressing, sliding, deepest = pi / DURATION, 4.0 * pi / DURATION, _depth_for(law)
+    before = BEFORE * DURATION
     motor = block(
         MASS,
-        gap_rate=-DEPTH * pressing,
+        height=deepest * sin(pressing * before),
+        gap_rate=-deepest * pressing * np.cos(pressing * before),
         normal_stiffness=MASS * pressing**2,
-        velocity=WAY * sliding,
+        way=-WAY * sin(sliding * before),
+        velocity=WAY * sliding * np.cos(sliding * before),
         stiffness=MASS * sliding**2,
     )
-    run = simulate(motor, law, duration=DURATION, record_interval=DURATION / 1000.0, tolerance=TOLERANCE)
-    series = run.series
+    interval = DURATION / 1000.0
+    span = DURATION + 2.0 * before
+    trajectory = simulate(motor, law, duration=span, record_interval=interval, tolerance=TOLERANCE)
+    series = trajectory.series
     # Forces are means over the intervals before the records.
     depth, way = (0.5 * (x[1:] + x[:-1]) for x in (-series["gap"], way_of(series["tip_slope"])))
     normal, friction = series["normal_force"][1:], series["friction_force"][1:]
     contact, rubbing = series["contact_loss"][-1], series["friction_loss"][-1]
-    return Curves(
-        left=(depth * 1e6, normal),
-        right=(way * 1e6, friction),
+    touching = np.flatnonzero((normal != 0.0) | (friction != 0.0))
+    shown = slice(max(touching[0] - 1, 0), touching[-1] + 2)
+    pull = f", largest pull {-normal.min():.3g} N" if normal.min() < 0.0 else ""
+    curves = Curves(
+        left=(depth[shown] * 1e6, normal[shown]),
+        right=(way[shown] * 1e6, friction[shown]),
         left_words=("penetration [µm]", "normal force [N]"),
         right_words=("way [µm]", "friction [N]"),
         numbers=(
-            f"In the standard cycle: peak normal force {normal.max():.3g} N, largest friction "
+            f"In the standard cycle: peak normal force {normal.max():.3g} N{pull}, largest friction "
             f"{np.abs(friction).max():.3g} N, normal loss {_tidy(contact)} µJ, "
             f"friction loss {_tidy(rubbing)} µJ."
         ),
+        time=(trajectory.time - before) * 1e6,
+        memory=_memory_of(trajectory),
     )
+    stirred = any(np.ptp(values) > 0.0 for _, values in curves.memory)
+    return curves if stirred or not curves.memory else _with_stick_slip(curves, law)
+
+
+def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
+    """What a law remembers in a run, each variable over its largest value."""
+    found = []
+    for variable in trajectory.law.internal_variables:
+        values = trajectory.series[f"internal_{variable.name}"]
+        most = float(np.abs(values).max())
+        unit = "" if variable.units == "1" else f" {variable.units}"
+        said = variable.symbol or variable.name
+        words = said if most in (0.0, 1.0) else f"{said} / {most:.2g}{unit}"
+        found.append((words, values / most if most else values))
+    return tuple(found)
 
 
 def _tidy(energy: float) -> str:
@@ -89,11 +165,12 @@ def _tidy(energy: float) -> str:
 
 
 def _impacts(law: MultiplierLaw) -> Curves:
-    parameters = law.parameters()
+    row, _, kernels, _ = take_in(law)
     (d_nn, d_nt), (_, d_tt) = DELASSUS
 
     def answers(rate: float, slip: float) -> tuple[float, float]:
-        p_n, p_t, _ = law.solve(-rate, slip, -rate, slip, d_nn, d_nt, d_tt, parameters)
+        # As the engine asks it in an impact, with the memory of a first touch.
+        p_n, p_t, _ = kernels[2](-rate, slip, -rate, slip, d_nn, d_nt, d_tt, row)
         return p_n, p_t
 
     speeds = np.linspace(0.0, 2.0 * APPROACH, 201)[1:]
@@ -103,28 +180,63 @@ def _impacts(law: MultiplierLaw) -> Curves:
     ends = [d_nn * p_n + d_nt * p_t for p_n, p_t in (answers(APPROACH, s) for s in slips)]
     # Round-off of a plastic impact is none, whatever its sign.
     rebound = np.round((np.array(ends) - APPROACH) / APPROACH, 9) + 0.0
-    return Curves(
+    words = (
+        f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
+        f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
+    )
+    curves = Curves(
         left=(speeds, normal * 1e6),
         right=(slips, friction * 1e6),
         left_words=("approach [m/s]", "normal impulse [µN s]"),
         right_words=("slip before the impact [m/s]", "friction impulse [µN s]"),
-        numbers=(
-            f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
-            f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
-        ),
+        numbers=words,
+        time=np.empty(0),
+    )
+    return _with_stick_slip(curves, law) if law.remembered else curves
+
+
+def _with_stick_slip(curves: Curves, law: ContactLaw) -> Curves:
+    """Curves with those of the block on the belt in the place of the right one."""
+    normal = _normal_of(law) if isinstance(law, PenaltyLaw) else None
+    pressed = brentq(lambda depth: normal(depth) - WEIGHT, 0.0, 10.0 * DEPTH) if normal else 0.0
+    motor = block(
+        STICKING_MASS, height=-pressed, velocity=BELT, weight=WEIGHT, stiffness=SPRING, belt_velocity=BELT
+    )
+    sticking = run(motor, law, STICKING_TIME, record_interval=1e-6)
+    time, force = sticking.time * 1e6, sticking.series["friction_force"]
+    return replace(
+        curves,
+        right=(time[1:], force[1:]),
+        right_words=("time [µs]", "friction [N]"),
+        numbers=f"{curves.numbers} In stick-slip the friction goes up to {np.abs(force).max():.3g} N.",
+        time=time,
+        memory=_memory_of(sticking),
     )
 
 
 def draw(curves: Curves) -> Figure:
-    """The two curves side by side."""
-    figure = Figure(figsize=(5.6, 2.0), layout="constrained")
-    for axes, (x, y), (across, up) in zip(
-        figure.subplots(1, 2),
-        (curves.left, curves.right),
-        (curves.left_words, curves.right_words),
-        strict=True,
+    """The two curves side by side, and what is remembered beside them."""
+    count = 3 if curves.memory else 2
+    figure = Figure(figsize=(2.8 * count, 2.0), layout="constrained")
+    left, right, *third = figure.subplots(1, count)
+    for axes, (x, y), (across, up) in (
+        (left, curves.left, curves.left_words),
+        (right, curves.right, curves.right_words),
     ):
         axes.axhline(0.0, color="0.8", linewidth=0.6)
         axes.plot(x, y)
         axes.set(xlabel=across, ylabel=up)
+    for axes in third:
+        axes.axhline(0.0, color="0.8", linewidth=0.6)
+        several = len(curves.memory) > MOST_TOLD
+        for name, values in curves.memory:
+            axes.plot(curves.time, values, label=None if several else name, linewidth=0.8)
+        first, last = curves.memory[0][0], curves.memory[-1][0]
+        axes.set(xlabel="time [µs]", ylabel="internal variables")
+        if several:
+            axes.set_title(f"{first} to {last}", fontsize="x-small")
+        else:
+            axes.legend(
+                fontsize="x-small", frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2
+            )
     return figure

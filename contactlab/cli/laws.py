@@ -1,20 +1,30 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
-from collections.abc import Iterator
-from dataclasses import MISSING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, replace
 from functools import partial
+from itertools import groupby
 from textwrap import fill
+from types import MappingProxyType
 from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.laws.base import ContactLaw, Friction, Part, PenaltyLaw
+from contactlab.laws.base import ContactLaw, Friction, PenaltyLaw
 from contactlab.laws.composed import Composed
-from contactlab.laws.declaration import SHARED, family_of, members_of
-from contactlab.laws.memory import EVEN, ODD
-from contactlab.laws.registry import PARTS, Origin, law_class, origins
+from contactlab.laws.declaration import SHARED, Declared, family_of, members_of
+from contactlab.laws.memory import ODD, InternalVariable
+from contactlab.laws.registry import PARTS, Origin, class_of, law_names, origins
 from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion
+
+STICK = {True: "exact", False: "not exact: it gives, creeps or chatters"}
+
+KERNELS = {
+    "limits": "a contact begins and ends at the gaps that it says, not at zero",
+    "moment": "a patch of some extent turns the tip",
+}
+"""What kernels that most have not say of a law or part."""
 
 FAMILIES = {"normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"}
 
@@ -44,14 +54,21 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
+    headings = {"": "Laws: choose one by law=NAME"} | {
+        family: f"{words} of a composed law: law=composed law/{family}=NAME"
+        for family, words in FAMILIES.items()
+    }
     # Two packages may bring a law of one name.
-    sections: Sections = {"Laws: choose one by law=NAME": [(o.name, partial(_law, o)) for o in origins()]}
-    for family, table in PARTS.items():
-        heading = f"{FAMILIES[family]} of a composed law: law=composed law/{family}=NAME"
-        parts = [(f"{family}/{name}", part) for name, part in table.items()]
-        sections[heading] = [(name, partial(_described, part, name)) for name, part in parts]
+    sections: Sections = {
+        heading: [(_title(one, family), partial(_paragraph, one, family)) for one in origins(family)]
+        for family, heading in headings.items()
+    }
     print("\n\n".join(_chosen(sections, wanted)))
     return COMPLETE
+
+
+def _title(origin: Origin, family: str) -> str:
+    return f"{family}/{origin.name}" if family else origin.name
 
 
 def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
@@ -69,11 +86,11 @@ def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
                 yield paragraph()
 
 
-def _law(origin: Origin) -> str:
-    fault = origin.fault
+def _paragraph(origin: Origin, family: str) -> str:
+    fault, title = origin.fault, _title(origin, family)
     try:
         if not fault:
-            return _described(law_class(origin.name), origin.name, f"{origin} ({origin.entry})")
+            return _described(class_of(origin.name, family), title, f"{origin} ({origin.entry})")
     except ValueError as error:
         fault = str(error)
     # What a law of another package declares may be anything.
@@ -82,10 +99,10 @@ def _law(origin: Origin) -> str:
             f"What {origin.entry} of {origin} declares cannot be read ({type(error).__name__}: {error}). "
             "Mend that package."
         )
-    return f"{origin.name}: not usable\n{_wrapped(fault)}"
+    return f"{title}: not usable\n{_wrapped(fault)}"
 
 
-def _described(owner: type[ContactLaw | Part], title: str, origin: str = "") -> str:
+def _described(owner: type[Declared], title: str, origin: str) -> str:
     """All that a law or a part says of itself."""
     rows = {
         "equation": owner.equation,
@@ -104,13 +121,14 @@ def _described(owner: type[ContactLaw | Part], title: str, origin: str = "") -> 
     return "\n".join([title, *lines])
 
 
-def described_parameter(name: str, member: DeclaredField) -> str:
-    """Symbol, unit, meaning, default and range of a number; the options of a part."""
+def described_parameter(name: str, member: DeclaredField, own: bool = False) -> str:
+    """Symbol, unit, meaning, default and range of a number; the options of a part, or our `own` alone."""
     said, given = member.parameter, member.default
     if said is None:
         family = family_of(member)
+        options = dict.fromkeys([*PARTS[family], *([] if own else law_names(family))])
         default = "" if given is MISSING else f", default {given.name}"
-        return f"a part, law/{family}={', '.join(PARTS[family])}{default}"
+        return f"a part, law/{family}={', '.join(options)}{default}"
     unit = "" if said.units == "1" else f" [{said.units}]"
     default = "must be given"
     if name == SHARED:
@@ -120,41 +138,92 @@ def described_parameter(name: str, member: DeclaredField) -> str:
     return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
 
 
-def declared_rows(owner: Any) -> dict[str, str]:
-    """What a law or part claims of itself where it says anything: a composed law leaves it to its parts."""
+def declared_rows(owner: type[Declared]) -> dict[str, str]:
+    """What a law or part claims of itself where it says anything: a composed law leaves it to its parts.
+
+    What hangs on parameters is told as it is with their defaults.
+    """
+    open_ones = [one for one in members_of(owner).values() if one.default is MISSING]
+    said: Any = owner if owner is Composed or open_ones else owner()
     rows: dict[str, str] = {}
     if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
-        rows["tension"] = "allowed" if owner.allows_tension else "none"
-        rows["convergence order"] = _of_parts(owner.convergence_order)
+    if issubclass(owner, ContactLaw) or getattr(said, "allows_tension", False):
+        rows["tension"] = _in_words(said, "allows_tension", {True: "allowed", False: "none"})
+    if issubclass(owner, ContactLaw):
+        rows["convergence order"] = _in_words(said, "convergence_order")
         at_most = "at most " if getattr(owner, "projects", False) else ""
         rows["default contact step"] = f"{at_most}{owner.default_contact_step:g} s"
     if issubclass(owner, ContactLaw | Friction):
-        stick = {True: "exact", False: "not exact: it gives, creeps or chatters"}
-        rows["stick"] = stick.get(owner.exact_stick) or _of_parts(owner.exact_stick)
-        violations = owner.violations
-        if isinstance(violations, property):
-            rows["breaks"] = _of_parts(violations)
+        rows["stick"] = _in_words(said, "exact_stick", STICK)
+        offset = said.friction_offset
+        rows["cone"] = f"widened by an offset C = {offset:g} N" if not _hangs(offset) and offset else ""
+    rows |= _memory_rows(said)
+    if issubclass(owner, ContactLaw | Friction):
+        if _hangs(said.violations):
+            rows["breaks"] = _in_words(said, "violations")
         else:
-            rows |= {f"breaks {name}": reason for name, reason in violations.items()}
-    rows["internal variable"] = remembered_rows(owner)
+            rows |= {f"breaks {name}": reason for name, reason in said.violations.items()}
     return rows
 
 
-def remembered_rows(owner: Any) -> str:
-    """What a law or part remembers, in words; empty where that is nothing."""
-    internal = getattr(owner, "internal_variables", ())
-    if isinstance(internal, property):
-        if owner is Composed:
-            return "that of its parts"
-        internal = owner().internal_variables
-    parities = {ODD: ", odd in a mirror", EVEN: ""}
-    lives = {"run": ", for the run", "contact": ""}
-    return "; ".join(f"{one}{parities[one.parity]}{lives[one.life]}" for one in internal)
+def _memory_rows(said: Any) -> dict[str, str]:
+    """What a law or part remembers, and what it has a hand in: limits, guards, a moment, the step."""
+    rows: dict[str, str] = {}
+    variables = getattr(said, "internal_variables", ())
+    if _hangs(variables):
+        rows["internal variables"] = _in_words(said, "internal_variables")
+    else:
+        for alike in _alike(variables):
+            names, words = described_variables(alike)
+            rows[f"internal variable{'s' * (len(alike) > 1)} {names}"] = words
+    kernels = {name: getattr(said, name, None) for name in ("limits", "moment")}
+    for name, words in KERNELS.items():
+        if not _hangs(kernels[name]) and kernels[name] is not None:
+            rows[name] = words
+    guards = getattr(said, "guards", 0)
+    if not _hangs(guards) and guards:
+        rows["guards"] = f"{guards}: where one falls through zero, a step ends and what it remembers jumps"
+    if getattr(said, "told", False):
+        rows["told"] = "how long a step is, and whether it is that of an impact"
+    return rows
 
 
-def _of_parts(value: Any) -> str:
+def _alike(variables: Iterable[InternalVariable]) -> Iterator[list[InternalVariable]]:
+    """Give internal variables together that differ by a number alone, one after the other."""
+    digits = str.maketrans("", "", "0123456789")
+
+    def plain(one: InternalVariable) -> InternalVariable:
+        words = {name: getattr(one, name).translate(digits) for name in ("name", "symbol", "meaning")}
+        return replace(one, **words)
+
+    for _, alike in groupby(variables, plain):
+        yield list(alike)
+
+
+def described_variables(alike: Sequence[InternalVariable]) -> tuple[str, str]:
+    """Names, and symbols, unit, meaning, how life begins and parity, of variables that are alike."""
+    one = alike[0]
+    names, symbols, meanings = (
+        " to ".join(dict.fromkeys(getattr(each, word) for each in (one, alike[-1])))
+        for word in ("name", "symbol", "meaning")
+    )
+    unit = f" [{one.units}]" if one.units != "1" else ""
+    symbol = f"{symbols}{unit}, " if symbols or unit else ""
+    begins = "begin" if len(alike) > 1 else "begins"
+    life = {"contact": "with every contact", "run": "with the run and not with a contact"}[one.life]
+    parity = ", odd in a mirror" if one.parity == ODD else ""
+    return names, f"{symbol.lstrip()}{meanings}, {begins} at {one.initial:g} {life}{parity}"
+
+
+def _hangs(value: Any) -> bool:
+    """Tell whether a declaration hangs on parts or parameters that are not given."""
+    return isinstance(value, property)
+
+
+def _in_words(said: Any, name: str, words: Mapping[Any, str] = MappingProxyType({})) -> str:
     """A declaration in words; one that follows from the parts says so."""
-    if isinstance(value, property):
-        return "that of its parts"
-    return f"{value:g}"
+    value = getattr(said, name)
+    if _hangs(value):
+        return "that of its parts" if said is Composed else "as its parameters are"
+    return words.get(value) or f"{value:g}"

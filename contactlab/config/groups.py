@@ -17,7 +17,7 @@ from contactlab.config import quantity
 from contactlab.config.nesting import nested
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
-from contactlab.laws.registry import LAWS, PARTS, law_class, law_names
+from contactlab.laws.registry import PARTS, class_of, law_names
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
 from contactlab.settling.until import Until
 
@@ -101,10 +101,22 @@ Keys: TypeAlias = dict[str, "DeclaredField | Section"]
 @final
 @dataclass(frozen=True)
 class Section:
-    """A section of a configuration: the keys of each option, and which of them tells it from others."""
+    """A section of a configuration.
+
+    Args:
+        options: the keys of each option.
+        told_by: the key that tells an option from others.
+        words: the options by the words of that key, where those are not their names.
+    """
 
     options: Mapping[str, Keys]
     told_by: str = ""
+    words: Mapping[str, str] | None = None
+
+    @property
+    def told(self) -> Mapping[str, str]:
+        """The options by the words that tell them; none is looked into."""
+        return self.words or {option: option for option in self.options}
 
 
 def keys_of(owner: type, *without: str) -> Keys:
@@ -143,6 +155,7 @@ GROUPS: Final[dict[str, Section]] = {
             "pz26_datasheet": _named("constants", "tensor", keys_of(motor.PiezoceramicDatasheet)),
         },
         "constants",
+        {"bending": "pz26_identified", "tensor": "pz26_datasheet"},
     ),
     "placement": Section({"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}),
     "drive": Section({"two_mode": keys_of(motor.TwoMode)}),
@@ -181,6 +194,7 @@ NO_NUMBERS: Final = NOT_OF_A_RUN | {"uncertainty"}
 """The groups on which no number of a run depends: they may be left out."""
 
 
+@cache
 def keys_of_law(owner: Any) -> Keys:
     """Give the keys of a law or a part; a ValueError says which of its fields cannot be one."""
     members = {name: field for name, field in members_of(owner).items() if name != SHARED}
@@ -188,72 +202,89 @@ def keys_of_law(owner: Any) -> Keys:
     return _named("name", owner.name, keys)
 
 
-FAMILIES: Final[dict[str, Section]] = {}
+@final
+class _OfFamily(Mapping[str, Keys]):
+    """The keys of laws, or of the parts of a family, by name; one is imported when its keys are asked for.
+
+    A ValueError says of one that is broken what is wrong with it.
+    """
+
+    def __init__(self, family: str = "") -> None:
+        self.family = family
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(law_names(self.family))
+
+    def __len__(self) -> int:
+        return len(law_names(self.family))
+
+    def __getitem__(self, name: str) -> Keys:
+        if name not in law_names(self.family):
+            raise KeyError(name)
+        return keys_of_law(class_of(name, self.family))
+
+
+FAMILIES: Final = {family: Section(_OfFamily(family), "name") for family in PARTS}
 """The parts of the composed law."""
-for _family, _parts in PARTS.items():
-    FAMILIES[_family] = Section({name: keys_of_law(part) for name, part in _parts.items()}, "name")
 
-
-@cache
-def laws(*names: str) -> Section:
-    """Give the choice between the laws of this package and some of others; one that is broken is none."""
-    options = {}
-    for name in (*LAWS, *names):
-        with suppress(ValueError):
-            options[name] = keys_of_law(law_class(name))
-    return Section(options, "name")
+LAW: Final = Section(_OfFamily(), "name")
+"""The laws."""
 
 
 def groups() -> dict[str, list[str]]:
-    """Give the options that need no file, by group; no law of another package is imported to list it."""
-    return (
-        {"law": law_names()}
-        | {f"law/{family}": sorted(parts) for family, parts in PARTS.items()}
-        | {group: sorted(section.options) for group, section in GROUPS.items()}
-    )
+    """Give the options that need no file, by group; nothing of another package is imported to list it."""
+    sections = {"law": LAW} | {f"law/{family}": section for family, section in FAMILIES.items()} | GROUPS
+    return {group: sorted(section.options) for group, section in sections.items()}
 
 
 def content(group: str, option: str) -> dict[str, Any]:
     """Give the keys of an option with their defaults, and a defaults list where a law has parts.
 
-    A law that cannot be loaded has its name alone; the check of the configuration says why.
+    A law or part that cannot be loaded has its name alone; the check of the configuration says why.
     """
-    section = GROUPS.get(group) or FAMILIES.get(group.removeprefix("law/")) or laws(option)
-    keys = section.options.get(option)
-    if keys is None:
+    section = GROUPS.get(group) or FAMILIES.get(group.removeprefix("law/")) or LAW
+    try:
+        keys = section.options[option]
+    except (KeyError, ValueError):
         return {"name": option}
-    members = members_of(law_class(option)) if group == "law" else {}
+    members = members_of(class_of(option)) if section is LAW else {}
     entries = [
         {family if name == family else f"{family}@{name}": member.default.name}
         for name, member in members.items()
         if (family := family_of(member)) and member.default is not MISSING
     ]
-    own = nested(
+    values = nested(
         {
             key: quantity.MISSING if field.default is MISSING else field.default
             for key, field in full_keys(keys, told=False)
         }
     )
-    return {"defaults": [*entries, "_self_"], **own} if entries else own
+    return {"defaults": [*entries, "_self_"], **values} if entries else values
 
 
 def full_keys(keys: Keys, before: str = "", *, told: bool = True) -> Iterator[tuple[str, DeclaredField]]:
-    """Give what is declared of every full key, without those of sections whose option is told, if asked."""
+    """Give what is declared of every full key, without those of sections whose option is told, if asked.
+
+    A law or part that cannot be loaded has none.
+    """
     for name, below in keys.items():
         if isinstance(below, DeclaredField):
             yield f"{before}{name}", below
         elif told or not below.told_by:
-            for option in below.options.values():
-                yield from full_keys(option, f"{before}{name}.", told=told)
+            for option in below.options:
+                with suppress(ValueError):
+                    yield from full_keys(below.options[option], f"{before}{name}.", told=told)
 
 
 @cache
 def known_keys(law: str = "") -> list[str]:
     """Give every full key of every option, or of one law alone where it is named; a broken one has none."""
-    own = laws(*([law] if law else law_names()))
-    if law:
-        own = Section({law: own.options.get(law, _named("name", law, {}))})
-    return list(dict(full_keys({"law": own, **GROUPS})))
+    found = dict.fromkeys(["law.name"])
+    for name in LAW.options:
+        if law in ("", name):
+            with suppress(ValueError):
+                found |= dict.fromkeys(dict(full_keys(LAW.options[name], "law.")))
+    return [*found, *dict(full_keys({**GROUPS}))]
 
 
 def help_on_keys() -> str:

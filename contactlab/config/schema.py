@@ -10,12 +10,12 @@ from typing import Any, get_args
 
 from contactlab.checks import SMALLEST_STEP, is_kind
 from contactlab.config.faults import ConfigurationError, unknown_key
-from contactlab.config.groups import ADDED, GROUPS, NO_NUMBERS, Keys, Section, keys_of_law, known_keys, laws
+from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, known_keys
 from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
-from contactlab.laws.registry import law_class, law_names, takes_shared
+from contactlab.laws.registry import law_class, takes_shared
 from contactlab.parameter import DeclaredField, Parameter
 
 BYTES_A_RECORD = 350
@@ -53,7 +53,7 @@ class Examination:
             return
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
-        self.values = self._values({"law": laws(self._law), **GROUPS}, configuration)
+        self.values = self._values({"law": LAW, **GROUPS}, configuration)
         sound = flat(self.values)
         for keys, rule in _RULES.items():
             if sound.keys() >= {*keys}:
@@ -73,8 +73,8 @@ class Examination:
                         raise UnitError(f"{key} is missing; it must be given. Add it to the configuration.")
                 elif isinstance(below, Section):
                     values[name] = {}
-                    chosen = _chosen(below, given[name], key)
-                    values[name] = self._values(below.options[chosen], given[name], f"{key}.", chosen)
+                    chosen, own = _chosen(below, given[name], key)
+                    values[name] = self._values(own, given[name], f"{key}.", chosen)
                 else:
                     values[name] = _value_of(below, given[name], key)
                     self.declared[key] = below
@@ -85,8 +85,8 @@ class Examination:
         return values
 
 
-def _chosen(section: Section, given: Any, path: str) -> str:
-    """Give the option that a section is, or say by a UnitError why it is none."""
+def _chosen(section: Section, given: Any, path: str) -> tuple[str, Keys]:
+    """Give the option that a section is and its keys, or say by a UnitError why it is none."""
     group = path.replace(".", "/")
     if not isinstance(given, Mapping):
         raise UnitError(
@@ -95,25 +95,17 @@ def _chosen(section: Section, given: Any, path: str) -> str:
         )
     told_by = section.told_by
     if not told_by:
-        return next(iter(section.options))
+        return next(iter(section.options.items()))
     key, way_out = f"{path}.{told_by}", f"Choose one by {group}=NAME."
     if told_by not in given:
         raise UnitError(f"{key} is missing; it must be given. {way_out}")
-    word = given[told_by]
-    words = {
-        told.default: option
-        for option, keys in section.options.items()
-        if isinstance(told := keys[told_by], DeclaredField)
-    }
+    word, words = given[told_by], section.told
     if isinstance(word, str) and word in words:
-        return words[word]
-    known = law_names() if path == "law" else [*words]
-    if path == "law" and word in known:
         try:
-            keys_of_law(law_class(word))
+            return words[word], section.options[words[word]]
         except ValueError as error:
             raise UnitError(f"{key} is '{word}', which cannot run. {error}") from error
-    expected = ", ".join(map(repr, known))
+    expected = ", ".join(map(repr, words))
     raise UnitError(f"{key} is {describe(word)}; it must be one of {expected}. {way_out}")
 
 
@@ -225,7 +217,7 @@ def idle_friction(laws: Iterable[Values]) -> str:
     takes: dict[str, bool] = {}
     for law in laws:
         name = str(law["name"])
-        takes[name] = takes.get(name, True) and takes_shared(law_class(name), law)
+        takes[name] = takes.get(name, True) and takes_shared(law)
     idle = ", ".join(name for name, taken in takes.items() if not taken)
     words = f"{FRICTION} is set, but law={idle} has no friction coefficient of that name"
     if idle and not any(takes.values()):

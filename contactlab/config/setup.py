@@ -19,7 +19,7 @@ from contactlab.engine.preparation import DEFAULT_TOLERANCE, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.fingerprint import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
-from contactlab.laws.registry import build_law, law_class
+from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
     ContactGeometry,
     Drive,
@@ -156,7 +156,7 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
     try:
         law: ContactLaw = build_law(law_class(name), given, friction_coefficient)
         # Those of this package are sound, and their kernels are not needed yet.
-        if not is_own(type(law)):
+        if not all(map(is_own, classes_of(law))):
             _take_in_once(law)
         return law.on_rotor(rotor_radius)
     # A law of another package may refuse, or fail, in ways of its own.

@@ -1,8 +1,9 @@
 """Where in a step something happens: a function of time for every event, one finder of its zero, extremes."""
 
 from contactlab.compiled import inner_kernel
+from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.friction import friction_at
-from contactlab.engine.kinematics import Law, Memory, Run, contact_after
+from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, memory_at
 from contactlab.engine.state import (
     CONE,
@@ -40,16 +41,16 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if event == PEAK:
         return slope_at(state.normal, x)
     if event == GUARD:
-        return guard_at(run, law.memory, s)
+        return float(guard_at(run, law.memory, s))
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
     if event == TOUCH:
-        return gap - state.begins
+        return float(gap - state.begins)
     memory_at(run, law.memory, s)
     end = end_at(law.memory)
     if event == RELEASE:
-        return gap - end
+        return float(gap - end)
     if state.friction_kind == SET_VALUED or gap >= end:
         return slip
     normal = max(value_at(state.normal, x), 0.0)

@@ -25,7 +25,7 @@ SIGNATURES: Final = {
     "guard": _real(_whole, *[_real] * 4, _row),
     "jump": _real(_whole, _whole, *[_real] * 4, _row),
     "limits": types.UniTuple(_real, 2)(_row),
-    "moment": types.UniTuple(_real, 2)(*[_real] * 4, _row),
+    "moment": types.UniTuple(_real, 3)(*[_real] * 4, _row),
 }
 """The kernels of a law by name, in the order in which the loop takes them."""
 
@@ -49,38 +49,48 @@ def reading_row(name: str, kernel: Callable[..., Any], m: int, of_three: bool) -
 
     A kernel of friction `of_three` gives no rate.
     """
-    own = m + BETWEEN
-    if name == "solve":
-
-        def solve(rate, slip_end, gap_rate, slip, d_nn, d_nt, d_tt, row):  # type: ignore[no-untyped-def]
-            step, impact = row[m], row[m + 1] != 0.0
-            return kernel(rate, slip_end, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, row[:m], row[own:])
-
-        return solve
     if name == "friction_force" and of_three:
-
-        def friction(gap, gap_rate, slip, normal, _, row):  # type: ignore[no-untyped-def]
-            force, stored, stiffness = kernel(gap, gap_rate, slip, normal, row[:m], row[own:])
-            return force, 0.0, stored, stiffness
-
-        return friction
-    return _READING[len(SIGNATURES[name].args)](kernel, m, own)
+        return _of_friction(kernel, m, m + BETWEEN)
+    return _READING[name](kernel, m, m + BETWEEN)
 
 
-def _of_row(kernel: Any, m: int, own: int) -> Any:
+def _of_friction(kernel: Any, m: int, own: int) -> Callable[..., Any]:
+    def friction(gap: Any, gap_rate: Any, slip: Any, normal: Any, _: Any, row: Any) -> Any:
+        force, stored, stiffness = kernel(gap, gap_rate, slip, normal, row[:m], row[own:])
+        return force, 0.0, stored, stiffness
+
+    return friction
+
+
+def _of_row(kernel: Any, m: int, own: int) -> Callable[..., Any]:
     return lambda row: kernel(row[:m], row[own:])
 
 
-def _of_five(kernel: Any, m: int, own: int) -> Any:
+def _of_five(kernel: Any, m: int, own: int) -> Callable[..., Any]:
     return lambda a, b, c, d, row: kernel(a, b, c, d, row[:m], row[own:])
 
 
-def _of_six(kernel: Any, m: int, own: int) -> Any:
+def _of_six(kernel: Any, m: int, own: int) -> Callable[..., Any]:
     return lambda a, b, c, d, e, row: kernel(a, b, c, d, e, row[:m], row[own:])
 
 
-def _of_seven(kernel: Any, m: int, own: int) -> Any:
+def _of_seven(kernel: Any, m: int, own: int) -> Callable[..., Any]:
     return lambda a, b, c, d, e, f, row: kernel(a, b, c, d, e, f, row[:m], row[own:])
 
 
-_READING: Final = {1: _of_row, 5: _of_five, 6: _of_six, 7: _of_seven}
+def _of_impulse(kernel: Any, m: int, own: int) -> Callable[..., Any]:
+    return lambda a, b, c, d, e, f, g, row: kernel(
+        a, b, c, d, e, f, g, row[m], row[m + 1] != 0.0, row[:m], row[own:]
+    )
+
+
+_READING: Final = {
+    "force": _of_five,
+    "friction_force": _of_six,
+    "solve": _of_impulse,
+    "rate": _of_six,
+    "guard": _of_six,
+    "jump": _of_seven,
+    "limits": _of_row,
+    "moment": _of_five,
+}

@@ -24,7 +24,7 @@ from contactlab.laws.base import (
     PenaltyLaw,
 )
 from contactlab.laws.declaration import LawError
-from contactlab.laws.memory import EVENTS, MOST_VARIABLES, InternalVariable
+from contactlab.laws.memory import EVEN, EVENTS, MOST_VARIABLES, ODD, InternalVariable
 
 Kernel = Callable[..., Any]
 
@@ -133,6 +133,14 @@ def misfits(law: ContactLaw) -> Iterator[str]:
     names = [one.name for one in kept]
     if len(set(names)) < len(names) or not all(name.isidentifier() for name in names):
         yield f"its internal variables are called {', '.join(names)}; each must have one word of its own."
+    for one in kept:
+        sound = isinstance(one.initial, Real) and isfinite(one.initial)
+        if not (sound and one.life in ("contact", "run") and one.parity in (ODD, EVEN)):
+            yield (
+                f"its internal variable {one.name} begins at {shown(one.initial)}, lives for "
+                f"{shown(one.life)} and has the parity {shown(one.parity)}; it must begin at a number, live "
+                "for 'contact' or 'run', and be ODD or EVEN."
+            )
     if isinstance(law, PenaltyLaw):
         yield from _misfits_of_friction(law)
     elif isinstance(law, MultiplierLaw) and kept and not (law.remembered and law.told):
@@ -173,7 +181,7 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
 def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
-    The kernels are those of `contactlab.engine.loop.kernels_of`, and read what `row_of` gives.
+    The kernels are those of `contactlab.engine.law_kernels.kernels_of`, and read what `row_of` gives.
     """
     ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
     force, friction_force, solve, *of_memory = kernels

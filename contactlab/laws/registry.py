@@ -1,40 +1,50 @@
-"""Every law and part by name: the package's own, and laws that other packages bring.
+"""Every law and part by name: the package's own, and those that other packages bring.
 
-Another package brings a law by an entry point in its pyproject.toml, no line of this one changed:
+Another package brings a law, or a part of a composed one, by an entry point in its pyproject.toml, no line of
+this one changed. Its group is "contactlab.laws", and that of a part has the family besides, "normal",
+"damping" or "friction":
 
     [project.entry-points."contactlab.laws"]
     power_law = "their_module:PowerLaw"
 
-It is imported when that law is asked for, and no other, so that a package that is broken harms no other law.
+    [project.entry-points."contactlab.laws.friction"]
+    sticky = "their_module:Sticky"
+
+It is imported when it is asked for, and no other, so that a package that is broken harms no other law.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING
 from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from contactlab.laws.archard import Archard
-from contactlab.laws.base import ContactLaw, MultiplierLaw, Part, PenaltyLaw
+from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, Part, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.declaration import SHARED, Declared, family_of, fault_of, members_of
 from contactlab.laws.friction import FRICTIONS
 from contactlab.laws.hertz_penalty import HertzPenalty
-from contactlab.laws.impact import MoreauJean, Newton, Poisson, Stronge
+from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick
+from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.suggestion import suggestion
 
-GROUP = "contactlab.laws"
+GROUP: Final = "contactlab.laws"
 
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
     for law in (
         Archard,
+        Brach,
+        ChatterjeeRuina,
         Composed,
         HertzPenalty,
+        Johnson,
+        LagrangeAgeing,
         LagrangeSlip,
         LagrangeStick,
         MoreauJean,
@@ -53,68 +63,87 @@ PARTS: Mapping[str, Mapping[str, type[Part]]] = {
 """The parts of a composed law by family."""
 
 
+def own(family: str = "") -> Mapping[str, type[Declared]]:
+    """Give the package's own of a family, the laws where it is empty."""
+    return PARTS[family] if family else LAWS
+
+
+_KINDS: Final[Mapping[str, tuple[str, tuple[type[Declared], ...]]]] = {
+    "": ("law", (PenaltyLaw, MultiplierLaw)),
+    "normal": ("normal force", (NormalForce,)),
+    "damping": ("damping", (Damping,)),
+    "friction": ("friction", (Friction,)),
+}
+"""What one of each family is called, and what it is a subclass of."""
+
+
 class Origin(NamedTuple):
-    """Where a law comes from: its name and entry "module:Class", and the distribution that brings it."""
+    """Where a law or part comes from: name, entry "module:Class", and the distribution that brings it."""
 
     name: str
     entry: str
     package: str
     version: str
     fault: str = ""
-    """A sentence where the entry cannot be a law, whatever it names."""
+    """A sentence where the entry cannot be a law or part, whatever it names."""
 
     def __str__(self) -> str:
         return f"{self.package} {self.version}"
 
 
 @cache
-def origins() -> tuple[Origin, ...]:
-    """Give every entry: the package's own, then the others by name; those that are no law say why."""
+def origins(family: str = "") -> tuple[Origin, ...]:
+    """Give every entry of a family: the package's own, then others by name; some of those say their fault."""
     version = next((found.version for found in distributions(name="contactlab")), "unknown")
-    own = [Origin(name, _entry(law), "contactlab", version) for name, law in LAWS.items()]
+    ours = [Origin(name, _entry(owner), "contactlab", version) for name, owner in own(family).items()]
     given = sorted(
         Origin(point.name, f"{point.module}:{point.attr}", point.dist.name, point.dist.version)
-        for point in entry_points(group=GROUP)
+        for point in entry_points(group=_group(family))
         if point.dist is not None
     )
     count = Counter(origin.name for origin in given)
-    return *own, *(each._replace(fault=_clash(each, count[each.name])) for each in given)
+    return *ours, *(each._replace(fault=_clash(each, family, count[each.name])) for each in given)
 
 
-def law_names() -> list[str]:
-    """Give the names by which a law can be chosen, in their order."""
-    return sorted({origin.name for origin in origins() if not origin.fault})
+def law_names(family: str = "") -> list[str]:
+    """Give the names by which a law, or a part of a family, can be chosen, in their order."""
+    return sorted({origin.name for origin in origins(family) if not origin.fault})
 
 
-def origin_of(name: str) -> Origin:
-    """Tell where a law comes from, or say in a ValueError that no law alone has the name."""
-    found = [origin for origin in origins() if origin.name == name]
+def origin_of(name: str, family: str = "") -> Origin:
+    """Tell where a law or part comes from, or say in a ValueError that none alone has the name."""
+    found = [origin for origin in origins(family) if origin.name == name]
     for origin in found:
         if not origin.fault:
             return origin
-    raise ValueError(found[0].fault if found else _unknown("law", name, law_names()))
+    raise ValueError(found[0].fault if found else _unknown(family, name))
 
 
 @cache
-def law_class(name: str) -> type[ContactLaw]:
-    """Give a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
-    origin, cause = origin_of(name), None
+def class_of(name: str, family: str = "") -> type[Declared]:
+    """Give the class of a law or part, importing it alone, or say in a ValueError what is wrong with it."""
+    origin, (kind, bases), cause = origin_of(name, family), _KINDS[family], None
     try:
-        found: Any = EntryPoint(name, origin.entry, GROUP).load()
+        found: Any = EntryPoint(name, origin.entry, _group(family)).load()
     # Whatever a module of somebody else's does while it is imported, it is that law's fault alone.
     except (Exception, SystemExit) as error:
         cause, fault = error, f"cannot be imported ({type(error).__name__}: {error})"
     else:
-        if not isinstance(found, type) or not issubclass(found, PenaltyLaw | MultiplierLaw):
-            fault = "is no subclass of contactlab.laws.PenaltyLaw or MultiplierLaw"
+        if not isinstance(found, type) or not issubclass(found, bases):
+            fault = f"is no subclass of contactlab.laws.{' or '.join(base.__name__ for base in bases)}"
         elif not (fault := fault_of(found)) and found.name != name:
             fault = f"calls itself {found.name!r}, which must be the name of its entry too"
     if fault:
         raise ValueError(
-            f"The law {name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that package or "
+            f"The {kind} {name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that package or "
             f"remove it by pip uninstall {origin.package}; other laws run."
         ) from cause
     return found  # type: ignore[no-any-return]
+
+
+def law_class(name: str) -> type[ContactLaw]:
+    """Give a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
+    return class_of(name)  # type: ignore[return-value]
 
 
 def law(name: str, /, **parameters: Any) -> ContactLaw:
@@ -129,19 +158,21 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
     """
     if not isinstance(name, str):
         raise TypeError(f"The name of the law is {name!r}; it must be a text like 'newton'.")
-    owner = law_class(name)
+    return _made("", name, parameters)  # type: ignore[no-any-return]
+
+
+def _made(family: str, name: str, parameters: dict[str, Any]) -> Any:
+    owner, said = class_of(name, family), f"The {_KINDS[family][0]} {name}"
     members = members_of(owner)
     for given, value in parameters.items():
         if given not in members:
             hint = suggestion(given, members, f"It has {', '.join(members) or 'none'}.")
-            raise TypeError(f"The law {name} has no parameter {given!r}. {hint}")
-        if (family := family_of(members[given])) and isinstance(value, str):
-            if value not in PARTS[family]:
-                raise ValueError(_unknown(family, value, PARTS[family]))
-            parameters[given] = PARTS[family][value]()
-    needed = [own for own, member in members.items() if member.default is MISSING]
-    if lacking := ", ".join(own for own in needed if own not in parameters):
-        raise TypeError(f"The law {name} lacks {lacking}; without default it must be given.")
+            raise TypeError(f"{said} has no parameter {given!r}. {hint}")
+        if (below := family_of(members[given])) and isinstance(value, str):
+            parameters[given] = _made(below, value, {})
+    needed = [one for one, member in members.items() if member.default is MISSING]
+    if lacking := ", ".join(one for one in needed if one not in parameters):
+        raise TypeError(f"{said} lacks {lacking}; without default it must be given.")
     return owner(**parameters)
 
 
@@ -151,7 +182,7 @@ def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coeffic
     for name, member in members_of(owner).items():
         value: Any = friction_coefficient if name == SHARED else values[name]
         if family := family_of(member):
-            value = build_law(PARTS[family][value["name"]], value, friction_coefficient)
+            value = build_law(class_of(value["name"], family), value, friction_coefficient)
         elif int in member.kinds and value is not None and value == value // 1:
             # One that is not whole the law refuses.
             value = int(value)
@@ -159,43 +190,71 @@ def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coeffic
     return owner(**given)
 
 
-def takes_shared(owner: type[Declared], values: Mapping[str, Any]) -> bool:
+def classes_in(values: Mapping[str, Any], family: str = "") -> Iterator[type[Declared]]:
+    """Give the classes of a law and of its parts as its section of a configuration chooses them."""
+    owner = class_of(values["name"], family)
+    yield owner
+    for name, member in members_of(owner).items():
+        if below := family_of(member):
+            yield from classes_in(values[name], below)
+
+
+def classes_of(law: Declared) -> Iterator[type[Declared]]:
+    """Give the classes of a law and of its parts."""
+    yield type(law)
+    for value in vars(law).values():
+        if isinstance(value, Declared):
+            yield from classes_of(value)
+
+
+def takes_shared(values: Mapping[str, Any]) -> bool:
     """Tell whether a law, or one of its parts as they are chosen, has the parameter that is the contact's."""
-    return any(
-        takes_shared(PARTS[family][values[name]["name"]], values[name])
-        if (family := family_of(member))
-        else name == SHARED
-        for name, member in members_of(owner).items()
-    )
+    return any(SHARED in members_of(owner) for owner in classes_in(values))
 
 
-def provenance(law: type) -> str:
-    """Give the package and version that a law comes from; of one that no package brings, its module."""
-    entries = {origin.entry: str(origin) for origin in reversed(origins()) if not origin.fault}
-    return entries.get(_entry(law), law.__module__)
+def provenance(law: type[Declared], *parts: type[Declared]) -> str:
+    """Give package and version that a law comes from, and those of its parts that are from elsewhere.
+
+    Of one that no package brings it is the module.
+    """
+    first = _provenance(law)
+    foreign = [part for part in parts if part not in own(part.family).values()]
+    return ", ".join([first, *(f"{part.family} of {_provenance(part)}" for part in foreign)])
 
 
-def _entry(law: type) -> str:
-    return f"{law.__module__}:{law.__qualname__}"
+def _provenance(owner: type[Declared]) -> str:
+    found = origins(owner.family)
+    entries = {origin.entry: str(origin) for origin in reversed(found) if not origin.fault}
+    return entries.get(_entry(owner), owner.__module__)
 
 
-def _unknown(kind: str, name: str, known: Iterable[str]) -> str:
-    hint = suggestion(name, known)
-    return f"There is no {kind} {name!r}; it must be one of {', '.join(known)}. {hint}".rstrip()
+def _group(family: str) -> str:
+    return f"{GROUP}.{family}" if family else GROUP
 
 
-def _clash(origin: Origin, count: int) -> str:
-    """Say why an entry of another package cannot be a law, whatever it names; empty if it can."""
-    if origin.name in LAWS:
+def _entry(owner: type) -> str:
+    return f"{owner.__module__}:{owner.__qualname__}"
+
+
+def _unknown(family: str, name: str) -> str:
+    known = law_names(family)
+    words = f"There is no {_KINDS[family][0]} {name!r}; it must be one of {', '.join(known)}."
+    return f"{words} {suggestion(name, known)}".rstrip()
+
+
+def _clash(origin: Origin, family: str, count: int) -> str:
+    """Say why an entry of another package cannot be a law or part, whatever it names; empty if it can."""
+    kind = _KINDS[family][0]
+    if origin.name in own(family):
         fault = "takes the name of one of contactlab's own, which stays what it is"
     elif count > 1:
-        fault = "has the name of a law of another package, so that neither can be told by it"
+        fault = f"has the name of a {kind} of another package, so that neither can be told by it"
     elif not origin.name.isidentifier():
         fault = "has a name that is no option"
     else:
         return ""
     return (
-        f"The law {origin.name!r} of {origin.package} {fault}; it must be one word of letters, digits and "
-        "underscores, and no other law's. Rename it, or remove the package by pip uninstall "
+        f"The {kind} {origin.name!r} of {origin.package} {fault}; it must be one word of letters, digits and "
+        f"underscores, and no other {kind}'s. Rename it, or remove the package by pip uninstall "
         f"{origin.package}."
     )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.nesting import flat
-from contactlab.laws.registry import PARTS, law_class
+from contactlab.laws.registry import PARTS, class_of
 from contactlab.results.files import damage
 from contactlab.results.netcdf import configuration_of, period_in
 from contactlab.settling.periods import drive_period
@@ -167,12 +167,12 @@ class Run:
     @cached_property
     def law_classes(self) -> dict[str, Any]:
         """The class of the law, under "", and those of its parts by family; none if it is not installed."""
+        chosen = {family: self.settings.get(f"law.{family}.name") for family in PARTS}
+        names = {"": self.law} | {family: str(name) for family, name in chosen.items() if name}
         try:
-            classes: dict[str, Any] = {"": law_class(self.law)}
+            return {family: class_of(name, family) for family, name in names.items()}
         except ValueError:
             return {}
-        chosen = {family: str(self.settings.get(f"law.{family}.name")) for family in PARTS}
-        return classes | {f: PARTS[f][name] for f, name in chosen.items() if name in PARTS[f]}
 
     def last_periods(self) -> slice:
         """Give the records of the last whole drive periods that fit into the last quarter of the run.

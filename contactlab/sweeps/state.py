@@ -21,8 +21,8 @@ from contactlab import metrics
 from contactlab.config import Setup
 from contactlab.config.groups import NO_NUMBERS
 from contactlab.fingerprint import Fingerprint, is_own
-from contactlab.laws import law_class
-from contactlab.laws.registry import provenance
+from contactlab.laws.declaration import Declared
+from contactlab.laws.registry import classes_in, classes_of, provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, digest_of, versions
 from contactlab.trajectory import Ending
@@ -118,27 +118,28 @@ def read_state(folder: Path) -> State | None:
 def key_of(setup: Setup) -> str:
     """Give the digest of what a run's numbers depend on: configuration, version, code, whose law it is."""
     numbers = {group: keys for group, keys in setup.configuration.items() if group not in NO_NUMBERS}
-    parts = (json.dumps(numbers, sort_keys=True), *_code_of(type(setup.law)))
+    parts = (json.dumps(numbers, sort_keys=True), *_code_of(*classes_of(setup.law)))
     return sha256("\0".join(parts).encode()).hexdigest()
 
 
 def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
     """Give the digest of the code that a sweep's numbers depend on: that of its laws, metrics and sweeps."""
-    parts = [part for one in configurations for part in _code_of(law_class(one["law"]["name"]))]
+    parts = [part for one in configurations for part in _code_of(*classes_in(one["law"]))]
     # Of what a single run does not depend on.
     parts += [digest_of(Path(file).parent) for file in (str(metrics.__file__), __file__)]
     return sha256("\0".join(parts).encode()).hexdigest()
 
 
-def _code_of(law: type) -> tuple[str, ...]:
-    """Give what tells the code that a run with a law depends on: version, digests, and whose law it is."""
-    return (versions()["contactlab_version"], code_digest(), provenance(law), *_foreign_code(law))
+def _code_of(*law: type[Declared]) -> tuple[str, ...]:
+    """Give what tells the code that a run depends on: version, digests, and whose law and parts it has."""
+    foreign = [digest for owner in law for digest in _foreign_code(owner)]
+    return (versions()["contactlab_version"], code_digest(), provenance(*law), *foreign)
 
 
 @cache
-def _foreign_code(law: type) -> tuple[str, ...]:
-    """Give the digests of what a law of another package is made of; `code_digest` covers our own."""
-    found = None if is_own(law) else Fingerprint(law)
+def _foreign_code(owner: type) -> tuple[str, ...]:
+    """Give the digests of what a law or part of another package is made of; `code_digest` covers ours."""
+    found = None if is_own(owner) else Fingerprint(owner)
     return (found.digest, found.sources()) if found else ()
 
 

@@ -1,7 +1,7 @@
 """A law that contradicts itself is refused when it is taken in, and a sound one is not, however narrow."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, nan
 from typing import Annotated, Any, ClassVar
 
@@ -11,10 +11,11 @@ import pytest
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, LawError, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import ELASTOPLASTIC, EVEN, RATE_DEPENDENT, SLIP
+from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
+from contactlab.laws.memory import EVEN, MOST_VARIABLES, ODD, InternalVariable
 from contactlab.laws.normal import NORMAL_FORCES
 from contactlab.parameter import Parameter
 from contactlab.testing.contract import check
@@ -22,7 +23,8 @@ from contactlab.testing.plants import Bench, block, paper_motor
 
 Array = np.ndarray
 Forces = tuple[float, float, float, float]
-STRETCH = ("stretch of the spring [m]",)
+STRETCH = (InternalVariable("stretch", "z", "m", "stretch of the spring", parity=ODD),)
+TWO = (*STRETCH, InternalVariable("age", "theta", "s", "age of the contact"))
 STIFFNESS = Parameter("K", "N m-1.5", "contact stiffness", above=0.0)
 
 
@@ -122,6 +124,31 @@ def boundless(gap, gap_rate, slip, normal, z, p):
     return -normal * slip / abs(slip), 0.0, 0.0, 0.0
 
 
+@kernel
+def aged(gap, gap_rate, slip, impact_speed, z, p):
+    normal = p[0] * max(-gap, 0.0) ** 1.5
+    return normal, 0.3 * normal * (1.0 + z[0] / (z[0] + 1e-5)), -0.4 * normal * gap, 0.0
+
+
+@kernel
+def flowing(which, gap, gap_rate, slip, normal, z, p):
+    return 1.0
+
+
+@kernel
+def without_rate(which, gap, gap_rate, slip, normal, z, p):
+    return nan
+
+
+@kernel
+def ending_first(p):
+    return 0.0, -1e-8
+
+
+def variable(**words: Any) -> InternalVariable:
+    return replace(TWO[1], **words)
+
+
 @pytest.mark.parametrize(
     ("law", "words"),
     [
@@ -132,19 +159,61 @@ def boundless(gap, gap_rate, slip, normal, z, p):
             "ELASTOPLASTIC, but it has no kernel of friction",
         ),
         (made(honest, friction_kind=7, friction=spring), "friction_kind is 7; it must be"),
-        (made(honest, internal_variables=STRETCH), "set-valued friction remembers nothing"),
+        (made(honest, internal_variables=STRETCH), "set-valued friction remembers by a kernel rate or jump"),
         (made(honest, friction_kind=ELASTOPLASTIC, friction=spring), "and a spring its stretch"),
         (
             made(honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables="stretch"),
-            "internal_variables is 'stretch'; it must be a tuple of texts",
+            "internal_variables is 'stretch'; it must be a tuple of contactlab.laws.InternalVariable",
+        ),
+        (
+            made(honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables=("stretch [m]",)),
+            "it must be a tuple of contactlab.laws.InternalVariable",
+        ),
+        (
+            made(honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables=TWO),
+            "more than one quantity needs a kernel rate or jump",
+        ),
+        (
+            made(aged, rate=staticmethod(flowing), internal_variables=TWO[1:] * 2),
+            "its internal variables are called age, age; each must have one word of its own",
+        ),
+        (
+            made(aged, rate=staticmethod(flowing), internal_variables=(variable(name="the age"),)),
+            "its internal variables are called the age; each must",
         ),
         (
             made(
-                honest, friction_kind=RATE_DEPENDENT, friction=spring, internal_variables=("a [m]", "b [m]")
+                aged,
+                rate=staticmethod(flowing),
+                internal_variables=tuple(variable(name=f"z{i}") for i in range(MOST_VARIABLES + 1)),
             ),
-            "it can remember one quantity at most",
+            "it has 129 internal variables; it can have 128 at most",
         ),
-        (made(honest, internal_parity=0), "internal_parity is 0; it must be ODD or EVEN"),
+        (
+            made(aged, rate=staticmethod(flowing), internal_variables=(variable(initial=nan),)),
+            "begins at nan",
+        ),
+        (
+            made(aged, rate=staticmethod(flowing), internal_variables=(variable(life="day"),)),
+            "lives for 'day' and has the parity 1; it must begin at a number, live for 'contact' or 'run'",
+        ),
+        (
+            made(aged, rate=staticmethod(flowing), internal_variables=(variable(parity=0),)),
+            "has the parity 0; it must",
+        ),
+        (made(honest, guards=2), "it needs a kernel guard and a kernel jump for them"),
+        (
+            made(aged, rate=staticmethod(flowing), guard=staticmethod(flowing), internal_variables=TWO[1:]),
+            "it has a kernel of guards and says that it has none",
+        ),
+        (
+            made(aged, rate=staticmethod(without_rate), internal_variables=TWO[1:]),
+            "its kernel rate gives nan at a gap of -1e-12 m",
+        ),
+        (
+            made(honest, limits=staticmethod(ending_first)),
+            "a contact begins at a gap of 0 m and ends at -1e-08 m; it must not end before it begins",
+        ),
         (made(negative), "the friction bound is -"),
         (made(without_number), "its kernel force gives"),
         (made(past_the_end), "reads parameters that there are not"),
@@ -186,6 +255,30 @@ def endless(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
 @kernel
 def halfway(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     return -0.5 * normal_rate / d_nn, 0.0, SLIP
+
+
+@kernel
+def bouncing(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+    return -normal_rate / d_nn, 0.0, SLIP
+
+
+@pytest.mark.parametrize(
+    "words", [{}, {"rate": staticmethod(flowing)}, {"told": True}], ids=["none", "rate", "told"]
+)
+def test_a_rigid_law_that_remembers_without_being_told_is_refused(words: dict[str, Any]) -> None:
+    @dataclass(frozen=True)
+    class Rigid(MultiplierLaw):
+        name = "rigid"
+        equation = "g = 0"
+        source = "this test"
+        default_contact_step = 5e-8
+        internal_variables = TWO[1:]
+
+        solve = staticmethod(bouncing)
+
+    remembering = dataclass(frozen=True)(type("Remembering", (Rigid,), words))
+    with pytest.raises(LawError, match="no kernel rate or jump, or does not say told = True"):
+        short_run(remembering())
 
 
 @pytest.mark.parametrize(
@@ -267,8 +360,7 @@ def test_what_friction_remembers_may_be_even_in_a_mirror(parity: int) -> None:
         honest,
         friction=ageing,
         friction_kind=RATE_DEPENDENT,
-        internal_variables=("age of the contact [s]",),
-        internal_parity=parity,
+        internal_variables=(variable(parity=parity),),
         exact_stick=False,
         friction_limit=0.36,
     )

@@ -13,6 +13,7 @@ from contactlab.laws.base import ELASTOPLASTIC, Friction
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction import ElastoPlastic, LuGre, Mindlin
+from contactlab.laws.memory import ODD, InternalVariable
 from contactlab.laws.normal import Linear
 from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench, block, paper_motor, run
@@ -96,7 +97,7 @@ class Hiding(Friction):
     source = "this test"
     friction_kind = ELASTOPLASTIC
     exact_stick = False
-    internal_variables = ("stretch of the spring [m]",)
+    internal_variables = (InternalVariable("stretch", "z", "m", "stretch of the spring", parity=ODD),)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
 

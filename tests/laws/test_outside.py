@@ -1,4 +1,4 @@
-"""Laws of other packages: installed beside contactlab they are laws like its own; broken they harm none."""
+"""Laws and parts of other packages: installed they are like contactlab's own, broken they harm no other."""
 
 import re
 from functools import partial
@@ -26,10 +26,17 @@ BROKEN = {
     "two words": ("various:TwoWords", "it must be one word"),
 }
 
+BROKEN_PARTS = {
+    "normal/part_of_a_module_that_fails": ("failing:Part", "ZeroDivisionError: division by zero"),
+    "damping/part_that_is_a_law": ("various:Smooth", "is no subclass of contactlab.laws.Damping"),
+    "friction/part_of_another_name": ("various:Grip", "calls itself 'grip'"),
+    "friction/coulomb": ("various:Grip", "takes the name of one of contactlab's own"),
+}
+
 VARIOUS = """
 from dataclasses import dataclass
 from typing import Annotated
-from contactlab.laws import HertzPenalty, PenaltyLaw
+from contactlab.laws import Friction, HertzPenalty, PenaltyLaw
 from contactlab.parameter import Parameter
 NUMBER = 1
 class Law(PenaltyLaw):
@@ -88,6 +95,15 @@ class Leaving(Smooth):
 class WithoutDefault(Misnamed):
     name = "without_default"
     stiffness: Annotated[float, Parameter("k", "N m-1", "contact stiffness", above=0.0)]
+@dataclass(frozen=True)
+class Grip(Friction):
+    name = "grip"
+    equation = "|F| <= mu N"
+    source = "a test"
+@dataclass(frozen=True, kw_only=True)
+class Grainy(Grip):
+    name = "grainy"
+    grain: Annotated[float, Parameter("r", "m", "size of a grain", above=0.0)]
 """
 
 
@@ -101,7 +117,11 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
     entries |= {re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower(): f"various:{name}" for name in classes}
     more = {"without_default": "various:WithoutDefault", "twice": "various:Law"}
     modules = {"various": VARIOUS, "failing": "1 / 0"}
-    made.install("broken-laws", "0.1", entries | more, modules)
+    parts = {"contactlab.laws.friction": {"grainy": "various:Grainy"}}
+    for title, (entry, _) in BROKEN_PARTS.items():
+        family, _, name = title.partition("/")
+        parts.setdefault(f"contactlab.laws.{family}", {})[name] = entry
+    made.install("broken-laws", "0.1", entries | more, modules, parts)
     made.install("other-laws", "0.2", {"twice": "various:Law"}, {})
     return made
 
@@ -112,9 +132,16 @@ def law_of(run: Path) -> tuple[str, dict[str, object]]:
         return root.attrs["law"], yaml.safe_load(root.attrs["configuration"])["law"]
 
 
-def test_it_is_listed_with_all_that_it_declares_and_its_origin(elsewhere: Elsewhere) -> None:
-    status, out, err = elsewhere.command("laws", "power_law")
-    assert status == 0, err
+@pytest.fixture(scope="module")
+def listing(elsewhere: Elsewhere) -> str:
+    """What `contactlab laws` prints, on one line."""
+    status, out, err = elsewhere.command("laws")
+    assert (status, err) == (0, "")
+    return " ".join(out.split())
+
+
+def test_it_is_listed_with_all_that_it_declares_and_its_origin(listing: str) -> None:
+    out = listing
     assert "A force that grows with a power of the penetration, with Coulomb friction." in out
     assert "parameter exponent: p, exponent, default 1.5, at least 1 and at most 4" in out
     assert "package: example-law 1.2.3 (power_law:PowerLaw)" in out
@@ -125,6 +152,12 @@ def test_it_is_listed_with_all_that_it_declares_and_its_origin(elsewhere: Elsewh
     [
         pytest.param("law=pow", "law=power_law", marks=pytest.mark.long),
         ("law=power_law law.exp", "law.exponent="),
+        ("law=composed law/friction=age", "law/friction=ageing"),
+        pytest.param(
+            "law=composed law/friction=ageing law.friction.str",
+            "law.friction.strengthening=",
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_tab_completes_it_and_help_lists_it(elsewhere: Elsewhere, line: str, completion: str) -> None:
@@ -184,11 +217,76 @@ def test_its_contract_holds_in_three_lines(elsewhere: Elsewhere) -> None:
     assert "17 passed" in out
 
 
-def test_broken_laws_are_listed_with_the_reason(elsewhere: Elsewhere) -> None:
-    status, out, err = elsewhere.command("laws")
-    assert (status, err) == (0, "")
-    words = " ".join(out.split())
-    for name, (_, reason) in BROKEN.items():
+AGEING = {"name": "ageing", "strengthening": 0.2, "half_age": 1e-5, "distance": 1e-7, "velocity": 1e-3}
+
+PARTS = ("law=composed", "law/normal=stiffening", "law/friction=ageing")
+
+
+def test_its_parts_are_listed_with_what_they_remember(listing: str) -> None:
+    assert "friction/ageing Friction that is the stronger the older a contact is" in listing
+    assert "internal variable age: z [s], age of the contact, begins at 0 with every contact" in listing
+    assert "package: example-law 1.2.3 (parts:Ageing)" in listing
+    assert "law/normal=hertz_point, hertz_elliptic, line, linear, lining," in listing
+    assert ", stiffening, default hertz_point" in listing
+
+
+def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhere: Elsewhere) -> None:
+    keys = ("law.friction.distance=0.2 um", "law.normal.depth=2e-6", "record.picture=false")
+    status, _, err = elsewhere.command(*PARTS, *keys, SHORT, "hydra.run.dir=parts")
+    assert status == 0, err
+    path = elsewhere.folder / "parts/run.nc"
+    name, section = law_of(path)
+    assert name == "composed"
+    assert section["friction"] == AGEING | {"distance": 2e-7}
+    assert section["normal"] == {"name": "stiffening", "stiffness": 5e6, "depth": 2e-6}
+    with xarray.open_dataset(path) as root:
+        whole, *parts = root.attrs["law_origin"].split(", ")
+    assert whole.startswith("contactlab ")
+    assert parts == ["normal of example-law 1.2.3", "friction of example-law 1.2.3"]
+
+
+def test_declarations_of_its_parts_are_the_rules_of_their_keys(elsewhere: Elsewhere) -> None:
+    faults = ("law.friction.distance=0", "law.normal.depth=3 N")
+    status, _, err = elsewhere.command(*PARTS, *faults)
+    assert status == 2
+    assert "law.friction.distance is 0 m; it must be greater than 0 m" in err
+    assert "law.normal.depth is '3 N', whose unit 'N' cannot be converted to m" in err
+
+
+def test_a_script_makes_and_sweeps_its_parts_by_name(elsewhere: Elsewhere) -> None:
+    code = """
+import contactlab as cl
+law = cl.law("composed", friction="ageing", normal="stiffening")
+assert law.friction.describe()["distance"] == 1e-7
+swept = {"law/friction": ["ageing", "coulomb"]}
+runs = cl.sweep(swept, base=["law=composed"], duration=1e-4, metrics=["rotor_velocity"], workers=1)
+print(*runs["status"].values)
+for name in ("agein", "grainy"):
+    try:
+        cl.law("composed", friction=name)
+    except (TypeError, ValueError) as error:
+        print(error)
+"""
+    status, out, err = elsewhere.python("-c", code)
+    assert status == 0, err
+    swept, refused, lacking = out.splitlines()
+    assert swept == "0 0"
+    assert refused.startswith("There is no friction 'agein'; it must be one of ageing, coulomb,")
+    assert lacking == "The friction grainy lacks grain; without default it must be given."
+
+
+@pytest.mark.long
+def test_the_contract_of_its_parts_holds_in_three_lines(elsewhere: Elsewhere) -> None:
+    test = EXAMPLE / "test_parts.py"
+    (elsewhere.folder / test.name).write_text(test.read_text(encoding="utf-8"), encoding="utf-8")
+    status, out, _ = elsewhere.python("-m", "pytest", "-q", "-p", "no:cacheprovider", test.name)
+    assert status == 0, out
+    assert "17 passed" in out
+
+
+def test_broken_laws_are_listed_with_the_reason(listing: str) -> None:
+    words = listing
+    for name, (_, reason) in (BROKEN | BROKEN_PARTS).items():
         assert f"{name}: not usable" in words
         assert reason in words
     assert words.count("has the name of a law of another package") == 2
@@ -210,6 +308,15 @@ def test_a_broken_law_is_refused_in_a_sentence(elsewhere: Elsewhere, name: str) 
     assert law.startswith(f"law.name is '{name}', which cannot run.")
     assert BROKEN[name][1] in law
     assert clearance.startswith("contact.clearance is -1 m")
+
+
+def test_a_broken_part_is_refused_in_a_sentence(elsewhere: Elsewhere) -> None:
+    broken = ("law/normal=part_of_a_module_that_fails", "law/damping=part_that_is_a_law")
+    status, _, err = elsewhere.command("law=composed", *broken)
+    assert status == 2
+    normal, damping = err.splitlines()
+    assert normal.startswith("law.normal.name is 'part_of_a_module_that_fails', which cannot run. The normal")
+    assert "is no subclass of contactlab.laws.Damping. Mend that package" in damping
 
 
 METRICS = "sweep.keep=metrics"
@@ -297,7 +404,7 @@ def test_no_law_of_another_package_is_imported_to_list_the_laws(
         "from contactlab.cli import main as cli\n"
         f"sys.argv = ['contactlab', *{arguments}]\n"
         "cli.main()\n"
-        f"sys.exit(bool({{'power_law', 'failing'}} & set(sys.modules)))"
+        f"sys.exit(bool({{'power_law', 'parts', 'failing', 'various'}} & set(sys.modules)))"
     )
     status, _, err = elsewhere.python("-c", code, COMP_LINE="contactlab law/normal=")
     assert status == 0, err

@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TypeVar
 
 import pytest
@@ -57,15 +58,23 @@ class Elsewhere:
         return self.python("-m", "contactlab", *arguments, **variables)
 
     def install(
-        self, name: str, version: str, entries: Mapping[str, str], modules: Mapping[str, str]
+        self,
+        name: str,
+        version: str,
+        entries: Mapping[str, str],
+        modules: Mapping[str, str],
+        parts: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
     ) -> None:
-        """Install a distribution by pip, from a wheel as a build tool would make it."""
+        """Install a distribution by pip, from a wheel as a build tool would make it; parts are by group."""
         stem = f"{name.replace('-', '_')}-{version}"
-        points = "".join(f"{law} = {entry}\n" for law, entry in entries.items())
+        points = "".join(
+            f"[{group}]\n" + "".join(f"{word} = {entry}\n" for word, entry in named.items())
+            for group, named in {"contactlab.laws": entries, **parts}.items()
+        )
         files = {f"{module}.py": text for module, text in modules.items()} | {
             f"{stem}.dist-info/METADATA": f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n",
             f"{stem}.dist-info/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
-            f"{stem}.dist-info/entry_points.txt": f"[contactlab.laws]\n{points}",
+            f"{stem}.dist-info/entry_points.txt": points,
         }
         record = f"{stem}.dist-info/RECORD"
         wheel = self.folder / f"{stem}-py3-none-any.whl"
@@ -82,11 +91,13 @@ class Elsewhere:
         """Install the example as its pyproject.toml says."""
         project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))
         modules = project["tool"]["setuptools"]["py-modules"]
+        groups = project["project"]["entry-points"]
         self.install(
             project["project"]["name"],
             project["project"]["version"],
-            project["project"]["entry-points"]["contactlab.laws"],
+            groups["contactlab.laws"],
             {name: (EXAMPLE / f"{name}.py").read_text(encoding="utf-8") for name in modules},
+            {group: entries for group, entries in groups.items() if group != "contactlab.laws"},
         )
 
 

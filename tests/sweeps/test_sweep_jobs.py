@@ -86,7 +86,7 @@ def test_runs_of_another_version_code_or_law_are_run_again(
     changes = {
         "versions": lambda: found,
         "code_digest": lambda: "0",
-        "provenance": lambda _: "example-law 1.2.4",
+        "provenance": lambda *_: "example-law 1.2.4",
     }
     for number, (name, change) in enumerate(changes.items(), 2):
         monkeypatch.setattr(state, name, change)

@@ -8,7 +8,7 @@ from typing import Annotated, final
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
-from contactlab.laws.memory import ODD, InternalVariable
+from contactlab.laws.memory import ODD, InternalVariable, dependent
 from contactlab.parameter import Parameter, positive
 
 ELEMENTS = Parameter("n", "1", "springs with sliders in parallel", at_least=1, at_most=100)
@@ -56,8 +56,8 @@ class Iwan(Friction):
     elements: Annotated[int, ELEMENTS] = 10
     full_slip: Annotated[float, positive("x_s", "m", "slip at which all elements slide")] = 4e-7
 
-    @property
-    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
         """Stretches by their limits, and how many slide."""
         count = range(1, self.elements + 1)
         stretches = [

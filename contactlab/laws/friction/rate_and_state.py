@@ -6,7 +6,7 @@ from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
-from contactlab.laws.memory import InternalVariable
+from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.parameter import not_negative, positive
 
 FASTEST = 10.0
@@ -57,8 +57,8 @@ class RateAndState(Friction):
     fresh_age: Annotated[float, positive("theta_0", "s", "age at touch-down")] = 1e-6
     creep_velocity: Annotated[float, positive("v_c", "m s-1", "slip that is as good as rest")] = 1e-9
 
-    @property
-    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
         """The age, as a logarithm: it may change by ten powers of ten."""
         fresh = log(self.reference_velocity * self.fresh_age / self.renewal_distance)
         return (InternalVariable("age", "z", "1", "ln(v_0 theta/D) of the age theta", fresh),)

@@ -43,7 +43,8 @@ class Newton(ImpactLaw):
 
     The slip v+ of the friction law is that after the impact. A rebound that ends within the step is
     none. Where slip ends or reverses in the impact the restitution can create energy: Kane and Levinson
-    (1985), Dynamics: Theory and Applications.
+    (1985), Dynamics: Theory and Applications. The Newtonian impact of Wang and Mason (1992) has the same
+    impulses but where the slip reverses: there it follows the slip through the impact, as `poisson` does.
     """
 
     name = "newton"

@@ -23,6 +23,7 @@ from typing import final
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.impact.newton import ImpactLaw
+from contactlab.laws.impact.step import approach_of, with_forces
 from contactlab.laws.lagrange import stick_or_slip_impulse
 
 
@@ -72,13 +73,8 @@ def restituted(approach, end, first, second, p_c, e):
 
 @inner_kernel
 def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy):
-    """Give impulses [N s] and mode; the restitution is of the work of compression, or else of its impulse.
-
-    What forces bring within the step is no impact, or contact that lasts would bounce in every step; and
-    what they take away before its end need not be stopped. A rebound that forces end within the step is
-    none: the contact lasts, without restitution.
-    """
-    approach = min(max(gap_rate, normal_rate), 0.0)
+    """Give impulses [N s] and mode; the restitution is of the work of compression, or else of its impulse."""
+    approach = approach_of(normal_rate, gap_rate)
     if approach == 0.0:
         return stick_or_slip_impulse(
             normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
@@ -93,13 +89,9 @@ def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_
     p_t = before * min(p_n, end) + after * max(p_n - end, 0.0)
     if p_n < end:
         mode = SLIP
-    rebound = normal_rate + d_nn * p_n + d_nt * p_t
-    if normal_rate == approach or rebound >= 0.0:
-        return p_n, p_t, mode
     # Round-off is no slip.
     left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-    more_n, more_t, mode = stick_or_slip_impulse(rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters)
-    return p_n + more_n, p_t + more_t, mode
+    return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, parameters)
 
 
 @dataclass(frozen=True)
@@ -120,7 +112,11 @@ class ImpactProcess(ImpactLaw):
 @final
 @dataclass(frozen=True)
 class Poisson(ImpactProcess):
-    """A rigid impact that gives back a share of the impulse of compression p_c, gdot(p_c) = 0."""
+    """A rigid impact that gives back a share of the impulse of compression p_c, gdot(p_c) = 0.
+
+    It has all modes of Wang and Mason: slip that lasts, ends in compression or in restitution, and then
+    sticks or reverses.
+    """
 
     name = "poisson"
     equation = "p = (1 + e) p_c, gdot(p_c) = 0, dp_t = -mu dp sign(v) or v = 0"

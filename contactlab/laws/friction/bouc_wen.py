@@ -1,0 +1,75 @@
+"""The hysteresis of Bouc and Wen as a friction."""
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, Self, final
+
+from contactlab.compiled import kernel
+from contactlab.laws.base import RATE_DEPENDENT, Friction
+from contactlab.laws.memory import ODD, InternalVariable
+from contactlab.parameter import Parameter, positive
+
+SHAPE = Parameter(
+    "beta", "1", "share of beta in beta + gamma", at_least=0.5, hint="Below 0.5 unloading would make energy."
+)
+
+
+@final
+@dataclass(frozen=True)
+class BoucWen(Friction):
+    """Friction that grows with the way and slides at mu N, with loops of many shapes.
+
+        F = -mu N z/Y,  dz/dt = v - beta |v| |z/Y|^(n-1) z/Y - (1 - beta) v |z/Y|^n
+
+    Wen's equation is dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n, with the ultimate value
+    z_u = (A/(beta + gamma))^(1/n). Friction reaches mu N there, so that of his four constants three are
+    left: Y = z_u/A, beta/(beta + gamma) and n, as Constantinou et al. have them for sliding bearings. See
+    `of_wen`. The hardening spring alpha k x of a structure is left out. The larger n, the sharper the knee;
+    with beta = 0.5 it unloads along a straight line, and for n = 1 and beta = 1 it is `dahl` with
+    i = 1. At constant N it loses energy along any way; small cycles drift.
+
+    Source: Bouc (1967), Proc. 4th Conf. on Nonlinear Oscillations, Prague; Wen (1976); Constantinou,
+    Mokha and Reinhorn (1990), J. Struct. Eng. 116, 455.
+    """
+
+    name = "bouc_wen"
+    equation = "F = -mu N z/Y, dz/dt = v - beta |v| |z/Y|^(n-1) z/Y - (1 - beta) v |z/Y|^n"
+    source = "Wen (1976), J. Eng. Mech. Div. 102, 249; Constantinou et al. (1990), J. Struct. Eng. 116, 455"
+    friction_kind = RATE_DEPENDENT
+    exact_stick = False
+    # The rate has a kink where the slip reverses, and no step ends there.
+    convergence_order = 0.5
+    internal_variables = (InternalVariable("deflection", "z", "m", "hysteretic deflection", parity=ODD),)
+    violations = MappingProxyType(
+        {
+            "friction_opposes_slip": "a deflected contact grows stiffer with the normal force, which gives "
+            "it energy that nothing brought."
+        }
+    )
+
+    yield_displacement: Annotated[float, positive("Y", "m", "yield displacement")] = 3e-7
+    shape: Annotated[float, SHAPE] = 0.5
+    exponent: Annotated[float, Parameter("n", "1", "sharpness of the knee", at_least=1.0)] = 2.0
+
+    @classmethod
+    def of_wen(cls, mu: float, a: float, beta: float, gamma: float, n: float) -> Self:
+        """Give the friction of Wen's A [1], beta and gamma [m^-n] and n that slides at mu N.
+
+        Raises:
+            ValueError: A is not positive, or beta < |gamma|, which would make energy.
+        """
+        if a <= 0.0 or beta + gamma <= 0.0:
+            raise ValueError(f"A is {a:g} and beta + gamma {beta + gamma:g}; both must be greater than 0.")
+        ultimate = (a / (beta + gamma)) ** (1.0 / n)
+        return cls(mu, ultimate / a, beta / (beta + gamma), n)
+
+    @staticmethod
+    @kernel
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        """See `Friction.state`; z is the deflection [m]."""
+        share, beta = z / parameters[at + 2], parameters[at + 3]
+        # Steps may overshoot by their tolerance; the force stays in the cone.
+        force = -parameters[at] * max(normal, 0.0) * min(max(share, -1.0), 1.0)
+        bent = abs(share) ** parameters[at + 4]
+        signed = beta if slip * z > 0.0 else -beta
+        return force, slip * (1.0 - bent * (signed + 1.0 - beta)), -0.5 * force * z, 0.0

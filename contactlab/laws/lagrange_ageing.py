@@ -1,0 +1,78 @@
+"""A rigid contact whose static friction is larger than its kinetic, and grows while it sticks."""
+
+from dataclasses import dataclass
+from math import log1p
+from typing import Annotated, ClassVar, final
+
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.laws.base import STICK, MultiplierLaw
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
+from contactlab.laws.friction.coulomb import STATIC_RATIO
+from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
+from contactlab.laws.memory import AT_SLIP, AT_TOUCH, InternalVariable
+from contactlab.parameter import not_negative, positive
+
+
+@inner_kernel
+def static_coefficient(age, parameters):
+    """Give mu_s of an age [s]; parameters as those of the law."""
+    mu, ratio, delta = parameters[0], parameters[1], parameters[2]
+    return mu * ratio + delta * log1p(min(age, parameters[4]) / parameters[3])
+
+
+@final
+@dataclass(frozen=True)
+class LagrangeAgeing(MultiplierLaw):
+    """Lagrange multiplier with a static coefficient of friction of its own that ages in stick.
+
+    Stick holds what is inside of the static cone; what slides is dragged by mu, and stays behind as soon as
+    its slip has ended and static friction can hold it, else it slides back. Slip makes the contact new. An
+    impact is one step, in which friction that ends a slip is kinetic. Without ageing, delta = 0, it is the
+    stick-slip of two coefficients; with mu_s = mu as well it is `lagrange_stick`. The instant at which
+    stick ends is that of a step.
+
+    Source of the ageing: Dieterich (1972), J. Geophys. Res. 77, 3690; Rabinowicz (1958), Proc. Phys. Soc. 71,
+    668, of the growth with the time of stick.
+    """
+
+    name = "lagrange_ageing"
+    equation = "g = 0, N >= 0, |F| <= (mu_s + delta ln(1 + min(t, t_max)/t_0)) N, F = -mu N sign(v) in slip"
+    source = "Dieterich (1972), J. Geophys. Res. 77, 3690; Andersen, Blanke and Helbo (2001), eqs. 60-66"
+    default_contact_step = 5e-8
+    told: ClassVar[bool] = True
+    internal_variables = (InternalVariable("age", "t", "s", "age of stick"),)
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    static_ratio: Annotated[float, STATIC_RATIO] = 1.2
+    strengthening: Annotated[float, not_negative("delta", "1", "growth of mu_s for an e-fold age")] = 0.01
+    ageing_time: Annotated[float, positive("t_0", "s", "age at which friction begins to grow")] = 1e-5
+    longest_age: Annotated[float, not_negative("t_max", "s", "age at which growth ends")] = 1e5
+
+    @property
+    def friction_limit(self) -> float:
+        """That of the longest age."""
+        fresh = self.friction_coefficient * self.static_ratio
+        return float(fresh + self.strengthening * log1p(self.longest_age / self.ageing_time))
+
+    @staticmethod
+    @kernel
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters):
+        p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
+        # An age is that of a stick. Slip that would reverse has ended: p_t > 0 drives slip > 0.
+        rests = z[0] > 0.0 or p_t * slip >= 0.0
+        holds = normal_rate < 0.0 or abs(slip) <= abs(tangential_rate - slip)
+        if rests and holds and abs(p_t) <= static_coefficient(z[0], parameters) * p_n:
+            return p_n, p_t, STICK
+        return stick_or_slip_impulse(
+            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
+        )
+
+    @staticmethod
+    @kernel
+    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+        return 1.0 if slip == 0.0 else 0.0
+
+    @staticmethod
+    @kernel
+    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+        return 0.0 if event in (AT_SLIP, AT_TOUCH) else z[which]

@@ -1,0 +1,97 @@
+"""Static friction that ages: when a pulled block breaks away, and what slip forgets."""
+
+from math import atan, log, log1p, pi, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction import AgeingStick
+from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
+from contactlab.laws.normal import Linear
+from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
+from contactlab.testing.plants import first, run
+
+MU, DELTA, BEGINS = 0.3, 0.05, 1e-3
+STIFFNESS = 100.0
+LAW = Composed(Linear(SPRING), friction=AgeingStick(MU, DELTA, BEGINS))
+
+
+def breakaway(speed: float, held: float = 0.0, before: float = 0.0) -> float:
+    """Time t at which held + k v t = mu_s(before + t) N [s]."""
+
+    def excess(t: float) -> float:
+        return held + STIFFNESS * speed * t - WEIGHT * (MU + DELTA * log1p((before + t) / BEGINS))
+
+    # Until the rates meet, friction grows faster than the pull.
+    least = max(DELTA * WEIGHT / (STIFFNESS * speed) - BEGINS - before, 0.0)
+    return float(brentq(excess, least, least + 1e3, xtol=1e-14))
+
+
+def stick_of(speed: float, until: float, law: Composed = LAW) -> float:
+    """Time of stick of a block on a belt whose spring begins unstretched [s]."""
+    motor = resting(stiffness=STIFFNESS, velocity=speed, belt_velocity=speed)
+    return first(run(motor, law, until, 1e-3), "stick_duration")
+
+
+def test_the_bound_grows_with_the_logarithm_of_the_age_up_to_its_longest_and_not_in_slip() -> None:
+    """From one decade to the next it gains delta ln 10, with Dieterich's A = delta ln 10 and B = 1/t_0."""
+    friction = AgeingStick(MU, DELTA, BEGINS, longest_age=100.0)
+    parameters = np.array(friction.coefficients())
+    ages = 10.0 ** np.arange(-6.0, 5.0)
+    found = np.array([friction.bound(2.0, 0.0, np.array([age]), parameters, 0) for age in ages])
+    expected = MU + DELTA * log(10.0) * np.log10(1.0 + np.minimum(ages, 100.0) / BEGINS)
+    assert_allclose(found, 2.0 * expected, rtol=1e-14)
+    assert_allclose(found[7] - found[6], 2.0 * DELTA * log(10.0), rtol=1e-3)
+    assert found[-1] == pytest.approx(2.0 * friction.friction_limit, rel=1e-15)
+    for slip in (0.1, -0.1, 1e-300):
+        assert friction.bound(2.0, slip, np.array([1.0]), parameters, 0) == MU * 2.0
+    assert friction.bound(-1.0, 0.0, np.array([1.0]), parameters, 0) == 0.0
+
+
+def test_the_age_counts_stick_and_is_forgotten_by_slip_and_by_a_new_contact() -> None:
+    friction, age = AgeingStick(), np.array([0.7])
+    state = 5.0, 1e7, 0.0
+    parameters = np.array(friction.coefficients())
+    assert [friction.rate(0, *state, slip, age, parameters, 0) for slip in (0.0, 1e-12, -1.0)] == [1, 0, 0]
+    after = [
+        friction.jump(0, event, *state, 0.0, age, parameters, 0)
+        for event in (AT_TOUCH, AT_RELEASE, AT_SLIP, AT_STICK)
+    ]
+    assert after == [0.0, 0.7, 0.0, 0.7]
+
+
+def test_a_pulled_block_breaks_away_where_the_pull_meets_the_friction_that_has_aged() -> None:
+    """k v t = mu_s(t) N; the slower the pull, the larger its peak, by delta ln 10 N a decade."""
+    ages = []
+    for speed in (0.3, 0.03, 0.003):
+        expected = breakaway(speed)
+        ages.append(stick_of(speed, expected + 1e-3))
+        assert_allclose(ages[-1], expected, rtol=1e-8)
+        assert stick_of(-speed, expected + 1e-3) == ages[-1]
+    peaks = STIFFNESS / WEIGHT * np.array(ages) * (0.3, 0.03, 0.003)
+    decades = np.diff(np.log10(np.array(ages) + BEGINS))
+    assert (decades > 0.9).all()
+    assert_allclose(np.diff(peaks), DELTA * log(10.0) * decades, rtol=1e-6)
+
+
+def test_every_slip_begins_the_age_anew() -> None:
+    """After the slip, which lasts (2/w)[pi - atan(dF w/(k v))], the spring holds mu N - dF."""
+    speed, root = 0.03, sqrt(STIFFNESS)
+    once = breakaway(speed)
+    drop = STIFFNESS * speed * once - MU * WEIGHT
+    slip = 2.0 / root * (pi - atan(drop * root / (STIFFNESS * speed)))
+    again = breakaway(speed, MU * WEIGHT - drop)
+    found = stick_of(speed, once + slip + again + 1e-3)
+    assert_allclose(found, once + again, rtol=1e-8)
+    # With an age that went on it would have held for some hundredths longer.
+    assert breakaway(speed, MU * WEIGHT - drop, once) > 1.03 * again
+
+
+def test_without_strengthening_it_is_coulombs() -> None:
+    speed = 0.03
+    law = Composed(Linear(SPRING), friction=AgeingStick(MU, 0.0))
+    expected = MU * WEIGHT / (STIFFNESS * speed)
+    assert_allclose(stick_of(speed, 1.01 * expected, law), expected, rtol=1e-6)

@@ -1,0 +1,104 @@
+"""Brach's impact: the ratio of its impulses, its loss in closed form, and the energy that it never makes."""
+
+import numpy as np
+import pytest
+from support.impacts import after, answer_of, broken, contact_energy, drawn_impacts, loss
+
+from contactlab.laws import Brach, Newton
+from contactlab.laws.base import SLIP, STICK
+from contactlab.testing.plants import block, first, last, run
+
+MASS = 0.1
+POINT, SOLID_BALL = 1.0, 3.5
+"""d_tt m: of a point, and of a ball with the moment of inertia 2/5 m R^2."""
+
+
+def test_what_it_declares_is_what_it_breaks() -> None:
+    for law in (Brach(0.8, 1.0), Brach(1.5, 0.9), Brach(0.0, 0.3)):
+        assert broken(law) == {}
+
+
+@pytest.mark.parametrize("share", [POINT, SOLID_BALL])
+def test_a_ball_has_the_critical_ratio_and_the_loss_of_the_published_forms(share: float) -> None:
+    """mu_c = (m/m_t) r/(1 + e), loss = m v^2/2 (1 + e)(1 - e + 2 mu r - (1 + e) d_tt m mu^2)."""
+    d, e, speed, slip = (1.0 / MASS, 0.0, share / MASS), 0.6, 0.2, 0.15
+    r = slip / speed
+    critical = r / (share * (1.0 + e))
+    for mu, ratio, mode in ((0.5 * critical, 0.5 * critical, SLIP), (3.0 * critical, critical, STICK)):
+        answer = answer_of(Brach(mu, e), -speed, slip, d)
+        assert answer[2] == mode
+        assert answer[0] == pytest.approx(MASS * (1.0 + e) * speed, rel=1e-14)
+        assert answer[1] == pytest.approx(-ratio * answer[0], rel=1e-14)
+        lost = 0.5 * MASS * speed**2 * (1 + e) * (1 - e + 2 * ratio * r - (1 + e) * share * ratio**2)
+        assert loss(-speed, slip, d, answer) == pytest.approx(lost, rel=1e-13)
+        rebound, left = after(-speed, slip, d, answer)
+        assert rebound == pytest.approx(e * speed, rel=1e-14)
+        assert left == pytest.approx(slip - share * ratio * (1.0 + e) * speed, abs=1e-15)
+
+
+def test_the_mirrored_impact_has_the_mirrored_impulse() -> None:
+    for normal, slip, (d_nn, d_nt, d_tt), mu in drawn_impacts(100):
+        law = Brach(mu, 0.7)
+        p_n, p_t, mode = answer_of(law, normal, slip, (d_nn, d_nt, d_tt))
+        assert answer_of(law, normal, -slip, (d_nn, -d_nt, d_tt)) == (p_n, -p_t, mode)
+
+
+def test_it_is_newtons_impact_where_that_makes_no_energy_and_else_one_without_loss() -> None:
+    cases = {"alike": 0, "bounded": 0}
+    for normal, slip, d, mu in drawn_impacts(3000):
+        # Beyond the critical friction Newton's law may have no answer.
+        if mu * abs(d[1]) >= 0.99 * d[0]:
+            continue
+        answer, newton = (answer_of(law(mu, 0.8), normal, slip, d) for law in (Brach, Newton))
+        kept = contact_energy(normal, slip, d)
+        if loss(normal, slip, d, newton) > 1e-9 * kept:
+            cases["alike"] += 1
+            assert answer[:2] == pytest.approx(newton[:2], rel=1e-6, abs=1e-9 * newton[0])
+        elif loss(normal, slip, d, newton) < -1e-9 * kept:
+            cases["bounded"] += 1
+            assert loss(normal, slip, d, answer) == pytest.approx(0.0, abs=1e-9 * kept)
+            # Less friction of the same direction, and the same rebound.
+            assert 0.0 <= answer[1] / newton[1] < 1.0
+            assert after(normal, slip, d, answer)[0] == pytest.approx(-0.8 * normal, rel=1e-9)
+    assert cases["alike"] > 1000
+    assert cases["bounded"] > 20
+
+
+def double_pendulum() -> tuple[float, float, tuple[float, float, float]]:
+    """Two equal rods that swing down onto the floor, after Kane and Levinson (1985).
+
+    Angles of 20 and 30 degrees from the vertical, rates of -0.1 and -0.2 rad/s; mass and length one.
+    """
+    first_angle, second_angle = np.radians([20.0, 30.0])
+    along = np.cos([first_angle, second_angle])
+    # Of the free end: its gap, which grows with the angles, and its way along the floor.
+    rows = np.array([np.sin([first_angle, second_angle]), along])
+    coupling = 0.5 * np.cos(second_angle - first_angle)
+    inverse = np.linalg.inv([[4.0 / 3.0, coupling], [coupling, 1.0 / 3.0]])
+    (d_nn, d_nt), (_, d_tt) = rows @ inverse @ rows.T
+    normal, slip = rows @ [-0.1, -0.2]
+    return float(normal), float(slip), (float(d_nn), float(d_nt), float(d_tt))
+
+
+def test_the_double_pendulum_that_gains_energy_from_newtons_law_gains_none() -> None:
+    normal, slip, d = double_pendulum()
+    kept = contact_energy(normal, slip, d)
+    gains = {
+        law: -loss(normal, slip, d, answer_of(law(0.5, 0.7), normal, slip, d)) / kept
+        for law in (Newton, Brach)
+    }
+    print("energy made, over that of the pendulum:", {law.name: gain for law, gain in gains.items()})
+    # Two rods: the velocity of the free end is all the motion there is.
+    assert kept == pytest.approx(0.5 * (4 / 3 * 0.01 + np.cos(np.radians(10)) * 0.02 + 0.04 / 3), rel=1e-12)
+    assert gains[Newton] > 0.1
+    assert gains[Brach] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_engine_gives_a_thrown_ball_the_loss_of_the_published_form() -> None:
+    mu, e, speed, slip = 0.2, 0.6, 0.2, 0.5
+    ball = block(MASS, height=1e-6, gap_rate=-speed, velocity=slip)
+    made = run(ball, Brach(mu, e), 2e-5, 1e-12)
+    r = slip / speed
+    lost = 0.5 * MASS * speed**2 * (1 + e) * (1 - e + 2 * mu * r - (1 + e) * mu**2)
+    assert first(made, "energy_loss") == pytest.approx(lost, rel=1e-9)
+    assert last(made, "slip_velocity") == pytest.approx(slip - mu * (1 + e) * speed, rel=1e-9)

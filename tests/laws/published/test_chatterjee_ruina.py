@@ -1,0 +1,118 @@
+"""The impact of Chatterjee and Ruina: its sum of two plastic impacts, and the energy that it never makes."""
+
+import numpy as np
+import pytest
+from support.impacts import after, answer_of, broken, contact_energy, drawn_impacts, loss
+
+from contactlab.laws import ChatterjeeRuina, LagrangeStick, Newton
+from contactlab.laws.base import SLIP, STICK
+from contactlab.testing.plants import block, last, run
+
+
+def test_what_it_declares_is_what_it_breaks() -> None:
+    laws = ChatterjeeRuina(0.8, 1.0, 1.0), ChatterjeeRuina(1.5, 0.9, -0.5)
+    for law in laws:
+        assert broken(law) == {}
+
+
+def published(v: np.ndarray, d: np.ndarray, mu: float, e: float, e_t: float) -> np.ndarray:
+    """Their impulse in vectors, for the drawn state alone: n' = (1, 0), M^-1 = d."""
+    n = np.array([1.0, 0.0])
+    frictionless, sticking = -(n @ v) / (n @ d @ n) * n, -np.linalg.solve(d, v)
+    candidate = (1.0 + e) * frictionless + (1.0 + e_t) * (sticking - frictionless)
+    if abs(candidate[1]) <= mu * candidate[0]:
+        return candidate
+    down = abs(sticking[1]) - mu * (n @ (sticking - frictionless))
+    k = mu * (1.0 + e) * (n @ frictionless) / down
+    return (1.0 + e) * frictionless + k * (sticking - frictionless)
+
+
+def test_it_is_the_published_impulse_and_creates_no_energy_at_any_restitution() -> None:
+    """Kane's cases are among those drawn: of slip that reverses, in bodies that couple both directions."""
+    rng, on_cone = np.random.default_rng(2), 0
+    for normal, slip, d, mu in drawn_impacts(2000):
+        e, e_t = rng.uniform(0.0, 1.0), rng.uniform(-1.0, 1.0)
+        answer = answer_of(ChatterjeeRuina(mu, e, e_t), normal, slip, d)
+        matrix = np.array([[d[0], d[1]], [d[1], d[2]]])
+        expected = published(np.array([normal, slip]), matrix, mu, e, e_t)
+        assert answer[:2] == pytest.approx(expected, rel=1e-9, abs=1e-11 * answer[0])
+        kept = contact_energy(normal, slip, d)
+        assert loss(normal, slip, d, answer) >= -1e-12 * kept
+        assert after(normal, slip, d, answer)[0] == pytest.approx(-e * normal, rel=1e-9, abs=1e-12)
+        on_cone += abs(answer[1]) > mu * answer[0] * (1.0 - 1e-12)
+    assert 300 < on_cone < 1700
+
+
+def test_the_energies_of_both_directions_are_lost_apart() -> None:
+    """w+ = (1 - k) w and v+ = -e v; inside of the cone k = 1 + e_t."""
+    for normal, slip, (d_nn, d_nt, d_tt), _ in drawn_impacts(200):
+        e, e_t = 0.7, 0.4
+        d = (d_nn, d_nt, d_tt)
+        answer = answer_of(ChatterjeeRuina(1e9, e, e_t), normal, slip, d)
+        # With so much friction it is the candidate wherever that presses.
+        if answer[0] < abs(answer[1]) * 1e-8:
+            continue
+        rebound, left = after(normal, slip, d, answer)
+        before, behind = slip - normal * d_nt / d_nn, left - rebound * d_nt / d_nn
+        assert behind == pytest.approx(-e_t * before, rel=1e-9, abs=1e-9)
+        lost = (1 - e**2) * normal**2 / d_nn + (1 - e_t**2) * before**2 / (d_tt - d_nt**2 / d_nn)
+        assert loss(normal, slip, d, answer) == pytest.approx(0.5 * lost, rel=1e-9)
+
+
+def test_the_plastic_one_is_that_of_lagrange_stick_but_where_the_slip_reverses() -> None:
+    for normal, slip, d, mu in drawn_impacts(300):
+        if abs(d[1]) >= 0.99 * min(mu * d[2], d[0] / mu):
+            continue
+        answer, plastic = (
+            answer_of(law, normal, slip, d) for law in (ChatterjeeRuina(mu, 0.0, 0.0), LagrangeStick(mu))
+        )
+        assert answer[:2] == pytest.approx(plastic[:2], rel=1e-9, abs=1e-12 * plastic[0])
+
+
+def test_on_the_cone_it_is_newtons_slip() -> None:
+    for normal, slip, (d_nn, _, d_tt), mu in drawn_impacts(200):
+        e, far = 0.6, np.sign(slip) * (mu * d_tt * 1.6 * -normal / d_nn * 2.0 + abs(slip))
+        d = (d_nn, 0.0, d_tt)
+        answers = [answer_of(law, normal, far, d) for law in (ChatterjeeRuina(mu, e, 0.5), Newton(mu, e))]
+        assert answers[0][2] == answers[1][2] == SLIP
+        assert answers[0][:2] == pytest.approx(answers[1][:2], rel=1e-12)
+
+
+def test_the_mirrored_impact_has_the_mirrored_impulse() -> None:
+    for normal, slip, (d_nn, d_nt, d_tt), mu in drawn_impacts(100):
+        law = ChatterjeeRuina(mu, 0.7, 0.3)
+        p_n, p_t, mode = answer_of(law, normal, slip, (d_nn, d_nt, d_tt))
+        assert answer_of(law, normal, -slip, (d_nn, -d_nt, d_tt)) == (p_n, -p_t, mode)
+
+
+def test_it_sticks_only_where_no_slip_is_left() -> None:
+    alone, coupled = (1000.0, 0.0, 2000.0), (1000.0, 300.0, 2000.0)
+    assert answer_of(ChatterjeeRuina(0.9, 0.5, 0.0), -0.1, 0.05, alone)[2] == STICK
+    assert answer_of(ChatterjeeRuina(0.9, 0.0, 0.0), -0.1, 0.05, coupled)[2] == STICK
+    assert answer_of(ChatterjeeRuina(0.9, 0.5, 0.0), -0.1, 0.05, coupled)[2] == SLIP
+    assert answer_of(ChatterjeeRuina(0.9, 0.5, 0.2), -0.1, 0.05, alone)[2] == SLIP
+
+
+def test_a_perfectly_rough_ball_turns_as_garwin_found() -> None:
+    """A solid ball that gives all back, e = e_t = 1 (Garwin 1969, Am. J. Phys. 37, 88).
+
+    Energy, and angular momentum about the contact, of speed v along the floor and spin R w = s:
+    v' = (3 v + 4 s)/7, s' = (10 v - 3 s)/7, where s counts as positive if it rolls along v.
+    """
+    mass, inertia = 0.1, 0.4
+    for speed, spin in ((0.3, 0.0), (0.3, 0.2), (-0.1, 0.4), (0.2, 0.2)):
+        d = (1.0 / mass, 0.0, (1.0 + 1.0 / inertia) / mass)
+        answer = answer_of(ChatterjeeRuina(1e3, 1.0, 1.0), -0.5, speed - spin, d)
+        moved, spun = speed + answer[1] / mass, spin - answer[1] / (inertia * mass)
+        assert moved == pytest.approx((3.0 * speed + 4.0 * spin) / 7.0, abs=1e-15)
+        assert spun == pytest.approx((10.0 * speed - 3.0 * spin) / 7.0, abs=1e-15)
+        assert moved**2 + inertia * spun**2 == pytest.approx(speed**2 + inertia * spin**2, rel=1e-13)
+
+
+def test_the_engine_reverses_the_slip_of_a_ball_by_the_tangential_restitution() -> None:
+    e, e_t, speed, slip = 0.5, 0.4, 0.2, 0.03
+    ball = block(0.1, height=1e-6, gap_rate=-speed, velocity=slip)
+    made = run(ball, ChatterjeeRuina(0.5, e, e_t), 2e-5, 1e-12)
+    assert last(made, "slip_velocity") == pytest.approx(-e_t * slip, rel=1e-9)
+    rebound = made.contacts["separation_velocity"][0]
+    assert rebound == pytest.approx(e * speed, rel=1e-9)

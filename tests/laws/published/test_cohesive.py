@@ -1,0 +1,100 @@
+"""Coulomb's cone with cohesion: what it holds and how it slides, pressed and pulled."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from contactlab.compiled import kernel
+from contactlab.laws.base import NormalForce
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction import Cohesive
+from contactlab.laws.normal import Linear
+from contactlab.parameter import positive
+from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
+from contactlab.testing.plants import block, last, run
+
+MU, RATIO, C = 0.3, 1.4, 4.0
+
+
+@kernel
+def attracted_force(depth, parameters, at):
+    k, pull = parameters[at], parameters[at + 1]
+    return k * depth - pull, (0.5 * k * depth - pull) * depth, k, 0.0
+
+
+@dataclass(frozen=True)
+class Attracted(NormalForce):
+    """A spring and a constant attraction, N = k d - P."""
+
+    name = "attracted"
+    equation = "N = k d - P"
+    source = "this test"
+    allows_tension = True
+
+    stiffness: Annotated[float, positive("k", "N m-1", "stiffness")] = SPRING
+    attraction: Annotated[float, positive("P", "N", "pull-off force")] = 3.0
+
+    @property
+    def elastic(self) -> Any:
+        return attracted_force
+
+
+def test_the_bound_is_a_cone_with_its_apex_at_the_cohesion() -> None:
+    friction = Cohesive(MU, RATIO, C)
+    parameters = np.array(friction.coefficients())
+    assert friction.friction_offset == C
+    assert friction.friction_limit == MU * RATIO
+    for normal, slip, expected in (
+        (2.0, 0.0, MU * RATIO * (2.0 + C)),
+        (2.0, 1e-300, MU * (2.0 + C)),
+        (0.0, 1.0, MU * C),
+        (-3.0, 1.0, MU * (C - 3.0)),
+        (-5.0, 0.0, 0.0),
+    ):
+        assert friction.bound(normal, slip, parameters, 0) == pytest.approx(expected, rel=1e-15)
+        assert friction.bound(normal, -slip, parameters, 0) == friction.bound(normal, slip, parameters, 0)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_sliding_block_slows_by_mu_g_and_mu_c_over_m_and_stops(way: float) -> None:
+    """v = v_0 - mu (g + C/m) t, of a block of 1 kg."""
+    start, slowing = 0.2, MU * (WEIGHT + C)
+    law, time = Composed(Linear(SPRING), friction=Cohesive(MU, RATIO, C)), 0.2 / (MU * (WEIGHT + C))
+    series = run(resting(velocity=way * start), law, 1.25 * time, 1e-3, time / 8.0).series
+    expected = start - slowing * time / 8.0 * np.arange(8)
+    assert_allclose(way * series["slip_velocity"][:8], expected, atol=1e-9)
+    assert np.abs(series["slip_velocity"][9:]).max() < 1e-15 * start
+
+
+@pytest.mark.parametrize(("share", "moves"), [(0.999, False), (1.001, True)])
+def test_a_block_holds_up_to_mu_s_of_weight_and_cohesion(share: float, moves: bool) -> None:
+    push = share * MU * RATIO * (WEIGHT + C)
+    assert push > 1.3 * MU * RATIO * WEIGHT
+    law = Composed(Linear(SPRING), friction=Cohesive(MU, RATIO, C))
+    slip = last(run(resting(push=push), law, 0.01, 1e-3), "slip_velocity")
+    assert_allclose(slip, 0.01 * (push - MU * (WEIGHT + C)) if moves else 0.0, rtol=1e-6, atol=1e-15)
+
+
+def test_a_block_that_hangs_from_its_attraction_still_rubs() -> None:
+    """Thornton (1991): |F| = mu (N + 2 F_c), here N = -2 N with F_c = 3 N."""
+    pull, normal, start = 2.0, Attracted(), 0.05
+    law = Composed(normal, friction=Cohesive(MU, RATIO, 2.0 * normal.attraction))
+    depth = (normal.attraction - pull) / normal.stiffness
+    made = run(block(1.0, height=-depth, weight=-pull, velocity=start), law, 0.02, 1e-3, 0.01)
+    slowing = MU * (2.0 * normal.attraction - pull)
+    assert_allclose(made.series["slip_velocity"], start - slowing * made.time, atol=1e-9)
+    assert_allclose(made.series["normal_force"][1:], -pull, rtol=1e-9)
+
+
+def test_an_impact_without_cohesion_is_that_of_coulomb_and_cohesion_adds_its_own_time() -> None:
+    """m dv_t = -mu (2 m v_n + C T) in an impact that slips throughout, T half a period of the spring."""
+    mass, speed, start = 0.01, 0.1, 0.5
+    duration = np.pi * np.sqrt(mass / SPRING)
+    for cohesion in (0.0, C):
+        law = Composed(Linear(SPRING), friction=Cohesive(MU, 1.0, cohesion))
+        ball = block(mass, height=1e-6, gap_rate=-speed, velocity=start)
+        lost = start - last(run(ball, law, 1e-5 + 2.0 * duration), "slip_velocity")
+        assert_allclose(lost, MU * (2.0 * speed + cohesion * duration / mass), rtol=1e-6)

@@ -1,0 +1,116 @@
+"""Johnson's restitution of a ball that yields: from its dent, by its power of the speed, bounce by bounce."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from support.impacts import answer_of, broken, drawn_impacts
+
+from contactlab.laws import Johnson, LagrangeStick, Newton
+from contactlab.testing.plants import block, last, run
+
+MODULUS, STRENGTH, RADIUS = 115e9, 3e8, 4.5e-3
+"""E* [Pa], Y [Pa], R [m]."""
+
+
+def restitution(law: Johnson, speed: float, mass: float) -> float:
+    """Rebound over approach of a mass that hits without friction."""
+    p_n, _, _ = answer_of(law, -speed, 0.0, (1.0 / mass, 0.0, 1.0 / mass))
+    return p_n / (mass * speed) - 1.0
+
+
+def test_what_it_declares_is_what_it_breaks() -> None:
+    assert broken(Johnson(0.8, yield_strength=1e9)) == {}
+
+
+def test_restitution_is_what_a_dent_of_one_pressure_gives_back_as_of_hertz() -> None:
+    """Loading at p_d = 3 Y on the area pi a^2 = 2 pi R d, unloading from there elastically.
+
+    The dent has the curvature that lets a sphere of modulus E* touch it over a at the load P:
+    a^2 = R' d, P = 4/3 E* sqrt(R') d^(3/2).
+    """
+    law, mass, pressure = Johnson(0.3, MODULUS, STRENGTH, RADIUS), 2e-3, 3.0 * STRENGTH
+    for speed in (0.5, 2.0, 10.0):
+        depth = sqrt(0.5 * mass * speed**2 / (pi * RADIUS * pressure))
+        work, _ = quad(lambda d: 2.0 * pi * RADIUS * d * pressure, 0.0, depth)
+        assert work == pytest.approx(0.5 * mass * speed**2, rel=1e-12)
+        load, a = 2.0 * pi * RADIUS * depth * pressure, sqrt(2.0 * RADIUS * depth)
+        back = 0.75 * load / (MODULUS * a)
+        stiffness = 4.0 / 3.0 * MODULUS * sqrt(a**2 / back)
+        assert stiffness * back**1.5 == pytest.approx(load, rel=1e-12)
+        given = stiffness * quad(lambda d: d**1.5, 0.0, back, epsabs=0.0)[0]
+        assert restitution(law, speed, mass) == pytest.approx(sqrt(given / work), rel=1e-9)
+
+
+def test_the_factor_of_the_published_formula_is_what_the_derivation_rounds_to() -> None:
+    """e = 3.8 (Y/E*)^(1/2) (m V^2/(2 Y R^3))^(-1/8), eq. 11.47; the derivation with p_d = 3 Y gives 3.743."""
+    law, mass, speed = Johnson(0.3, MODULUS, STRENGTH, RADIUS), 2e-3, 3.0
+    shape = sqrt(STRENGTH / MODULUS) * (0.5 * mass * speed**2 / (STRENGTH * RADIUS**3)) ** -0.125
+    factor = restitution(law, speed, mass) / shape
+    print(f"factor of eq. 11.47: {factor:.4f}")
+    assert factor == pytest.approx(sqrt(0.3 * pi**1.25 * 4.0**0.75 * 3.0**1.25), rel=1e-12)
+    assert factor == pytest.approx(3.8, rel=0.016)
+
+
+def test_restitution_falls_with_the_fourth_root_of_the_speed_from_the_one_that_it_begins_at() -> None:
+    law, mass = Johnson(0.3, MODULUS, STRENGTH, RADIUS), 2e-3
+    speeds = np.array([0.5, 1.0, 4.0, 20.0])
+    found = np.log([restitution(law, speed, mass) for speed in speeds])
+    assert np.polyfit(np.log(speeds), found, 1)[0] == pytest.approx(-0.25, abs=1e-9)
+    # Continuous where it leaves one, at 27 times the speed of first yield.
+    leaves = sqrt(law.parameters()[1] / mass)
+    assert leaves / law.first_yield(mass) == pytest.approx(26.9, abs=0.1)
+    assert restitution(law, leaves * (1.0 - 1e-9), mass) == pytest.approx(1.0, abs=1e-12)
+    assert restitution(law, leaves * (1.0 + 1e-9), mass) == pytest.approx(1.0, abs=1e-9)
+    assert restitution(law, leaves * 16.0, mass) == pytest.approx(0.5, rel=1e-12)
+
+
+def test_first_yield_is_where_the_peak_pressure_of_hertz_is_so_large() -> None:
+    """W = 2/5 K d^(5/2) and p_0 = 3 P/(2 pi a^2) of Hertz; with p_0 = 1.6 Y about 53 Y^5 R^3/E*^4."""
+    mass, law = 2e-3, Johnson(0.3, MODULUS, STRENGTH, RADIUS)
+    energy = 0.5 * mass * law.first_yield(mass) ** 2
+    stiffness = 4.0 / 3.0 * MODULUS * sqrt(RADIUS)
+    depth = (2.5 * energy / stiffness) ** 0.4
+    assert 1.5 * stiffness * depth**1.5 / (pi * RADIUS * depth) == pytest.approx(1.6 * STRENGTH, rel=1e-12)
+    assert energy * MODULUS**4 / (STRENGTH**5 * RADIUS**3) == pytest.approx(53.0, rel=0.01)
+
+
+def test_with_friction_it_is_newtons_impact_of_that_restitution() -> None:
+    for normal, slip, d, mu in drawn_impacts(200, 0.5):
+        law = Johnson(mu, MODULUS, 5e7, RADIUS)
+        e = restitution(law, -normal, 1.0 / d[0])
+        found, expected = answer_of(law, normal, slip, d), answer_of(Newton(mu, min(e, 1.0)), normal, slip, d)
+        assert found == pytest.approx(expected, rel=1e-9)
+        turned = answer_of(law, normal, -slip, (d[0], -d[1], d[2]))
+        assert turned == (found[0], -found[1], found[2])
+
+
+def test_contact_that_lasts_has_no_restitution() -> None:
+    law, d = Johnson(0.6), (900.0, 20.0, 2000.0)
+    for gap_rate in (0.0, -1e-18):
+        found = law.solve(-1e-3, 1e-3, gap_rate, 1e-3, *d, law.parameters())
+        expected = LagrangeStick(0.6).solve(-1e-3, 1e-3, gap_rate, 1e-3, *d, np.array([0.6]))
+        assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_ball_that_is_dropped_bounces_with_another_restitution_each_time() -> None:
+    """e_k = e(v_k), v_(k+1) = e_k v_k: the first bounces of a drop, by their speeds."""
+    mass, gravity, height = 2e-3, 9.81, 0.05
+    law = Johnson(0.0, MODULUS, 1e8, RADIUS)
+    speed, flight = sqrt(2.0 * gravity * height), 0.0
+    expected, speeds = [], []
+    for _ in range(4):
+        e = min(1.0, (law.parameters()[1] / (mass * speed**2)) ** 0.125)
+        speeds.append(speed)
+        expected.append(e)
+        speed *= e
+        flight += 2.0 * speed / gravity
+    ball = block(mass, height=height, weight=mass * gravity)
+    fall = sqrt(2.0 * height / gravity)
+    made = run(ball, law, fall + 0.99 * flight, 1e-9)
+    found = -made.contacts["separation_velocity"] / made.contacts["approach_velocity"]
+    assert -made.contacts["approach_velocity"] == pytest.approx(speeds, rel=1e-6)
+    assert found == pytest.approx(expected, rel=1e-6)
+    assert np.all(np.diff(found) > 0.01)
+    assert last(made, "gap") > 0.0

@@ -1,0 +1,127 @@
+"""Stick-slip with two coefficients and with ageing: in closed form on a belt, and the kernel alone."""
+
+from functools import partial
+from math import atan, log1p, pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from contactlab.laws import LagrangeAgeing, LagrangeStick
+from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
+from contactlab.testing.kernel_properties import drawn_steps
+from contactlab.testing.plants import block, first, run
+
+WEIGHT, STIFFNESS, BELT = 9.81, 100.0, 0.1
+"""Of a block of 1 kg [N], its spring [N/m], the belt's velocity [m/s]."""
+MU, STATIC = 0.3, 0.5
+
+on_belt = partial(block, weight=WEIGHT, stiffness=STIFFNESS, velocity=BELT, belt_velocity=BELT)
+
+
+def stuck(law: LagrangeAgeing, until: float, step: float) -> float:
+    return first(run(on_belt(), law, until, step), "stick_duration")
+
+
+def test_block_on_a_belt_sticks_and_slips_for_the_times_of_the_closed_form() -> None:
+    """t_stick = 2 dF/(k v_b), t_slip = (2/w)[pi - atan(dF w/(k v_b))], dF = (mu_s - mu) N."""
+    law, step = LagrangeAgeing(MU, STATIC / MU, 0.0), 1e-4
+    drop, pull, w = (STATIC - MU) * WEIGHT, STIFFNESS * BELT, sqrt(STIFFNESS)
+    stick, slip = 2.0 * drop / pull, 2.0 / w * (pi - atan(drop * w / pull))
+    away = STATIC * WEIGHT / pull
+    middle = away + 0.5 * slip
+    once, twice = (stuck(law, end, step) for end in (middle, middle + stick + slip))
+    now = away + slip + 0.5 * stick
+    assert once == pytest.approx(away, abs=2.0 * step)
+    assert twice - once == pytest.approx(stick, abs=2.0 * step)
+    slid = now - away - (stuck(law, now, step) - once)
+    assert slid == pytest.approx(slip, abs=2.0 * step)
+
+
+def test_ageing_holds_the_first_stick_and_the_next_for_as_long_as_it_grows() -> None:
+    """k v_b t = N mu_s(t) at first; behind a slip k v_b t = N (mu_s(t) - mu) + N (mu_s(first) - mu)."""
+    delta, onset = 0.02, 1e-3
+    law = LagrangeAgeing(MU, 0.4 / MU, delta, onset)
+    pull, w = STIFFNESS * BELT, sqrt(STIFFNESS)
+
+    def static(age: float) -> float:
+        return 0.4 + delta * log1p(age / onset)
+
+    away = brentq(lambda t: pull * t - WEIGHT * static(t), 0.1, 2.0, xtol=1e-14)
+    drop = WEIGHT * (static(away) - MU)
+    slip = 2.0 / w * (pi - atan(drop * w / pull))
+    stick = brentq(lambda t: pull * t - drop - WEIGHT * (static(t) - MU), 0.1, 2.0, xtol=1e-14)
+    # Without ageing at all it would break away by a fifth earlier.
+    assert away > 1.2 * WEIGHT * 0.4 / pull
+    for step in (4e-4, 1e-4):
+        once, twice = (stuck(law, end, step) for end in (away + 0.5 * slip, away + 1.5 * slip + stick))
+        print(f"step {step:g}: away {once - away:.2e} s off, stick {twice - once - stick:.2e} s off")
+        assert once == pytest.approx(away, abs=2.0 * step)
+        assert twice - once == pytest.approx(stick, abs=2.0 * step)
+
+
+def asked(law: LagrangeAgeing, age: float, *state: float) -> tuple[float, float, int]:
+    return law.solve(*state, 1e-6, 0.0, np.array([age]), law.parameters())
+
+
+def test_without_ageing_and_with_one_coefficient_it_is_lagrange_stick() -> None:
+    law, plain = LagrangeAgeing(MU, 1.0, 0.0), LagrangeStick(MU)
+    for step in drawn_steps(MU):
+        for age in (0.0, 1.0):
+            assert asked(law, age, *step) == plain.solve(*step, plain.parameters())
+
+
+def test_the_kernel_is_inside_of_its_cone_dissipates_and_has_a_mirror() -> None:
+    law = LagrangeAgeing(MU, 1.5, 0.05, 1e-3)
+    modes = {SLIP: 0, STICK: 0}
+    for rate, end, begun, start, d_nn, d_nt, d_tt in drawn_steps(law.friction_limit):
+        for age in (0.0, 1e-2):
+            p_n, p_t, mode = asked(law, age, rate, end, begun, start, d_nn, d_nt, d_tt)
+            mirrored = asked(law, age, rate, -end, begun, -start, d_nn, -d_nt, d_tt)
+            assert mirrored == (p_n, -p_t, mode)
+            if p_n <= 0.0:
+                continue
+            modes[mode] += 1
+            most = MU * 1.5 + 0.05 * log1p(age / 1e-3) if mode == STICK else MU
+            assert abs(p_t) <= most * p_n * (1.0 + 1e-12)
+            terms = [rate, end, d_nn * p_n, d_nt * p_t, d_nt * p_n, d_tt * p_t]
+            size = float(np.abs(terms).max())
+            left, left_slip = rate + d_nn * p_n + d_nt * p_t, end + d_nt * p_n + d_tt * p_t
+            assert left >= -1e-9 * size
+            assert p_t * left_slip <= 1e-9 * (p_n + abs(p_t)) * size
+            work = 0.5 * (p_n * (rate + left) + p_t * (end + left_slip))
+            assert work <= 1e-9 * (p_n + abs(p_t)) * size
+    assert min(modes.values()) > 200
+
+
+def test_static_friction_holds_what_rests_and_catches_what_would_turn_back_but_brakes_nothing() -> None:
+    law, d = LagrangeAgeing(MU, 1.5, 0.0), (1000.0, 0.0, 1000.0)
+    # In one step: an impulse of 1e-4 N s presses, and 0.4 of it would hold.
+    rate, held = -0.1, 0.04
+    assert asked(law, 1.0, rate, held, 0.0, 0.0, *d)[2] == STICK
+    assert asked(law, 0.0, rate, held, 0.0, 0.0, *d)[2] == STICK
+    # It slid the other way, and has been stopped within the step.
+    assert asked(law, 0.0, rate, held, 0.0, -0.001, *d)[2] == STICK
+    assert asked(law, 0.0, rate, held, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+    # More than the static cone holds.
+    assert asked(law, 1.0, rate, 0.046, 0.0, 0.0, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+
+
+def test_age_runs_in_stick_and_ends_with_it() -> None:
+    law, z = LagrangeAgeing(), np.array([0.2])
+    row = law.parameters()
+    assert law.rate(0, 0.0, 0.0, 0.0, 5.0, z, row) == 1.0
+    assert law.rate(0, 0.0, 0.0, 1e-300, 5.0, z, row) == 0.0
+    ages = [
+        law.jump(0, event, 0.0, 0.0, 0.0, 5.0, z, row) for event in (AT_TOUCH, AT_SLIP, AT_STICK, AT_RELEASE)
+    ]
+    assert ages == [0.0, 0.0, 0.2, 0.2]
+
+
+def test_growth_ends_at_the_longest_age() -> None:
+    law, d = LagrangeAgeing(MU, 1.0, 0.02, 1e-3, 0.5), (1000.0, 0.0, 1000.0)
+    limit = MU + 0.02 * log1p(500.0)
+    assert law.friction_limit == pytest.approx(limit, rel=1e-14)
+    for share, mode in ((1.0 - 1e-9, STICK), (1.0 + 1e-9, SLIP)):
+        assert asked(law, 1e9, -0.1, 0.1 * limit * share, 0.0, 0.0, *d)[2] == mode

@@ -1,0 +1,103 @@
+"""The Stribeck curve in a set-valued cone: its numbers, stopping, growth on a belt, stick-slip."""
+
+from math import atan, exp, log, pi, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.stribeck_belt import Belt, Stribeck as BeltLaw
+
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction import Coulomb, Stribeck
+from contactlab.laws.normal import Linear
+from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
+from contactlab.testing.plants import first, last, run, way_of
+
+MU, RATIO = 0.3, 1.5
+DROP = MU * (RATIO - 1.0)
+
+
+def law_of(velocity: float, exponent: float = 1.0) -> Composed:
+    return Composed(Linear(SPRING), friction=Stribeck(MU, RATIO, velocity, exponent))
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
+def test_the_bound_is_the_published_curve_and_the_same_in_the_mirror(exponent: float) -> None:
+    friction = Stribeck(MU, RATIO, 1e-2, exponent)
+    parameters = np.array(friction.coefficients())
+    assert friction.bound(2.0, 0.0, parameters, 0) == MU * RATIO * 2.0
+    assert friction.bound(-2.0, 0.0, parameters, 0) == 0.0
+    for slip in (1e-9, 3e-3, 1e-2, 0.2):
+        found = friction.bound(2.0, slip, parameters, 0)
+        expected = 2.0 * (MU + DROP * exp(-((slip / 1e-2) ** exponent)))
+        assert_allclose(found, expected, rtol=1e-14)
+        assert found == friction.bound(2.0, -slip, parameters, 0)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_sliding_block_stops_in_the_time_of_the_closed_form(way: float) -> None:
+    """T = (v_s/(mu g)) ln[(mu e^(v_0/v_s) + dmu)/(mu + dmu)] for p = 1, of a block of 1 kg."""
+    slow, start = 0.05, 0.12
+
+    def time(speed: float) -> float:
+        terms = [MU * exp(v / slow) + DROP for v in (start, speed)]
+        return slow / (MU * WEIGHT) * log(terms[0] / terms[1])
+
+    interval = time(0.0) / 7.0
+    motor = resting(velocity=way * start)
+    series = run(motor, law_of(slow), 9.0 * interval, 1e-3, interval).series
+    slip = way * series["slip_velocity"]
+    assert_allclose([time(v) for v in slip[:7]], interval * np.arange(7), atol=1e-7 * interval)
+    assert np.abs(slip[8:]).max() < 1e-15 * start
+
+
+@pytest.mark.parametrize(("exponent", "slow"), [(1.0, 0.08), (2.0, 0.1)])
+def test_steady_sliding_on_a_belt_grows_at_the_rate_of_the_falling_curve(
+    exponent: float, slow: float
+) -> None:
+    """x'' + w^2 x = 2 lambda x' with lambda = -N mu'(v)/(2 m), about where the spring holds mu(v) N."""
+    stiffness, belt, swing = 400.0, 0.1, 2e-7
+    share = (belt / slow) ** exponent
+    growth = 0.5 * WEIGHT * DROP * exponent * share * exp(-share) / belt
+    place = WEIGHT * (MU + DROP * exp(-share)) / stiffness
+    wave = sqrt(stiffness - growth**2)
+    motor = resting(stiffness=stiffness, way=place + swing, velocity=growth * swing, belt_velocity=belt)
+    end = 4.0 * pi / wave
+    made = run(motor, law_of(slow, exponent), end, 1e-2, end / 8.0, tolerance=1e-12)
+    time = made.time
+    expected = swing * np.exp(growth * time) * np.cos(wave * time)
+    assert growth * end > 0.2
+    # What is left is the curvature of mu over the swing.
+    assert_allclose(way_of(made.series["tip_slope"]) - place, expected, atol=1e-3 * abs(expected).max())
+
+
+@pytest.mark.parametrize(("exponent", "slow"), [(1.0, 1e-2), (2.0, 3e-3)])
+def test_stick_slip_on_a_belt_is_that_of_an_ordinary_differential_equation(
+    exponent: float, slow: float
+) -> None:
+    belt = Belt(BeltLaw(1e7, 0.45, MU, slow, exponent), 1e-6, velocity=0.03)
+    friction = Stribeck(MU, 0.45 / MU, slow, exponent)
+    made = run(belt.motor, Composed(Linear(1e7), friction=friction), 4e-3, 2e-4, 1e-4, tolerance=1e-8)
+    found = way_of(made.series["tip_slope"])[-1], last(made, "slip_velocity") + belt.belt_velocity
+    assert_allclose(found, belt.end(4e-3), rtol=1e-6, atol=1e-9)
+    assert set(made.contact_mode[1:].tolist()) == {1, 2}
+
+
+def test_a_short_fall_gives_the_stick_slip_of_two_coefficients() -> None:
+    """t_stick = 2 dF/(k v_b) and t_slip = (2/w)[pi - atan(dF w/(k v_b))] where v_s is far below v_b."""
+    stiffness, belt = 100.0, 0.1
+    drop, pull = DROP * WEIGHT, stiffness * belt
+    root = sqrt(stiffness)
+    stick, slip = 2.0 * drop / pull, 2.0 / root * (pi - atan(drop * root / pull))
+    away = MU * RATIO * WEIGHT / pull
+    motor = resting(stiffness=stiffness, velocity=belt, belt_velocity=belt)
+
+    def stuck(law: Composed) -> float:
+        return first(run(motor, law, away + slip + 0.5 * stick, 1e-3), "stick_duration")
+
+    expected = away + 0.5 * stick
+    coulomb = stuck(Composed(Linear(SPRING), friction=Coulomb(MU, RATIO)))
+    assert_allclose(coulomb, expected, rtol=1e-6)
+    errors = [abs(stuck(law_of(v)) - expected) for v in (1e-4, 1e-6)]
+    assert errors[0] < 3e-3 * slip
+    assert errors[1] < 3e-5 * slip

@@ -1,0 +1,69 @@
+"""Impacts of a rigid law by itself: drawn states, and what its impulses leave and cost."""
+
+from collections.abc import Iterator
+from math import sqrt
+
+import numpy as np
+
+from contactlab.laws import MultiplierLaw
+from contactlab.testing.claim import Claim
+from contactlab.testing.kernel_properties import answers_of
+from contactlab.testing.plants import Bench
+
+Delassus = tuple[float, float, float]
+Answer = tuple[float, float, int]
+
+
+def drawn_impacts(count: int, coupling: float = 0.99) -> Iterator[tuple[float, float, Delassus, float]]:
+    """Draw gap rates and slips [m/s], matrices [1/kg] and friction coefficients, none of them special."""
+    rng = np.random.default_rng(7)
+    for _ in range(count):
+        d_nn, d_tt = 10.0 ** rng.uniform(1.0, 4.0, 2)
+        d_nt = rng.uniform(-coupling, coupling) * sqrt(d_nn * d_tt)
+        normal, slip = -(10.0 ** rng.uniform(-3.0, 0.0)), rng.normal() * 10.0 ** rng.uniform(-3.0, 0.0)
+        yield (
+            float(normal),
+            float(slip),
+            (float(d_nn), float(d_nt), float(d_tt)),
+            float(rng.uniform(0.0, 1.5)),
+        )
+
+
+def answer_of(law: MultiplierLaw, normal: float, slip: float, d: Delassus) -> Answer:
+    """Answer to an impact in which nothing else acts."""
+    return law.solve(normal, slip, normal, slip, *d, law.parameters())
+
+
+def after(normal: float, slip: float, d: Delassus, answer: Answer) -> tuple[float, float]:
+    """Gap rate and slip behind an impulse [m/s]."""
+    p_n, p_t, _ = answer
+    return normal + d[0] * p_n + d[1] * p_t, slip + d[1] * p_n + d[2] * p_t
+
+
+def loss(normal: float, slip: float, d: Delassus, answer: Answer) -> float:
+    """Energy that an impulse takes: minus impulse times mean velocity [J]."""
+    end = after(normal, slip, d, answer)
+    return -0.5 * (answer[0] * (normal + end[0]) + answer[1] * (slip + end[1]))
+
+
+def contact_energy(normal: float, slip: float, d: Delassus) -> float:
+    """Energy that an impact can take at most: v' D^-1 v / 2 [J]."""
+    v = np.array([normal, slip])
+    return float(0.5 * v @ np.linalg.solve([[d[0], d[1]], [d[1], d[2]]], v))
+
+
+def broken(law: MultiplierLaw) -> dict[str, list[str]]:
+    """Claims of the contract on the kernel that do not come out as the law declares, by property."""
+    found = answers_of(Bench(law))
+    return {
+        name: wrong
+        for name, claims in found.items()
+        if (wrong := _wrong(list(claims.values()), law.violations.get(name, "")))
+    }
+
+
+def _wrong(claims: list[Claim], excuse: str) -> list[str]:
+    failing = [str(claim) for claim in claims if not claim.true]
+    if excuse:
+        return [] if failing else [f"declared broken, and holds: {excuse}"]
+    return failing
