@@ -11,11 +11,7 @@ from support.command_line import Command, left_behind
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-<<<<<<< HEAD
-        (["law=hertz"], "law is 'hertz'; it must be one of brach, chatterjee_ruina, composed"),
-=======
         (["law=hertz"], "law is 'hertz'; it must be one of "),
->>>>>>> lead
         (["law=hertz"], "Did you mean hertz_penalty?"),
         (["law=null"], "law=null names no option; it must have the form GROUP=OPTION"),
         (["experiment=case_b"], "experiment is 'case_b'; it must be one of basis_convergence, case_a,"),
