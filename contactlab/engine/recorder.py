@@ -191,7 +191,9 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
                 memory_at(run, law.memory, at)
-                loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+                loss = 0.0
+                if gap < end_at(law.memory):
+                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
         friction -= weight * tangential * slip
         friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss
