@@ -9,10 +9,9 @@ relaxation is no matter of the step; what couples variables is met by the sweeps
 a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
 """
 
-from math import asin
-
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Memory, Run, contact_after, contact_at, tip_motion
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import STICK
@@ -60,18 +59,6 @@ def tell(run: Run, memory: Memory | None) -> None:
 
 
 @inner_kernel
-def open_step(
-    run: Run, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
-) -> None:
-    """Take the rates of the internal variables at the start of a step."""
-    if memory is None:
-        return
-    recall_start(run, memory)
-    for k in range(run.state.variables):
-        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, memory.parameters)
-
-
-@inner_kernel
 def guess_memory(run: Run, memory: Memory | None) -> None:
     """Let the internal variables go on from the start at their rates."""
     if memory is None:
@@ -99,16 +86,17 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
             continue
         first, size, moves = state.memory[k], abs(state.memory[k]), False
         for i in range(NODES):
-            z, g, g_z = step.memory[i, k], 0.0, 0.0
-            if step.kind != COLLOCATED or step.gap[i] < step.end[i]:
-                recall(run, memory, i)
-                slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
-                gap, rate = step.gap[i], step.gap_rate[i]
-                g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
-                dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
-                if dz != 0.0:
-                    memory.row[k] = z + dz
-                    g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
+            z, g_z = step.memory[i, k], 0.0
+            recall(run, memory, i)
+            slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
+            # Of a step that the release cuts, what lies beyond it goes on as at the release.
+            gap = min(step.gap[i], step.end[i]) if step.kind == COLLOCATED else step.gap[i]
+            rate = step.gap_rate[i]
+            g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
+            dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
+            if dz != 0.0:
+                memory.row[k] = z + dz
+                g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
             size = max(size, abs(z))
             left = h * g
             for m in range(NODES):
@@ -179,29 +167,15 @@ def end_at(memory: Memory | None) -> float:
 
 
 @inner_kernel
-def moment_at(
-    run: Run, memory: Memory | None, gap: float, normal: float, turn: tuple[float, float, float, float]
-) -> tuple[float, float]:
-    """Give the moment on the tip [N m] and what it stores [J]; of what is recalled.
-
-    `turn` is the tip's slope th [rad], t_u of the contact's directions, which is the sine of the angle by
-    which the tangent has turned, thdot [rad/s] and -R Omega [m/s].
-    """
+def open_step(
+    run: Run, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
+) -> None:
+    """Take the rates of the internal variables at the start of a step."""
     if memory is None:
-        return 0.0, 0.0
-    th, t_u, th_rate, rotor = turn
-    spin = th_rate + rotor / run.plant.geometry.radius
-    moment, stored = memory.moment(th - asin(t_u), spin, gap, normal, memory.parameters)
-    return moment, stored
-
-
-@inner_kernel
-def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
-    """Give the power of the moment at a place of the step, at x = s/h [W]."""
-    if memory is None:
-        return 0.0
-    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
-    return float(value_at(run.step.moment, x) * (th_rate + rotor / run.plant.geometry.radius))
+        return
+    recall_start(run, memory)
+    for k in range(run.state.variables):
+        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, memory.parameters)
 
 
 @inner_kernel
@@ -241,21 +215,6 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
         stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
     state.total.contact_loss += stored
     state.contact.energy_loss += stored
-
-
-@inner_kernel
-def press(run: Run, law: Law, memory: Memory | None) -> None:
-    """Count what a contact that is pressed together at the start stores as brought along."""
-    if memory is None:
-        return
-    state = run.state
-    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
-    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
-    normal, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
-    turned = moment_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[1]
-    state.total.contact_loss += pressed
-    state.total.friction_loss += turned
-    state.contact.energy_loss += pressed + turned
 
 
 @inner_kernel

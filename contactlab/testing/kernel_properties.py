@@ -1,6 +1,6 @@
 """Properties of a law by itself: what it declares, and what its kernels answer to drawn states."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import lru_cache
 from math import inf, isfinite, sqrt
@@ -8,13 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.laws import PenaltyLaw
+from contactlab.arrays import Array
+from contactlab.laws import ContactLaw, PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import cone_bound
 from contactlab.laws.intake import guarded, misfits
+from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
+from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claim, Claims, at_most
+from contactlab.testing.flows import flow_of
 from contactlab.testing.plants import Bench
+
+State = tuple[float, float, float, float, Array]
+"""Gap [m], gap rate [m/s], slip [m/s], impact speed [m/s], and what is kept."""
 
 ROUND_OFF = 1e-9
 """Share of the quantities that take part; the checks subtract numbers of their size."""
@@ -32,14 +39,22 @@ class Worst(dict[str, Claim]):
         self[words] = at_most(words, float(np.maximum(before, figure)) + 0.0, bound)
 
 
-def drawn_states() -> Iterator[tuple[float, float, float, float, float]]:
-    """Draw 500 gaps [m], gap rates, slips (a fifth zero), impact speeds [m/s] and internal variables."""
+def drawn_states() -> Iterator[tuple[float, float, float, float]]:
+    """Draw 500 gaps [m], gap rates, slips (a fifth zero) and impact speeds [m/s]."""
     rng = np.random.default_rng(0)
     for _ in range(500):
         gap = -(10.0 ** rng.uniform(-9.0, -5.0))
         rate, slip = rng.normal(size=2) * 0.3
         slip *= rng.random() < 0.8
-        yield gap, rate, slip, abs(rng.normal()) * 0.3, rng.normal() * 1e-6
+        yield gap, rate, slip, abs(rng.normal()) * 0.3
+
+
+def states_of(bench: Bench) -> list[State]:
+    """Give states of a compliant contact: drawn ones, or where it remembers those that its history leads to."""
+    instants = flow_of(bench).instants
+    if instants:
+        return [(at.gap, at.rate, at.slip, at.speed, at.kept) for at in instants]
+    return [(*state, np.zeros(0)) for state in drawn_states()]
 
 
 def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
@@ -83,66 +98,86 @@ def declares_its_parameters(bench: Bench) -> Claims:
 
 def calls_leave_no_trace(bench: Bench) -> Claims:
     """The kernels answer alike in one order, and in another with two more questions before each."""
-    law: Any = bench.law
-    row, changed = guarded(law.parameters()), 0
-    states: list[Any] = [*drawn_states()]
+    law, asked, changed = bench.law, Asked(bench.law), 0
+    kernels: list[Callable[..., Any]]
+    states: list[Any]
     if bench.rigid:
-        asked = [(law.solve, [*drawn_steps(law.friction_limit)])]
+        length, kept = law.default_contact_step, asked.initial
+        states = [*drawn_steps(law.friction_limit)]
+        kernels = [lambda *step: asked.solve(step, length, step[2] < 0.0, kept)]
     else:
-        asked = [(law.force, [state[:4] for state in states]), (law.friction_force, states)]
-    for kernel, states in asked:
-        if kernel is None:
-            continue
-        answers = [kernel(*state, row) for state in states]
+        states, kernels = [*states_of(bench)], [asked.force]
+        if asked.has_friction:
+            kernels.append(asked.friction)
+        if law.internal_variables:
+            kernels.append(lambda *state: asked.rates(*state).tolist())
+    for kernel in kernels:
+        answers = [kernel(*state) for state in states]
         for state, answer in [*zip(states, answers, strict=True)][::-1]:
             first, second, third, *others = state
-            kernel(1.5 * first, -second, -third, *others, row)
-            kernel(0.5 * first, 2.0 * second, 0.0, *others, row)
-            changed += kernel(*state, row) != answer
+            kernel(1.5 * first, -second, -third, *others)
+            kernel(0.5 * first, 2.0 * second, 0.0, *others)
+            changed += kernel(*state) != answer
     yield at_most("answers that change when asked again", changed, 0)
 
 
 def kernel_is_consistent(bench: Bench) -> Claims:
     """What the kernels say of drawn states agrees with itself and with their family.
 
-    N >= 0, 0 <= bound <= mu N, loss >= 0, loss = -(N + dV/dg) gdot; a spring's F = -k z and
-    E = 1/2 k z^2, no creep that pushes, nothing stored at z = 0; for a rigid law see `answers_of`.
+    N >= 0, 0 <= bound <= mu (N + C), loss >= 0, without a memory loss = -(N + dV/dg) gdot; a spring's
+    F = -k z and E = 1/2 k z^2, no creep that pushes, nothing stored at first; for a rigid law see
+    `answers_of`.
     """
     law, worst = bench.law, Worst()
     if not isinstance(law, PenaltyLaw):
         yield from answers_of(bench)["kernel_is_consistent"].values()
         return
-    found, row = [*misfits(law)], guarded(law.parameters())
+    found, asked = [*misfits(law)], Asked(law)
     yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
-    for gap, rate, slip, speed, z in drawn_states():
-        normal, bound, _, loss = law.force(gap, rate, slip, speed, row)
+    limit, offset = law.friction_limit, law.friction_offset
+    for gap, rate, slip, speed, kept in states_of(bench):
+        normal, bound, _, loss = asked.force(gap, rate, slip, speed, kept)
         ahead, behind = (gap * (1.0 + s * 1e-4) for s in (1.0, -1.0))
-        energies = [law.force(g, rate, slip, speed, row)[2] for g in (ahead, behind)]
+        energies = [asked.force(g, rate, slip, speed, kept)[2] for g in (ahead, behind)]
         slope = (energies[0] - energies[1]) / (ahead - behind)
         size = abs(normal) + abs(slope) + TINY
-        power = size * abs(rate)
+        power = size * abs(rate) + abs(loss)
         if not law.allows_tension:
             worst.take("pull of the kernel, over the force", -normal / size, 0.0)
-        excess = max(-bound, bound - law.friction_limit * abs(normal)) / size
-        worst.take("friction bound outside of [0, mu N], over the force", excess)
+        excess = max(-bound, bound - limit * max(normal + offset, 0.0)) / (size + offset)
+        worst.take("friction bound outside of [0, mu (N + C)], over the force", excess)
         worst.take("negative normal loss, over the power", -loss / power)
-        # Central differences of V: (h/gap)^2 and less.
-        miss = abs(loss + (normal + slope) * rate) / power
-        worst.take("loss less -(N + dV/dg) gdot, over the power", miss, 1e-6)
-        if law.friction_force is None:
-            continue
-        drag, _, energy, stiffness = law.friction_force(gap, rate, slip, normal, z, row)
-        fresh, _, at_once, _ = law.friction_force(gap, rate, slip, normal, 0.0, row)
-        size = abs(drag) + stiffness * abs(z) + abs(normal) + TINY
-        stored = max(-energy / (size * 1e-6), abs(at_once) / size)
-        worst.take("energy stored at z = 0, or negative, over the force", stored)
-        if law.friction_kind == ELASTOPLASTIC:
-            misses = abs(drag + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / abs(z)
-            worst.take("spring less -k z and 1/2 k z^2, over the force", max(misses) / size)
-        else:
-            gained = fresh * slip / (size * abs(slip) + TINY)
-            worst.take("power of creep at z = 0 on the slip, over the power", gained)
+        if not law.remembered:
+            # Central differences of V: (h/gap)^2 and less.
+            miss = abs(loss + (normal + slope) * rate) / power
+            worst.take("loss less -(N + dV/dg) gdot, over the power", miss, 1e-6)
+        if asked.has_friction:
+            _judge_friction(asked, (gap, rate, slip, normal, kept), worst)
     yield from worst.values()
+
+
+def _judge_friction(asked: Asked, state: State, worst: Worst) -> None:
+    """Take what a kernel of friction says of one state; there the fourth number is the normal force [N]."""
+    gap, rate, slip, normal, kept = state
+    count, first = variables_of_friction(asked.law), kept.copy()
+    first[:count] = asked.initial[:count]
+    drag, _, energy, stiffness = asked.friction(gap, rate, slip, normal, kept)
+    fresh, _, at_once, _ = asked.friction(gap, rate, slip, normal, first)
+    z = float(kept[0]) if asked.own else 0.0
+    size = abs(drag) + stiffness * abs(z) + abs(normal) + TINY
+    stored = max(-energy / (size * 1e-6), abs(at_once) / size)
+    worst.take("energy stored at first, or negative, over the force", stored)
+    if asked.law.friction_kind == ELASTOPLASTIC:
+        misses = abs(drag + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / (abs(z) + TINY)
+        worst.take("spring less -k z and 1/2 k z^2, over the force", max(misses) / size)
+    else:
+        gained = fresh * slip / (size * abs(slip) + TINY)
+        worst.take("power of creep at first on the slip, over the power", gained)
+
+
+def variables_of_friction(law: ContactLaw) -> int:
+    """Give how many internal variables are the friction's: the first, or all where the law is one piece."""
+    return len(law.friction.internal_variables if isinstance(law, Composed) else law.internal_variables)
 
 
 def parts_keep_apart(bench: Bench) -> Claims:
@@ -150,22 +185,66 @@ def parts_keep_apart(bench: Bench) -> Claims:
     law, worst = bench.law, Worst()
     if not isinstance(law, Composed):
         return
-    parameters = law.parameters()
-    normal, damping, friction = (guarded(np.array(given)) for given in law.coefficients)
-    for gap, rate, slip, speed, z in drawn_states():
-        spring, stored, stiffness, slope = law.normal.elastic(-gap, normal, 0)
-        alone = law.damping.damped(spring, -rate, speed, damping, 0)
-        bound, loss = cone_bound(alone, slip, friction, 0), (spring - alone) * rate
-        expected = [alone, bound, stored, loss]
-        found = [*law.force(gap, rate, slip, speed, parameters)]
-        if law.friction.state is not None and law.friction_force is not None:
-            swept = -slope * rate
-            expected += law.friction.state(alone, stiffness, swept, slip, z, friction, 0)
-            found += law.friction_force(gap, rate, slip, alone, z, parameters)
+    asked = Asked(law)
+    for gap, rate, slip, speed, kept in states_of(bench):
+        expected, found = answers_of_parts(law, gap, rate, slip, speed, kept), []
+        found += asked.force(gap, rate, slip, speed, kept)
+        state = gap, rate, slip, found[0], kept
+        if asked.has_friction:
+            found += asked.friction(*state)
+        found += [*asked.rates(*state)[asked.own :], *asked.guards(*state), *asked.limits(kept)]
+        for event in range(AT_TOUCH, law.guards):
+            found += asked.jumped(event, *state)[asked.own :].tolist()
         for one, other in zip(found, expected, strict=True):
             apart = abs(one - other) / (abs(one) + abs(other) + TINY)
             worst.take("answers of the composed law less those of its parts alone, relative", apart)
     yield from worst.values()
+
+
+def answers_of_parts(
+    law: Composed, gap: float, rate: float, slip: float, speed: float, kept: Array
+) -> list[float]:
+    """Give what the parts of a law say of one state: force, friction, rates, guards, limits and jumps."""
+    normal, damping, friction = (guarded(np.array(given)) for given in law.coefficients)
+    count, part, drag = variables_of_friction(law), law.normal, law.friction
+    # Nothing lies behind what each part remembers, either.
+    bent, pressed = (guarded(some) for some in (kept[:count], kept[count:]))
+    of_normal: tuple[Array, ...] = (pressed, normal) if part.remembered else (normal,)
+    of_friction: tuple[Array, ...] = (bent, friction) if drag.remembered else (friction,)
+    if part.force is not None:
+        spring, stored, stiffness, slope, lost = part.force(-gap, -rate, pressed, normal, 0)
+    else:
+        spring, stored, stiffness, slope, lost = *part.elastic(-gap, normal, 0), 0.0
+    alone = law.damping.damped(spring, -rate, speed, damping, 0)
+    bound = cone_bound(alone, slip, friction, 0)
+    if drag.bound is not None:
+        bound = drag.bound(alone, slip, *of_friction, 0)
+    answers = [alone, bound, stored, lost + (spring - alone) * rate]
+    swept = alone, stiffness, -slope * rate, slip
+    if drag.state is not None and drag.remembered:
+        force, held, tangential = drag.state(*swept, *of_friction, 0)
+        answers += [force, 0.0, held, tangential]
+    elif drag.state is not None:
+        z = float(kept[0]) if drag.internal_variables else 0.0
+        answers += drag.state(*swept, z, friction, 0)
+    way, ways = (-gap, -rate, *of_normal, 0), (*swept, *of_friction, 0)
+    sides = ((drag, ways, bent), (part, way, pressed))
+    for each, state, own in sides:
+        if each.remembered:
+            none = [0.0] * own.size
+            answers += none if each.rate is None else [each.rate(k, *state) for k in range(own.size)]
+    for each, state, _ in sides:
+        answers += [each.guard(k, *state) for k in range(each.guards)]
+    answers += (0.0, 0.0) if part.limits is None else part.limits(*of_normal, 0)
+    for event in range(AT_TOUCH, law.guards):
+        for each, state, own in sides:
+            mine = event if event < 0 or each is drag else event - drag.guards
+            theirs = event >= 0 and (event < drag.guards) != (each is drag)
+            if each.remembered:
+                kept_as_is = theirs or each.jump is None
+                jumps = own if kept_as_is else [each.jump(k, mine, *state) for k in range(own.size)]
+                answers += [float(value) for value in jumps]
+    return answers
 
 
 @lru_cache(maxsize=1)
@@ -175,13 +254,17 @@ def answers_of(bench: Bench) -> dict[str, Worst]:
     Beyond the critical friction, mu |d_nt| >= d_nn, an approach may have no answer and what opens by
     itself may be held (Painleve); there the law may release or hold, and a run tells of both.
     """
-    law: Any = bench.law
-    limit, row = law.friction_limit, guarded(law.parameters())
+    law, asked, length = bench.law, Asked(bench.law), bench.law.default_contact_step
+    limit, offset = law.friction_limit, law.friction_offset
     sound, opposed, lossy = Worst(), Worst(), Worst()
+    kept, before = asked.initial.copy(), SLIP
     for step in drawn_steps(limit):
-        rate, end_slip, _, _, d_nn, d_nt, d_tt = step
-        critical = limit * abs(d_nt) >= d_nn
-        p_n, p_t, mode = law.solve(*step, row)
+        rate, end_slip, gap_rate, slip, d_nn, d_nt, d_tt = step
+        critical, impact = limit * abs(d_nt) >= d_nn, gap_rate < 0.0
+        if impact:
+            # An impact begins a contact, with whatever the ones before have left.
+            kept = asked.jumped(AT_TOUCH, 0.0, gap_rate, slip, 0.0, kept)
+        p_n, p_t, mode = asked.solve(step, length, impact, kept)
         finite = isfinite(p_n) and isfinite(p_t)
         sound.take("answers without numbers or mode", not finite or mode not in (SLIP, STICK), 0)
         if not finite:
@@ -197,8 +280,17 @@ def answers_of(bench: Bench) -> dict[str, Worst]:
         left = rate + d_nn * p_n + d_nt * p_t
         left_slip = end_slip + d_nt * p_n + d_tt * p_t
         power = 0.5 * (p_n * (rate + left) + p_t * (end_slip + left_slip)) / (impulse * size)
-        sound.take("impulse outside of the cone, over it", (abs(p_t) - limit * p_n) / impulse)
+        cone = limit * (p_n + offset * length)
+        sound.take("impulse outside of the cone, over it", (abs(p_t) - cone) / impulse)
         sound.take("approach that is left, over the velocities", -left / size)
         opposed.take("friction along the slip it leaves", p_t * left_slip / (impulse * size))
         lossy.take("energy made by an impact, over impulse times velocity", power)
+        if law.internal_variables:
+            force, left_slip = p_n / length, 0.0 if mode == STICK else left_slip
+            kept = kept + length * asked.rates(0.0, left, left_slip, force, kept)
+            if mode != before:
+                event = AT_STICK if mode == STICK else AT_SLIP
+                kept = asked.jumped(event, 0.0, left, left_slip, force, kept)
+            before = mode
+            sound.take("internal variables that are no numbers", not np.isfinite(kept).all(), 0)
     return {"kernel_is_consistent": sound, "friction_opposes_slip": opposed, "dissipates": lossy}

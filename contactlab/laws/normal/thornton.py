@@ -6,7 +6,7 @@ from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
-from contactlab.laws.memory import AT_TOUCH, InternalVariable
+from contactlab.laws.memory import AT_TOUCH, InternalVariable, dependent
 from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL
 from contactlab.parameter import positive
 
@@ -59,8 +59,8 @@ class Thornton(NormalForce):
         """The depth d_y at which it yields [m]."""
         return self.radius * (pi * self.yield_pressure / (2.0 * self.effective_modulus)) ** 2
 
-    @property
-    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
         """Whether it yields, and how deep it has been."""
         return (
             InternalVariable("yields", "", "1", "whether the contact yields"),

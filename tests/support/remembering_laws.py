@@ -1,0 +1,208 @@
+"""Laws that remember, sound and small, and what spoils each of them in one way.
+
+A solid of three springs and dashpots relaxes; a spring yields and leaves a dent; a friction keeps count of
+its way.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, final
+
+from contactlab.compiled import kernel
+from contactlab.laws import PenaltyLaw
+from contactlab.laws.base import Friction
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
+from contactlab.laws.memory import AT_SLIP, EVEN, ODD, InternalVariable
+
+STIFF, SOFT, TIME = 1e7, 5e6, 2e-5
+"""Of the lasting spring and the one that relaxes [N/m], and how fast it does [s]."""
+
+YIELD = 2.0
+"""Force at which the spring yields [N]."""
+
+CREEP = InternalVariable("creep", "z", "m", "stretch of the dashpot")
+DENT = InternalVariable("dent", "d_p", "m", "plastic depth")
+YIELDING = InternalVariable("yielding", "y", "1", "1 while it yields")
+
+Kernels = Mapping[str, Callable[..., Any]]
+
+
+class Kept(PenaltyLaw):
+    """Coulomb friction over a normal force of kernels of choice."""
+
+    equation: ClassVar[str] = "see its kernels"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+    # Where the force begins to pull the bound has a kink, and no step ends there.
+    convergence_order: ClassVar[float] = 0.5
+    kernels: ClassVar[Kernels]
+
+    @property
+    def force(self) -> Any:
+        return self.kernels["force"]
+
+    @property
+    def rate(self) -> Any:
+        return self.kernels.get("rate")
+
+    @property
+    def guard(self) -> Any:
+        return self.kernels.get("guard")
+
+    @property
+    def jump(self) -> Any:
+        return self.kernels.get("jump")
+
+    @property
+    def limits(self) -> Any:
+        return self.kernels.get("limits")
+
+
+def law_of(
+    title: str, chosen: Kernels, *variables: InternalVariable, count: int = 0, pulls: bool = False
+) -> Any:
+    """Give a law of these kernels."""
+
+    @final
+    @dataclass(frozen=True)
+    class Law(Kept):
+        name: ClassVar[str] = title
+        kernels: ClassVar[Kernels] = chosen
+        internal_variables: ClassVar[tuple[InternalVariable, ...]] = variables
+        guards: ClassVar[int] = count
+        allows_tension: ClassVar[bool] = pulls
+
+        friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    return Law()
+
+
+@kernel
+def solid_force(gap, gap_rate, slip, impact_speed, z, parameters):
+    bent = -gap - z[0]
+    normal = -STIFF * gap + SOFT * bent
+    stored = 0.5 * STIFF * gap * gap + 0.5 * SOFT * bent * bent
+    return normal, parameters[0] * max(normal, 0.0), stored, SOFT * bent * bent / TIME
+
+
+@kernel
+def solid_rate(which, gap, gap_rate, slip, normal, z, parameters):
+    return (-gap - z[0]) / TIME
+
+
+@kernel
+def overshooting_rate(which, gap, gap_rate, slip, normal, z, parameters):
+    return (-1.5 * gap - z[0]) / TIME
+
+
+@kernel
+def pumping_force(gap, gap_rate, slip, impact_speed, z, parameters):
+    normal, bound, stored, _ = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
+    return normal, bound, stored, SOFT * (-gap - z[0]) * (-1.5 * gap - z[0]) / TIME
+
+
+@kernel
+def forgetting_jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+    return 0.0 if event == AT_SLIP else z[0]
+
+
+@kernel
+def greedy_force(gap, gap_rate, slip, impact_speed, z, parameters):
+    normal, bound, stored, loss = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
+    # What is no number is not positive either.
+    more = 1.01 if z[1] > 0.0 else 1.0
+    return more * normal, more * bound, more * stored, more * loss
+
+
+@kernel
+def owing_force(gap, gap_rate, slip, impact_speed, z, parameters):
+    normal, bound, stored, loss = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
+    return normal, bound, stored - 1e-7, loss
+
+
+@kernel
+def dent_force(gap, gap_rate, slip, impact_speed, z, parameters):
+    depth = -gap - z[0]
+    normal = max(STIFF * depth, 0.0)
+    return normal, parameters[0] * normal, 0.5 * normal * depth, -normal * gap_rate * z[1]
+
+
+@kernel
+def dent_rate(which, gap, gap_rate, slip, normal, z, parameters):
+    return -gap_rate * z[1] if which == 0 else 0.0
+
+
+@kernel
+def dent_guard(which, gap, gap_rate, slip, normal, z, parameters):
+    yields = z[1] > 0.5
+    if which == 0:
+        return YIELD if yields else YIELD + STIFF * (gap + z[0])
+    return -gap_rate if yields else 1.0
+
+
+@kernel
+def dent_jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+    if which == 0:
+        return z[0]
+    return 1.0 if event == 0 else 0.0 if event == 1 else z[1]
+
+
+@kernel
+def stubborn_jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+    return z[which]
+
+
+@kernel
+def dent_limits(z, parameters):
+    return -z[0], -z[0]
+
+
+@kernel
+def crossed_limits(z, parameters):
+    return -0.5 * z[0], -z[0]
+
+
+SOLID: Kernels = {"force": solid_force, "rate": solid_rate}
+DENTED: Kernels = {
+    "force": dent_force,
+    "rate": dent_rate,
+    "guard": dent_guard,
+    "jump": dent_jump,
+    "limits": dent_limits,
+}
+
+Solid = law_of("solid", SOLID, CREEP, pulls=True)
+Dented = law_of("dented", DENTED, DENT, YIELDING, count=2)
+
+Overshooting = law_of("overshooting", {**SOLID, "rate": overshooting_rate}, CREEP, pulls=True)
+Pumping = law_of("pumping", {"force": pumping_force, "rate": overshooting_rate}, CREEP, pulls=True)
+Forgetting = law_of("forgetting", {**SOLID, "jump": forgetting_jump}, CREEP, pulls=True)
+Greedy = law_of("greedy", {**SOLID, "force": greedy_force}, CREEP, pulls=True)
+Owing = law_of("owing", {**SOLID, "force": owing_force}, CREEP, pulls=True)
+Stubborn = law_of("stubborn", {**DENTED, "jump": stubborn_jump}, DENT, YIELDING, count=2)
+Crossed = law_of("crossed", {**DENTED, "limits": crossed_limits}, DENT, YIELDING, count=2)
+
+
+class Counting(Friction):
+    """Coulomb's cone, and how far it has slipped; nothing comes of it."""
+
+    name = "counting"
+    equation = "|F| <= mu N, ds/dt = v"
+    source = "this test"
+
+    @staticmethod
+    @kernel
+    def rate(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        return slip
+
+
+@final
+@dataclass(frozen=True)
+class Odometer(Counting):
+    internal_variables = (InternalVariable("way", "s", "m", "way slipped", parity=ODD),)
+
+
+@final
+@dataclass(frozen=True)
+class LyingOdometer(Counting):
+    internal_variables = (InternalVariable("way", "s", "m", "way slipped", parity=EVEN),)
