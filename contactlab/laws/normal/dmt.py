@@ -10,7 +10,6 @@ from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL, hertz_elast
 from contactlab.laws.normal.jkr import ADHESION, RADIUS
 
 
-
 @final
 @dataclass(frozen=True)
 class Dmt(NormalForce):
