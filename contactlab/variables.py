@@ -10,7 +10,7 @@ class Variable:
     """One recorded quantity.
 
     `cell_methods` says in the words of the CF conventions what a value stands for where it is not a point;
-    `flags` names the values of an enumerated quantity, in the order 0, 1, 2, ...
+    `flags` names the values of an enumerated quantity, in the order 0, 1, 2, ...; `comment` is a sentence.
     """
 
     name: str
@@ -20,6 +20,7 @@ class Variable:
     long_name: str
     cell_methods: str = ""
     flags: tuple[str, ...] = field(default=(), kw_only=True)
+    comment: str = field(default="", kw_only=True)
 
 
 def _along(dimension: str, *rows: tuple[str, ...]) -> tuple[Variable, ...]:
@@ -56,6 +57,9 @@ SERIES: Final = _along(
 CONTACT_MODE: Final = Variable(
     "contact_mode", ("time",), "1", "m", "state of the contact", flags=("free", "slip", "stick")
 )
+
+INTERNAL: Final = "internal_"
+"""What the name of an internal variable of a law begins with, and no other; see `results.internal`."""
 
 RESONATOR: Final = (
     Variable(

@@ -34,10 +34,14 @@ Every law and every part of a composed law that comes with contactlab. `contactl
 on the terminal, with the laws that other packages bring. Friction coefficients are
 `contact.friction_coefficient`, the same for every law.
 
-The pictures show a standard cycle. A compliant law is driven by a body too heavy to be disturbed: it presses
-by 1 µm for 50 µs and slides twice to and fro by 1 µm. A rigid law answers impacts of a body with the Delassus
-matrix [[600, 250], [250, 800]] 1/kg: left over the approach at a slip of 0.05 m/s, right over the slip at an
-approach of 0.1 m/s.
+The pictures show a standard cycle. A compliant law is driven by a body too heavy to be disturbed: it
+presses by 1 µm for 50 µs and slides twice to and fro by 1 µm. One that pulls is pressed in less, to ten
+times its pull at the touch. A rigid law answers impacts of a body with the Delassus matrix [[600, 250],
+[250, 800]] 1/kg: left over the approach at a slip of 0.05 m/s, right over the slip at an approach of 0.1 m/s.
+
+What a law remembers is drawn over time, each internal variable over its largest value. Where a rigid law
+remembers, or the cycle does not stir what a compliant one does, the friction is that of stick-slip: a block
+of 2 g on a spring of 1 N/µm, pressed by 10 N onto a belt of 20 mm/s.
 """
 
 FAMILIES = {
@@ -76,15 +80,17 @@ def section(name: str, owner: type[ContactLaw] | type[Part], numbers: str) -> st
     rows = [f"| `{n}` | {described_parameter(n, m, own=True)} |" for n, m in members_of(owner).items()]
     table = ["| parameter | symbol, unit, meaning, default, range |", "|---|---|", *rows, ""]
     declared = [f"* {word}: {text}" for word, text in declared_rows(owner).items() if text]
+    # Where the words have equations of their own, it is one of their kind, and not the first.
+    derived = "\n    " in words
     return "\n".join(
         [
             f"### {name.rpartition('/')[2]}",
             "",
             words,
             "",
-            # Most say it themselves, and at more length.
-            *([] if "\n    " in words else [f"    {owner.equation}", ""]),
+            *([] if derived else [f"    {owner.equation}", ""]),
             *(table if rows else []),
+            *([f"* equation: `{owner.equation}`"] if derived else []),
             *declared,
             f"* source: {owner.source}",
             "",

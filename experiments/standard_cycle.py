@@ -6,11 +6,14 @@ It comes from a gap and leaves to one, so that a law may begin and end its conta
 pulls is pressed in less, to ten times its pull at the touch, or nobody would see that.
 
 A rigid law has no force over penetration; it is asked about impacts of one body instead. Where it remembers
-something it is seen in stick-slip, too: a block of 2 g on a spring of 1 N/µm is pressed by 10 N onto a belt
-of 20 mm/s. What a law remembers is drawn over time.
+something it is seen in stick-slip, too, and so is a compliant one whose memory is not stirred by the cycle: a
+block of 2 g on a spring of 1 N/µm is pressed by 10 N onto a belt of 20 mm/s. What a law remembers is drawn
+over time.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
 from math import pi, sin
 
 import numpy as np
@@ -19,7 +22,7 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.engine.preparation import take_in
+from contactlab.engine.preparation import LIMITS, take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.testing.plants import block, run, way_of
 from contactlab.trajectory import Trajectory
@@ -73,6 +76,7 @@ class Curves:
     memory: tuple[tuple[str, Array], ...] = ()
 
 
+@cache
 def curves_of(law: ContactLaw) -> Curves:
     """The cycle of a compliant law, or the impacts of a rigid one."""
     if isinstance(law, MultiplierLaw):
@@ -82,14 +86,20 @@ def curves_of(law: ContactLaw) -> Curves:
     raise TypeError(f"{type(law).__name__} is of neither family.")
 
 
-def _depth_for(law: PenaltyLaw) -> float:
-    """How deep a law is pressed [m]."""
+def _normal_of(law: PenaltyLaw) -> Callable[[float], float]:
+    """The force [N] of a depth [m] below the first touch, at rest and with the memory of that."""
     row, _, kernels, _ = take_in(law)
-    begins, _ = kernels[-2](row)
+    begins = 0.0 if law.limits is None else kernels[LIMITS](row)[0]
 
     def normal(depth: float) -> float:
         return float(kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
 
+    return normal
+
+
+def _depth_for(law: PenaltyLaw) -> float:
+    """How deep a law is pressed [m]."""
+    normal = _normal_of(law)
     touch = normal(0.0)
     if touch >= 0.0 or normal(DEPTH) < -PULLS * touch:
         return DEPTH
@@ -119,7 +129,7 @@ def _cycle(law: PenaltyLaw) -> Curves:
     touching = np.flatnonzero((normal != 0.0) | (friction != 0.0))
     shown = slice(max(touching[0] - 1, 0), touching[-1] + 2)
     pull = f", largest pull {-normal.min():.3g} N" if normal.min() < 0.0 else ""
-    return Curves(
+    curves = Curves(
         left=(depth[shown] * 1e6, normal[shown]),
         right=(way[shown] * 1e6, friction[shown]),
         left_words=("penetration [µm]", "normal force [N]"),
@@ -132,6 +142,8 @@ def _cycle(law: PenaltyLaw) -> Curves:
         time=(trajectory.time - before) * 1e6,
         memory=_memory_of(trajectory),
     )
+    stirred = any(np.ptp(values) > 0.0 for _, values in curves.memory)
+    return curves if stirred or not curves.memory else _with_stick_slip(curves, law)
 
 
 def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
@@ -141,7 +153,9 @@ def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
         values = trajectory.series[f"internal_{variable.name}"]
         most = float(np.abs(values).max())
         unit = "" if variable.units == "1" else f" {variable.units}"
-        found.append((f"{variable.symbol} / {most:.2g}{unit}", values / most if most else values))
+        said = variable.symbol or variable.name
+        words = said if most in (0.0, 1.0) else f"{said} / {most:.2g}{unit}"
+        found.append((words, values / most if most else values))
     return tuple(found)
 
 
@@ -170,23 +184,34 @@ def _impacts(law: MultiplierLaw) -> Curves:
         f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
         f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
     )
-    left = speeds, normal * 1e6
-    left_words = "approach [m/s]", "normal impulse [µN s]"
-    if not law.remembered:
-        right = slips, friction * 1e6
-        right_words = "slip before the impact [m/s]", "friction impulse [µN s]"
-        return Curves(left, right, left_words, right_words, words, np.empty(0))
-    sticking = _stick_slip(law)
+    curves = Curves(
+        left=(speeds, normal * 1e6),
+        right=(slips, friction * 1e6),
+        left_words=("approach [m/s]", "normal impulse [µN s]"),
+        right_words=("slip before the impact [m/s]", "friction impulse [µN s]"),
+        numbers=words,
+        time=np.empty(0),
+    )
+    return _with_stick_slip(curves, law) if law.remembered else curves
+
+
+def _with_stick_slip(curves: Curves, law: ContactLaw) -> Curves:
+    """Curves with those of the block on the belt in the place of the right one."""
+    normal = _normal_of(law) if isinstance(law, PenaltyLaw) else None
+    pressed = brentq(lambda depth: normal(depth) - WEIGHT, 0.0, 10.0 * DEPTH) if normal else 0.0
+    motor = block(
+        STICKING_MASS, height=-pressed, velocity=BELT, weight=WEIGHT, stiffness=SPRING, belt_velocity=BELT
+    )
+    sticking = run(motor, law, STICKING_TIME, record_interval=1e-6)
     time, force = sticking.time * 1e6, sticking.series["friction_force"]
-    words += f" In stick-slip the friction goes up to {np.abs(force).max():.3g} N."
-    right_words = "time [µs]", "friction [N]"
-    memory = _memory_of(sticking)
-    return Curves(left, (time[1:], force[1:]), left_words, right_words, words, time, memory)
-
-
-def _stick_slip(law: MultiplierLaw) -> Trajectory:
-    motor = block(STICKING_MASS, velocity=BELT, weight=WEIGHT, stiffness=SPRING, belt_velocity=BELT)
-    return run(motor, law, STICKING_TIME, record_interval=1e-6)
+    return replace(
+        curves,
+        right=(time[1:], force[1:]),
+        right_words=("time [µs]", "friction [N]"),
+        numbers=f"{curves.numbers} In stick-slip the friction goes up to {np.abs(force).max():.3g} N.",
+        time=time,
+        memory=_memory_of(sticking),
+    )
 
 
 def draw(curves: Curves) -> Figure:
@@ -211,5 +236,7 @@ def draw(curves: Curves) -> Figure:
         if several:
             axes.set_title(f"{first} to {last}", fontsize="x-small")
         else:
-            axes.legend(fontsize="x-small", frameon=False)
+            axes.legend(
+                fontsize="x-small", frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2
+            )
     return figure

@@ -1,8 +1,9 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import MISSING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, replace
 from functools import partial
+from itertools import groupby
 from textwrap import fill
 from types import MappingProxyType
 from typing import Any
@@ -173,7 +174,9 @@ def _memory_rows(said: Any) -> dict[str, str]:
     if _hangs(variables):
         rows["internal variables"] = _in_words(said, "internal_variables")
     else:
-        rows |= {f"internal variable {one.name}": described_variable(one) for one in variables}
+        for alike in _alike(variables):
+            names, words = described_variables(alike)
+            rows[f"internal variable{'s' * (len(alike) > 1)} {names}"] = words
     kernels = {name: getattr(said, name, None) for name in ("limits", "moment")}
     for name, words in KERNELS.items():
         if not _hangs(kernels[name]) and kernels[name] is not None:
@@ -186,12 +189,31 @@ def _memory_rows(said: Any) -> dict[str, str]:
     return rows
 
 
-def described_variable(variable: InternalVariable) -> str:
-    """Symbol, unit and meaning of an internal variable, how its life begins, and its parity."""
-    unit = "" if variable.units == "1" else f" [{variable.units}]"
-    life = {"contact": "with every contact", "run": "with the run, and outlives its contacts"}[variable.life]
-    parity = ", odd in a mirror" if variable.parity == ODD else ""
-    return f"{variable.symbol}{unit}, {variable.meaning}, begins at {variable.initial:g} {life}{parity}"
+def _alike(variables: Iterable[InternalVariable]) -> Iterator[list[InternalVariable]]:
+    """Give internal variables together that differ by a number alone, one after the other."""
+    digits = str.maketrans("", "", "0123456789")
+
+    def plain(one: InternalVariable) -> InternalVariable:
+        words = {name: getattr(one, name).translate(digits) for name in ("name", "symbol", "meaning")}
+        return replace(one, **words)
+
+    for _, alike in groupby(variables, plain):
+        yield list(alike)
+
+
+def described_variables(alike: Sequence[InternalVariable]) -> tuple[str, str]:
+    """Names, and symbols, unit, meaning, how life begins and parity, of variables that are alike."""
+    one = alike[0]
+    names, symbols, meanings = (
+        " to ".join(dict.fromkeys(getattr(each, word) for each in (one, alike[-1])))
+        for word in ("name", "symbol", "meaning")
+    )
+    unit = f" [{one.units}]" if one.units != "1" else ""
+    symbol = f"{symbols}{unit}, " if symbols or unit else ""
+    begins = "begin" if len(alike) > 1 else "begins"
+    life = {"contact": "with every contact", "run": "with the run and not with a contact"}[one.life]
+    parity = ", odd in a mirror" if one.parity == ODD else ""
+    return names, f"{symbol.lstrip()}{meanings}, {begins} at {one.initial:g} {life}{parity}"
 
 
 def _hangs(value: Any) -> bool:

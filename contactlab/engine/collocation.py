@@ -11,6 +11,7 @@ from math import nan
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import (
     FIRST,
     HELD_SLIP,
@@ -21,8 +22,9 @@ from contactlab.engine.friction import (
     mobility,
     push_node,
 )
-from contactlab.engine.kinematics import Law, Run, contact_of, free_response, tip_motion
-from contactlab.engine.memory import correct_memory, end_at, guess_memory, moment_at, recall
+from contactlab.engine.kinematics import contact_of, free_response, tip_motion
+from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
+from contactlab.engine.moments import missed_moments, set_moments
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, fit, largest, value_at
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
@@ -84,7 +86,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     kinked = _kinked_force(run, known)
     if kinked >= 0.0:
         return 0.5 if kinked * h <= allowed else KINK
-    error = abs(state.normal.coefficient[0] - normal)
+    error = max(abs(state.normal.coefficient[0] - normal), missed_moments(run, law.memory))
     if not depends:
         error = max(error, abs(state.bound.coefficient[0] - bound))
     if state.friction_kind != SET_VALUED:
@@ -147,11 +149,11 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
         change, most = 0.0, 0.0
         for i in range(NODES):
             old_normal, old_friction = state.normal.node[i], state.friction.node[i]
-            _law_at_node(run, law, level, i)
+            turned = _law_at_node(run, law, level, i)
             if slides:
                 state.friction.node[i] = -sign * state.bound.node[i]
             push_node(run, i)
-            change = max(change, abs(state.normal.node[i] - old_normal))
+            change = max(change, turned, abs(state.normal.node[i] - old_normal))
             change = max(change, abs(state.friction.node[i] - old_friction))
             # Friction that would have to hold far more than the law lets it has the round-off of its size.
             most = max(most, state.normal.node[i], abs(old_friction))
@@ -172,14 +174,18 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             fit(rule, step.push_u)
             fit(rule, step.push_th)
             fit(rule, step.push_r)
-            fit(rule, step.moment)
+            fit(rule, step.tilting)
+            fit(rule, step.spinning)
             return sweep
     return 0
 
 
 @merged_kernel
-def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
-    """Set the motion of node i under the present forces, and the law's answer to it."""
+def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
+    """Set the motion of node i under the present forces, and the law's answer to it.
+
+    Gives the change of its moments, as a force on the rotor [N].
+    """
     state, step, answers = run.state, run.step, run.propagator.levels[level]
     tip_q, tip_v = answers.tip_q, answers.tip_v
     u, th = step.u[i], step.th[i]
@@ -192,15 +198,15 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
         th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
         rotor += tip_v[3, i, m] * step.push_r.node[m]
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
-    normal, bound, loss, moment = 0.0, 0.0, 0.0, 0.0
+    normal, bound, loss, turned = 0.0, 0.0, 0.0, 0.0
     recall(run, law.memory, i)
     step.end[i] = end_at(law.memory)
     if gap < step.end[i]:
         seen = 0.0 if state.mode == STICK else slip
         normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         normal = sound_normal(normal, bound)
-        moment, _ = moment_at(run, law.memory, gap, normal, (th, t_u, th_rate, rotor))
-    step.moment.node[i] = moment
+        turned = set_moments(run, law.memory, i, gap, normal, (th, t_u, th_rate, rotor))
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], step.loss[i] = normal, bound, loss
     step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
+    return turned

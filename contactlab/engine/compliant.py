@@ -7,9 +7,11 @@ import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.collocation import Known, attempt, sound_normal
+from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import friction_and_steepness
-from contactlab.engine.kinematics import Law, Run, add_collocated, checked, contact_at
+from contactlab.engine.kinematics import add_collocated, checked, contact_at
 from contactlab.engine.memory import end_at, jump, open_step, recall_start
+from contactlab.engine.moments import first_moments
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
 from contactlab.engine.rootfinding import (
@@ -65,6 +67,7 @@ def step_compliant(run: Run, law: Law) -> int:
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
     open_step(run, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+    first_moments(run, law.memory, gap, known[0])
     if state.contact.duration == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         state.momentum = _impulse_scale(run, law, rate, known[0], mobility)
@@ -102,7 +105,7 @@ def _solve(
     UNSOLVED where no step, however short, satisfies the law.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(run, gap - end_at(law.memory), rate, known[0])
+    level = _separation_level(run, gap - end_at(law.memory), rate, max(abs(known[0]), known[1]))
     # The shortest step at this time.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
@@ -125,6 +128,7 @@ def _solve(
             jump(run, law, law.memory, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
             open_step(run, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+            first_moments(run, law.memory, gap, known[0])
         else:
             break
     else:

@@ -11,8 +11,9 @@ from typing import Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.engine.context import Run
 from contactlab.engine.flight import MOST_HALVINGS
-from contactlab.engine.kinematics import Run, contact_from
+from contactlab.engine.kinematics import contact_from
 from contactlab.engine.plant import modes_of
 from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (

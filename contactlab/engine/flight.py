@@ -9,16 +9,8 @@ until every piece is either proven open or holds one falling zero.
 from math import sqrt
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.kinematics import (
-    Law,
-    Run,
-    Tip,
-    contact_after,
-    contact_at,
-    contact_of,
-    free_response,
-    tip_motion,
-)
+from contactlab.engine.context import Law, Run
+from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import locate
 from contactlab.engine.state import (

@@ -16,7 +16,8 @@ from typing import Final, cast
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.kinematics import Law, Run, contact_after
+from contactlab.engine.context import Law, Run
+from contactlab.engine.kinematics import contact_after
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.memory import end_at, memory_at, recall
 from contactlab.engine.state import NODES, internal_at, value_at
@@ -38,13 +39,15 @@ HELD_SLIP = 1e-9
 
 @part_kernel
 def push_node(run: Run, i: int) -> None:
-    """Set the generalised forces of node i from its normal force, friction and moment."""
+    """Set the generalised forces of node i from its normal force, friction and moments."""
     step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
-    moment = step.moment.node[i]
-    step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
-    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i] + moment
+    tilting, spinning, radius = step.tilting.node[i], step.spinning.node[i], run.plant.geometry.radius
+    # What moves the tip along the rotor turns the tangent, too.
+    along = friction - tilting / (radius + step.gap[i])
+    step.push_u.node[i] = normal * step.n_u[i] + along * step.t_u[i]
+    step.push_th.node[i] = normal * step.n_th[i] + along * step.t_th[i] + tilting + spinning
     # The rotor's row carries forces at its radius.
-    step.push_r.node[i] = friction + moment / run.plant.geometry.radius
+    step.push_r.node[i] = friction + spinning / radius
 
 
 @inner_kernel

@@ -6,12 +6,13 @@ values at the nodes. Whatever its kind, its state can be read anywhere in [0, h]
 """
 
 from math import cos, sin
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.engine.context import Run
 from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
 from contactlab.engine.plant import Plant, modes_of
 from contactlab.engine.state import (
@@ -27,7 +28,6 @@ from contactlab.engine.state import (
     START,
     UNSOLVED,
 )
-from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
 from contactlab.motor.geometry import contact_frame
 
 Tip = tuple[float, float, float, float, float]
@@ -35,45 +35,6 @@ Tip = tuple[float, float, float, float, float]
 
 Contact = tuple[float, float, float, float, float, float, float]
 """Gap [m], gap rate, slip [m/s], and the directions n_u, n_th, t_u, t_th of `contact_frame`."""
-
-
-class Run(NamedTuple):
-    """The context of every kernel: the motor, its step responses, the state and the scratch of a step."""
-
-    plant: Any
-    propagator: Any
-    state: Any
-    step: Any
-
-
-class Memory(NamedTuple):
-    """The kernels of a law that remembers, has limits, a moment, or is told more, and what they read.
-
-    `parameters` are those of `Law`; `row` is the part of them that is memory: what is written there, the
-    kernels see.
-    """
-
-    rate: Any
-    guard: Any
-    jump: Any
-    limits: Any
-    moment: Any
-    parameters: Array
-    row: Array
-
-
-class Law(NamedTuple):
-    """The kernels of a law, idle ones for those that it lacks, and its parameters.
-
-    Of a law that is plain the memory is None, and code that is about it is compiled to nothing: functions
-    that take a memory ask whether it is None before all else.
-    """
-
-    force: PenaltyKernel
-    friction: FrictionKernel
-    solve: MultiplierKernel
-    parameters: Array
-    memory: Memory | None
 
 
 @part_kernel

@@ -8,22 +8,59 @@ constants have changed gets new code.
 import sys
 import warnings
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, Final
 from weakref import WeakKeyDictionary
 
-from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, remade
-from contactlab.engine.callback import Callback, stand_in
+from contactlab.compiled import INTERPRETED, fleeting_kernel, keep_code, kernel, remade
+from contactlab.engine.callback import Callback, law_errors, stand_in
 from contactlab.engine.obstacle import obstacle
 from contactlab.engine.rows import SIGNATURES, own_signature, reading_row
 from contactlab.fingerprint import Fingerprint, is_own
-from contactlab.laws.base import ContactLaw
-from contactlab.laws.intake import has_row
+from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.laws.intake import function_of, has_row, is_plain
 
 _made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
 """Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
 
 
-def compiled(law: ContactLaw, name: str, function: Any) -> tuple[Any, Callback | None]:
+IDLE: Final = {
+    "force": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0, 0.0, 0.0)),
+    "friction_force": kernel(lambda _1, _2, _3, _4, _5, _6: (0.0, 0.0, 0.0, 0.0)),
+    "solve": kernel(lambda _1, _2, _3, _4, _5, _6, _7, _8: (0.0, 0.0, 0)),
+    "rate": kernel(lambda _1, _2, _3, _4, _5, _6: 0.0),
+    "guard": kernel(lambda _1, _2, _3, _4, _5, _6: 1.0),
+    "jump": kernel(lambda k, _1, _2, _3, _4, _5, row: row[k]),
+    "limits": kernel(lambda _: (0.0, 0.0)),
+    "moment": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0, 0.0)),
+}
+"""Kernels that stand for those that a law lacks: nothing acts, and what is remembered stays."""
+
+OF_PLAIN = 3
+"""Of them, those of a plain law."""
+
+
+def kernels_of(law: ContactLaw) -> tuple[tuple[Any, ...], tuple[Callback, ...]]:
+    """Give the law's kernels, idle ones for those that it lacks, and the callbacks of interpreted ones.
+
+    Of a plain law these are the first three alone.
+    """
+    kernels: list[Any] = []
+    callbacks: list[Callback] = []
+    needed = "force" if isinstance(law, PenaltyLaw) else "solve"
+    for name, nothing in [*IDLE.items()][: OF_PLAIN if is_plain(law) else None]:
+        with law_errors(law.name):
+            own = name == needed or getattr(law, name, None) is not None
+            function = function_of(law, name) if own else None
+        if function is None:
+            kernels.append(_idle(name, nothing))
+            continue
+        found, callback = _compiled_form(law, name, function)
+        kernels.append(found)
+        callbacks += [callback] if callback else []
+    return tuple(kernels), tuple(callbacks)
+
+
+def _compiled_form(law: ContactLaw, name: str, function: Any) -> tuple[Any, Callback | None]:
     """Give one of a law's kernels as the loop takes it, and the callback behind it if that is interpreted.
 
     The function is a compiled kernel of this package, which is given back unless it has to be asked through
@@ -44,7 +81,7 @@ def compiled(law: ContactLaw, name: str, function: Any) -> tuple[Any, Callback |
     return (_reading_row(name, kernel, *shape) if rows else kernel), None
 
 
-def idle(name: str, kernel: Any) -> Any:
+def _idle(name: str, kernel: Any) -> Any:
     """Give a kernel of this package that stands for one that a law lacks."""
     if not INTERPRETED:
         _compile(kernel, SIGNATURES[name])

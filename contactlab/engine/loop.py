@@ -5,19 +5,20 @@ address, as first-class functions of one type, and is so compiled once for all l
 """
 
 import sys
-from typing import Any, Final, NamedTuple, final
+from typing import Any
 
 import numba
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import INTERPRETED, inner_kernel, is_compiled, kernel
-from contactlab.engine.callback import Callback, law_errors
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
+from contactlab.engine.context import Law, Memory, Records, Run
 from contactlab.engine.flight import step_flight
-from contactlab.engine.kinematics import Law, Memory, Run, begin, contact_at
-from contactlab.engine.law_kernels import compiled, idle
-from contactlab.engine.memory import jump, leave, press
+from contactlab.engine.kinematics import begin, contact_at
+from contactlab.engine.law_kernels import OF_PLAIN
+from contactlab.engine.memory import jump, leave
+from contactlab.engine.moments import press
 from contactlab.engine.recorder import commit
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.rows import SIGNATURES
@@ -29,57 +30,20 @@ from contactlab.engine.state import (
     RELEASED,
     REVERSAL,
     RUNNING,
-    SAMPLE,
     START,
     STATE,
     TOUCH,
     TOUCHING,
 )
 from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, ContactLaw, PenaltyLaw
-from contactlab.laws.intake import function_of, is_plain
+from contactlab.laws.intake import is_plain
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 
 TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
-IDLE: Final = {
-    "force": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0, 0.0, 0.0)),
-    "friction_force": kernel(lambda _1, _2, _3, _4, _5, _6: (0.0, 0.0, 0.0, 0.0)),
-    "solve": kernel(lambda _1, _2, _3, _4, _5, _6, _7, _8: (0.0, 0.0, 0)),
-    "rate": kernel(lambda _1, _2, _3, _4, _5, _6: 0.0),
-    "guard": kernel(lambda _1, _2, _3, _4, _5, _6: 1.0),
-    "jump": kernel(lambda k, _1, _2, _3, _4, _5, row: row[k]),
-    "limits": kernel(lambda _: (0.0, 0.0)),
-    "moment": kernel(lambda _1, _2, _3, _4, _5: (0.0, 0.0)),
-}
-"""Kernels that stand for those that a law lacks: nothing acts, and what is remembered stays."""
-
-OF_PLAIN = 3
-"""Of them, those of a plain law."""
-
 _compiled: set[object] = set()
 """Loops with the rooms for coordinates and tones that they are compiled for."""
-
-
-def kernels_of(law: ContactLaw) -> tuple[tuple[Any, ...], tuple[Callback, ...]]:
-    """Give the law's kernels, idle ones for those that it lacks, and the callbacks of interpreted ones.
-
-    Of a plain law these are the first three alone.
-    """
-    kernels: list[Any] = []
-    callbacks: list[Callback] = []
-    needed = "force" if isinstance(law, PenaltyLaw) else "solve"
-    for name, nothing in [*IDLE.items()][: OF_PLAIN if is_plain(law) else None]:
-        with law_errors(law.name):
-            own = name == needed or getattr(law, name, None) is not None
-            function = function_of(law, name) if own else None
-        if function is None:
-            kernels.append(idle(name, nothing))
-            continue
-        found, callback = compiled(law, name, function)
-        kernels.append(found)
-        callbacks += [callback] if callback else []
-    return tuple(kernels), tuple(callbacks)
 
 
 def loop_for(law: ContactLaw, run: Run) -> Any:
@@ -110,20 +74,6 @@ def loop_for(law: ContactLaw, run: Run) -> Any:
     loop.disable_compile()
     _compiled.add(room)
     return loop
-
-
-@final
-class Records(NamedTuple):
-    """What a run writes: its series, and the internal variables at records and at the ends of contacts."""
-
-    series: Any
-    traces: Array
-    ends: Array
-
-    @classmethod
-    def of(cls, records: int, contacts: int, variables: int) -> "Records":
-        """Give room for so many of each."""
-        return cls(np.zeros(records, SAMPLE), np.zeros((records, variables)), np.zeros((contacts, variables)))
 
 
 @inner_kernel

@@ -9,14 +9,13 @@ relaxation is no matter of the step; what couples variables is met by the sweeps
 a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
 """
 
-from math import asin
-
 from contactlab.compiled import inner_kernel
-from contactlab.engine.kinematics import Law, Memory, Run, contact_after, contact_at, tip_motion
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import STICK
-from contactlab.laws.memory import AT_RELEASE
+from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
@@ -60,18 +59,6 @@ def tell(run: Run, memory: Memory | None) -> None:
 
 
 @inner_kernel
-def open_step(
-    run: Run, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
-) -> None:
-    """Take the rates of the internal variables at the start of a step."""
-    if memory is None:
-        return
-    recall_start(run, memory)
-    for k in range(run.state.variables):
-        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, memory.parameters)
-
-
-@inner_kernel
 def guess_memory(run: Run, memory: Memory | None) -> None:
     """Let the internal variables go on from the start at their rates."""
     if memory is None:
@@ -99,16 +86,17 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
             continue
         first, size, moves = state.memory[k], abs(state.memory[k]), False
         for i in range(NODES):
-            z, g, g_z = step.memory[i, k], 0.0, 0.0
-            if step.kind != COLLOCATED or step.gap[i] < step.end[i]:
-                recall(run, memory, i)
-                slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
-                gap, rate = step.gap[i], step.gap_rate[i]
-                g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
-                dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
-                if dz != 0.0:
-                    memory.row[k] = z + dz
-                    g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
+            z, g_z = step.memory[i, k], 0.0
+            recall(run, memory, i)
+            slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
+            # Of a step that the release cuts, what lies beyond it goes on as at the release.
+            gap = min(step.gap[i], step.end[i]) if step.kind == COLLOCATED else step.gap[i]
+            rate = step.gap_rate[i]
+            g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
+            dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
+            if dz != 0.0:
+                memory.row[k] = z + dz
+                g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
             size = max(size, abs(z))
             left = h * g
             for m in range(NODES):
@@ -179,29 +167,15 @@ def end_at(memory: Memory | None) -> float:
 
 
 @inner_kernel
-def moment_at(
-    run: Run, memory: Memory | None, gap: float, normal: float, turn: tuple[float, float, float, float]
-) -> tuple[float, float]:
-    """Give the moment on the tip [N m] and what it stores [J]; of what is recalled.
-
-    `turn` is the tip's slope th [rad], t_u of the contact's directions, which is the sine of the angle by
-    which the tangent has turned, thdot [rad/s] and -R Omega [m/s].
-    """
+def open_step(
+    run: Run, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
+) -> None:
+    """Take the rates of the internal variables at the start of a step."""
     if memory is None:
-        return 0.0, 0.0
-    th, t_u, th_rate, rotor = turn
-    spin = th_rate + rotor / run.plant.geometry.radius
-    moment, stored = memory.moment(th - asin(t_u), spin, gap, normal, memory.parameters)
-    return moment, stored
-
-
-@inner_kernel
-def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
-    """Give the power of the moment at a place of the step, at x = s/h [W]."""
-    if memory is None:
-        return 0.0
-    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
-    return float(value_at(run.step.moment, x) * (th_rate + rotor / run.plant.geometry.radius))
+        return
+    recall_start(run, memory)
+    for k in range(run.state.variables):
+        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, memory.parameters)
 
 
 @inner_kernel
@@ -221,7 +195,7 @@ def guard_at(run: Run, memory: Memory | None, s: float) -> float:
 def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     """Let the internal variables jump at an event where the step starts; what is stored less is lost.
 
-    At a release all that is stored still is.
+    At a release all that is stored still is, and a touch gives back what it finds stored.
     """
     if memory is None:
         return
@@ -232,27 +206,14 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     normal, stored = state.normal.node[0], 0.0
     if state.compliant != 0:
         gap = min(gap, end_at(memory))
-        normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        normal, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        stored = 0.0 if event == AT_TOUCH else before
     for k in range(state.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
     recall_start(run, memory)
     if state.compliant != 0 and event != AT_RELEASE:
         stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
     state.total.contact_loss += stored
-    state.contact.energy_loss += stored
-
-
-@inner_kernel
-def press(run: Run, law: Law, memory: Memory | None) -> None:
-    """Count what the moment of a contact that is pressed together at the start stores as brought along."""
-    if memory is None:
-        return
-    state = run.state
-    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
-    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
-    normal = law.force(gap, rate, slip, state.impact_speed, law.parameters)[0]
-    stored = moment_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[1]
-    state.total.friction_loss += stored
     state.contact.energy_loss += stored
 
 

@@ -17,9 +17,10 @@ from contactlab.engine.arguments import (
     memory_mark,
 )
 from contactlab.engine.callback import law_errors
+from contactlab.engine.context import Records, Run
 from contactlab.engine.explanation import explain
-from contactlab.engine.kinematics import Run
-from contactlab.engine.loop import IDLE, TOUCH_REFINEMENT, Records, kernels_of, loop_for
+from contactlab.engine.law_kernels import IDLE, kernels_of
+from contactlab.engine.loop import TOUCH_REFINEMENT, loop_for
 from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one

@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import Law, Run, contact_at, flow_to, rates_in_frame, tip_motion
-from contactlab.engine.memory import end_at, memory_at, moment_at, moment_power
+from contactlab.engine.context import Law, Run
+from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
+from contactlab.engine.memory import end_at, memory_at
+from contactlab.engine.moments import moment_power, moments_at
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
@@ -117,7 +119,7 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
         if state.friction_kind != SET_VALUED:
             internal = internal_at(state, s / state.length)
             held = law.friction(gap, rate, slip, normal, internal, law.parameters)[2]
-        held += moment_at(run, law.memory, gap, normal, (th, t_u, th_rate, rotor))[1]
+        held += moments_at(run, law.memory, gap, normal, (th, t_u, th_rate, rotor))[2]
     angle = 0.0
     for j in range(run.plant.mode_count):
         angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
@@ -191,7 +193,10 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
                 memory_at(run, law.memory, at)
-                loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+                # Where the step was cut at the release, its last node may be clear of it by round-off.
+                loss = 0.0
+                if gap < end_at(law.memory):
+                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
         friction -= weight * tangential * slip
         friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss

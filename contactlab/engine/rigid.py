@@ -16,16 +16,9 @@ impulse until the gap is open.
 from math import inf
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import push_node
-from contactlab.engine.kinematics import (
-    Law,
-    Run,
-    add_held,
-    checked,
-    contact_at,
-    free_response,
-    rates_in_frame,
-)
+from contactlab.engine.kinematics import add_held, checked, contact_at, free_response, rates_in_frame
 from contactlab.engine.memory import tell
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length

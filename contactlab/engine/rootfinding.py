@@ -1,8 +1,9 @@
 """Where in a step something happens: a function of time for every event, one finder of its zero, extremes."""
 
 from contactlab.compiled import inner_kernel
+from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.friction import friction_at
-from contactlab.engine.kinematics import Law, Memory, Run, contact_after
+from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, memory_at
 from contactlab.engine.state import (
     CONE,

@@ -25,7 +25,7 @@ SIGNATURES: Final = {
     "guard": _real(_whole, *[_real] * 4, _row),
     "jump": _real(_whole, _whole, *[_real] * 4, _row),
     "limits": types.UniTuple(_real, 2)(_row),
-    "moment": types.UniTuple(_real, 2)(*[_real] * 4, _row),
+    "moment": types.UniTuple(_real, 3)(*[_real] * 4, _row),
 }
 """The kernels of a law by name, in the order in which the loop takes them."""
 

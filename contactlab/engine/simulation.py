@@ -7,8 +7,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.arguments import check_start
+from contactlab.engine.context import Run
 from contactlab.engine.explanation import balanced
-from contactlab.engine.kinematics import Run, contact_from
+from contactlab.engine.kinematics import contact_from
 from contactlab.engine.loop import loop_for
 from contactlab.engine.plant import Plant, modes_of
 from contactlab.engine.preparation import ON_GRID, fresh_state, overlap_at, phase_at, prepared

@@ -109,8 +109,8 @@ STATE: Final = record(
 
 STEP: Final = record(
     # Generalised forces along u and th [N, N m],
-    # and along the rotor's row, and the moment among them.
-    *((name, FORCE) for name in ("push_u", "push_th", "push_r", "moment")),
+    # and along the rotor's row, and the moments among them.
+    *((name, FORCE) for name in ("push_u", "push_th", "push_r", "tilting", "spinning")),
     # The contact at the nodes [m, m/s, W]; `end` is the gap at which it ends; `sliding` is what must keep its
     # sign in slip: the slip, less what a spring of the friction takes of it [m/s].
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal", "end")),
@@ -126,6 +126,8 @@ STEP: Final = record(
     ("contacts", CONTACT, 512),
     # The state before the step that reaches the end.
     ("saved", STATE, (1,)),
+    # The moments where the step starts [N m].
+    real="first_tilting first_spinning",
     whole="kind",
 )
 """Scratch of one step."""

@@ -32,11 +32,10 @@ FRICTION_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 5, _parameters)
 MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(*[_real] * 7, _parameters)
 
 Forces = tuple[float, float, float, float]
-PenaltyKernel = Callable[[float, float, float, float, Array], Forces]
-FrictionKernel = Callable[[float, float, float, float, float, Array], Forces]
-MultiplierKernel = Callable[
-    [float, float, float, float, float, float, float, Array], tuple[float, float, int]
-]
+PenaltyKernel = Callable[..., Forces]
+FrictionKernel = Callable[..., Forces]
+MultiplierKernel = Callable[..., tuple[float, float, int]]
+"""Kernels of a law; what they are called with hangs on whether it remembers."""
 
 
 class Tangential(Remembering):
@@ -134,14 +133,15 @@ class PenaltyLaw(ContactLaw):
 
     @property
     def moment(self) -> Any:
-        """The kernel of the moment that a patch of some extent has, else None.
+        """The kernel of the moments that a patch of some extent has, else None.
 
             moment(tilt, spin, gap, normal, parameters)     z before the parameters as in `force`
-                -> moment on the tip [N m], stored energy [J]
+                -> moment against tilt [N m], moment against spin [N m], stored energy [J]
 
-        tilt is the angle between the tip and the rotor's tangent [rad], spin its rate
-        thdot - Omega [rad/s]; the moment turns the tip as th, and the rotor the other way. What it does
-        not store is lost as friction.
+        tilt is the angle of the tip to the rotor's tangent [rad], spin thdot - Omega [rad/s]; both moments
+        turn the tip as th grows. One against tilt shifts the pressure, which is normal to the rotor and does
+        not turn it; one against spin turns the rotor the other way. Their power is that of tilt rate and
+        spin; what they do not store is lost as friction.
         """
         return None
 
@@ -220,6 +220,8 @@ class Damping(Declared):
     """A part of a composed law: what the elastic force becomes while the bodies move."""
 
     family: ClassVar[str] = "damping"
+    any_force: ClassVar[bool] = True
+    """Whether it may act on a normal force that pulls, or that has a memory and losses of its own."""
 
     @abstractmethod
     def coefficients(self, normal: NormalForce) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ from contactlab.laws import composition
 from contactlab.laws.base import Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.laws.damping import Undamped
 from contactlab.laws.friction import Coulomb
-from contactlab.laws.memory import InternalVariable
+from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.laws.normal import HertzPoint
 
 
@@ -42,6 +42,15 @@ class Composed(PenaltyLaw):
     convergence_order = _of_friction("convergence_order")
     violations = _of_friction("violations")
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        normal = self.normal
+        if not self.damping.any_force and (normal.elastic is None or normal.allows_tension):
+            raise ValueError(
+                f"{self.name}: damping is {self.damping.name} and normal is {normal.name}; such a damping is "
+                "solved for an elastic force that does not pull. Choose damping none or another normal force."
+            )
+
     @property
     def title(self) -> str:
         """The names of the parts."""
@@ -64,8 +73,8 @@ class Composed(PenaltyLaw):
         normal, damping, _ = map(len, self.coefficients)
         return normal, normal + damping
 
-    @property
-    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
         """The friction's, then the normal force's."""
         return *self.friction.internal_variables, *self.normal.internal_variables
 
@@ -74,13 +83,13 @@ class Composed(PenaltyLaw):
         """See `Remembering.remembered`."""
         return *self.friction.remembered, *self.normal.remembered
 
-    @property
-    def guards(self) -> int:  # type: ignore[override]
+    @dependent
+    def guards(self) -> int:
         """The friction's and the normal force's."""
         return self.friction.guards + self.normal.guards
 
-    @property
-    def allows_tension(self) -> bool:  # type: ignore[override]
+    @dependent
+    def allows_tension(self) -> bool:
         """Whether the normal force may pull."""
         return self.normal.allows_tension
 
@@ -92,7 +101,8 @@ class Composed(PenaltyLaw):
 
     @property
     def _spring(self) -> Any:
-        return composition.spring_of(self.normal.force, self.normal.elastic)
+        limited = self.normal.limits is not None
+        return composition.spring_of(self.normal.force, self.normal.elastic, limited)
 
     @property
     def force(self) -> Any:

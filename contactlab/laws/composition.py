@@ -62,8 +62,8 @@ def friction_of(elastic: Any, state: Any, friction: int) -> Any:
 
 
 @cache
-def spring_of(force: Any, elastic: Any) -> Any:
-    """Give the kernel `NormalForce.force` of any normal force."""
+def spring_of(force: Any, elastic: Any, limited: bool) -> Any:
+    """Give the kernel `NormalForce.force` of any normal force, with limits of its own or none."""
     if force is not None:
         return force
 
@@ -71,7 +71,12 @@ def spring_of(force: Any, elastic: Any) -> Any:
         normal, stored, stiffness, slope = elastic(depth, parameters, at)
         return normal, stored, stiffness, slope, 0.0
 
-    return fleeting_kernel(spring)
+    def pressed(depth, depth_rate, z, parameters, at):
+        # Asked at the instant of a release, where the gap may be open by round-off.
+        normal, stored, stiffness, slope = elastic(max(depth, 0.0), parameters, at)
+        return normal, stored, stiffness, slope, 0.0
+
+    return fleeting_kernel(spring if limited else pressed)
 
 
 @cache

@@ -181,7 +181,7 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
 def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
-    The kernels are those of `contactlab.engine.loop.kernels_of`, and read what `row_of` gives.
+    The kernels are those of `contactlab.engine.law_kernels.kernels_of`, and read what `row_of` gives.
     """
     ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
     force, friction_force, solve, *of_memory = kernels

@@ -18,6 +18,7 @@ what is stored still at a release. A guard is looked at while a contact lasts. `
 there are no variables.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, final
 
@@ -60,11 +61,16 @@ class InternalVariable:
         return f"{self.meaning} [{self.units}]" if self.units != "1" else self.meaning
 
 
+def dependent(declared: Callable[[Any], Any]) -> Any:
+    """Let what a law declares of itself hang on its parameters: a property in place of a class attribute."""
+    return property(declared)
+
+
 class Remembering:
     """What a law or a part says of its memory, and its kernels; see the module."""
 
     internal_variables: ClassVar[tuple[InternalVariable, ...]] = ()
-    """What it remembers; a property where that hangs on its parameters."""
+    """What it remembers; `dependent` where that hangs on its parameters."""
     guards: ClassVar[int] = 0
     """How many guards it has."""
 

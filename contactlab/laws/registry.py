@@ -20,6 +20,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Any, Final, NamedTuple
 
+from contactlab.laws.archard import Archard
 from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, Part, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
@@ -37,6 +38,7 @@ GROUP: Final = "contactlab.laws"
 LAWS: Mapping[str, type[ContactLaw]] = {
     law.name: law
     for law in (
+        Archard,
         Brach,
         ChatterjeeRuina,
         Composed,

@@ -1,7 +1,8 @@
 """A run as an xarray tree and as a netCDF-4 file that stands under its name only when whole.
 
 The root holds the time series and the resonator's quantities, the group `contacts` one row a
-contact; names, dimensions and units are those of `contactlab.variables`. The group `state` holds what
+contact; names, dimensions and units are those of `contactlab.variables`, and with what the law remembers
+those of `contactlab.results.internal`. The group `state` holds what
 the engine needs to go on where the run ended, to the last bit. The attributes say what
 ran and with which code. Nothing in the file depends on when, where or on which machine it was
 written, so the same run leaves the same bytes.
@@ -23,6 +24,7 @@ from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.free_vibration import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
+from contactlab.results.internal import internal_contacts, internal_series
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.settling.periods import drive_period, period_told
 from contactlab.settling.verdict import Settling, settling_of
@@ -66,12 +68,14 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
         "damping_ratio": damping_ratio,
         "electromechanical_coupling": modes.shape_coupling,
     }
+    kept = (*variables.SERIES, variables.CONTACT_MODE, *internal_series(trajectory.law))
     root = xarray.Dataset(
-        _columns((*variables.SERIES, variables.CONTACT_MODE, *variables.RESONATOR), values),
+        _columns((*kept, *variables.RESONATOR), values),
         coords=_columns((variables.TIME,), values),
         attrs=_attributes(trajectory, configuration or settings_of(trajectory.motor, trajectory.law)),
     )
-    contacts = xarray.Dataset(_columns(variables.CONTACTS, trajectory.contacts))
+    of_contacts = (*variables.CONTACTS, *internal_contacts(trajectory.law))
+    contacts = xarray.Dataset(_columns(of_contacts, trajectory.contacts))
     if not contacts.sizes["contact"]:
         # What no contact disturbs is known beforehand.
         root.attrs["free_reach"] = free_reach(trajectory.motor)
@@ -183,6 +187,8 @@ def cf_attributes(variable: Variable) -> dict[str, object]:
     }
     if variable.cell_methods:
         attributes["cell_methods"] = variable.cell_methods
+    if variable.comment:
+        attributes["comment"] = variable.comment
     if variable.flags:
         # CF wants the values in the type of the variable itself.
         attributes["flag_values"] = np.arange(len(variable.flags), dtype=np.int8)

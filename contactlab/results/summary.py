@@ -7,10 +7,15 @@ from typing import Any
 import numpy as np
 import xarray
 
+from contactlab.results.internal import LIVES
 from contactlab.results.netcdf import TITLE, configuration_of, reached_end, settling_in
+from contactlab.variables import INTERNAL
 
 ROUND_OFF = 1e-9
 """Part of a clearance that is no motion of the tip."""
+
+MOST_REMEMBERED = 4
+"""Internal variables that are told."""
 
 
 def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
@@ -52,6 +57,8 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
         lines["load"] = f"{what}: {abs(work):.4g} J"
     impulse = float(np.sum(contacts["normal_impulse"].values))
     lines["normal impulse"] = f"{impulse:.6g} N s in all"
+    if remembered := _remembered(root):
+        lines["remembered"] = remembered
     lines["ledger residual"] = _residual(root)
     if wall_time is not None:
         pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
@@ -119,6 +126,18 @@ def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
     elif reach < clearance:
         told += f"; settled and free it reaches {prefixed(reach, 'm')} and never touches"
     return f"none: of the clearance, {prefixed(clearance, 'm')}, {told}. {way_out}"
+
+
+def _remembered(root: xarray.Dataset) -> str:
+    """Give what the law remembers beyond a contact, at the end of the run; empty where that is nothing."""
+    lasting = {
+        str(name).removeprefix(INTERNAL): found
+        for name, found in root.items()
+        if str(name).startswith(INTERNAL) and str(found.attrs.get("comment")).startswith(LIVES["run"])
+    }
+    told = [f"{name} {float(x[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
+    more = f", and {len(told) - MOST_REMEMBERED} more" if len(told) > MOST_REMEMBERED else ""
+    return ", ".join(words.removesuffix(" 1") for words in told[:MOST_REMEMBERED]) + more
 
 
 def _residual(root: xarray.Dataset) -> str:

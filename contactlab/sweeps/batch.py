@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil
 from typing import Any, Final, final
@@ -22,14 +22,16 @@ from numpy.typing import NDArray
 from contactlab.config import ConfigurationError, Setup
 from contactlab.engine import prepare
 from contactlab.engine.callback import is_of_a_signal
-from contactlab.laws import LawError
+from contactlab.laws import ContactLaw, LawError
 from contactlab.metrics import METRICS, Run, assess
 from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.results.internal import internal_series
 from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.dataset import SERIES
 from contactlab.sweeps.state import Status, status_of
 from contactlab.sweeps.values import listed
+from contactlab.variables import INTERNAL, Variable
 
 Answers = dict[str, NDArray[Any]]
 """What runs gave, a row each: metrics, NAME_series, `status` and `reason`; and the `time` of all series."""
@@ -51,10 +53,14 @@ class WorkerError(RuntimeError):
 @final
 @dataclass(frozen=True)
 class Outputs:
-    """Names what is kept of every run: metrics of `contactlab.metrics.METRICS`, and series kept whole."""
+    """Names what is kept of every run: metrics of `contactlab.metrics.METRICS`, and series kept whole.
+
+    Among the series may be internal variables; which they are hangs on the laws.
+    """
 
     metrics: tuple[str, ...] = tuple(key for key, metric in METRICS.items() if metric.usual)
     series: tuple[str, ...] = ()
+    internal: tuple[Variable, ...] = ()
 
     @classmethod
     def named(cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str) -> "Outputs":
@@ -67,7 +73,8 @@ class Outputs:
         asked, faults = [], []
         for kind, names, known in (("metric", chosen, [*METRICS]), ("series", series, [*SERIES])):
             asked.append(tuple(dict.fromkeys(listed(names) if isinstance(names, str) else names)))
-            for name in sorted({*asked[-1]} - {*known}):
+            remembered = {name for name in asked[-1] if kind == "series" and name.startswith(INTERNAL)}
+            for name in sorted({*asked[-1]} - {*known} - remembered):
                 hint = suggestion(name, known, f"One is {known[0]}.")
                 there = ", ".join(known)
                 faults.append(f"There is no {kind} '{name}'; it must be one of {there}. {hint}")
@@ -75,7 +82,40 @@ class Outputs:
             faults.append("Nothing is asked for; there must be one metric or series at least.")
         if faults:
             raise ConfigurationError(faults)
-        return cls(*asked)
+        return cls(asked[0], asked[1])
+
+    def of_laws(self, laws: Iterable[ContactLaw]) -> "Outputs":
+        """Find out which the internal variables among the series are.
+
+        Raises:
+            ConfigurationError: one that no law has, or that is not the same in all that have it.
+        """
+        asked = {name: set[Variable]() for name in self.series if name not in SERIES}
+        there: set[str] = set()
+        for law in laws if asked else ():
+            for one in internal_series(law):
+                there.add(one.name)
+                asked.get(one.name, set()).add(one)
+        faults = []
+        for name, found in asked.items():
+            if not found:
+                words = ", ".join(sorted(there)) or "nothing under these laws"
+                hint = suggestion(name, there)
+                faults.append(f"There is no series '{name}'; what is remembered is {words}. {hint}".rstrip())
+            elif len(found) > 1:
+                said = " and ".join(sorted(f"{one.long_name} [{one.units}]" for one in found))
+                faults.append(
+                    f"The series '{name}' is {said}; it must be the same under all laws. Leave it out."
+                )
+        if faults:
+            raise ConfigurationError(faults)
+        return replace(self, internal=tuple(one for found in asked.values() for one in found))
+
+    @property
+    def kept(self) -> tuple[Variable, ...]:
+        """The series as variables, once the laws are known."""
+        known = SERIES | {one.name: one for one in self.internal}
+        return tuple(known[name] for name in self.series)
 
     @property
     def sampled(self) -> bool:
@@ -195,8 +235,9 @@ def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
             metrics = assess(Run.of_trajectory(run, setup.configuration), outputs.metrics)
             if outputs.series:
                 # A series alone, not the memory of all that the run has recorded.
-                series = {name: run.series[name].copy() for name in outputs.series}
-                time = run.time
+                there, time = {*SERIES, *(one.name for one in internal_series(run.law))}, run.time
+                none = np.full(time.size, np.nan)
+                series = {n: run.series[n].copy() if n in there else none for n in outputs.series}
     except ConfigurationError as error:
         status, reason = Status.REFUSED, " ".join(error.faults)
     except LawError as error:

@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
 from types import NoneType
@@ -30,11 +30,12 @@ from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import checkout_state
 from contactlab.sweeps.batch import Outputs
-from contactlab.sweeps.dataset import DATASET, REASONS, RUN, Axis, Slab, dataset_of, text_of, write
+from contactlab.sweeps.dataset import DATASET, REASONS, RUN, SERIES, Axis, Slab, dataset_of, text_of, write
 from contactlab.sweeps.state import RUNNING, Job, Status, read_state, status_of
 from contactlab.sweeps.store import Store, read_plan
 from contactlab.sweeps.values import SweepError
 from contactlab.trajectory import Ending
+from contactlab.variables import INTERNAL, Variable
 
 NOT_ASKED: Final = "No run was asked for."
 """The reason of a cell of a grid that no run has."""
@@ -123,7 +124,8 @@ def collect(
         dataset.attrs["complete"] = int(not dataset["status"].any())
     path = directory / DATASET if output is None else Path(output)
     with files.whole_netcdf(path) as partial:
-        write(dataset, partial, outputs.series, lambda: _slabs(runs, dataset, outputs.series))
+        kept = _kept(runs, outputs)
+        write(dataset, partial, kept, lambda: _slabs(runs, dataset, kept))
     dataset.encoding["source"] = str(path)
     return dataset
 
@@ -198,7 +200,34 @@ def _dataset(runs: Sequence[FoundRun], metrics: Sequence[str]) -> xarray.Dataset
     return dataset_of(_parameters(runs), columns, attributes, samples=True)
 
 
-def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, names: Sequence[str]) -> Iterator[Slab]:
+def _kept(runs: Sequence[FoundRun], outputs: Outputs) -> tuple[Variable, ...]:
+    """Give the series as variables; an internal one is what the files say of it, and the same in all."""
+    missing, found = {name for name in outputs.series if name.startswith(INTERNAL)}, dict[str, Variable]()
+    for run in runs if missing else ():
+        if run.status is Status.COMPLETE:
+            tree = _read(run)
+            for name in missing.intersection(map(str, tree.variables)):
+                said = tree[name].attrs
+                words = (str(said.get(word, "")) for word in ("units", "symbol", "long_name"))
+                one = Variable(name, ("time",), *words, comment=str(said.get("comment", "")))
+                if found.setdefault(name, one) != one:
+                    raise SweepError(
+                        f"'{run.name}' means something else by {name} than the runs before it; it must be "
+                        "the same in all runs. Leave it out of --series."
+                    )
+    if lacking := sorted(missing - {*found}):
+        raise SweepError(f"No complete run has {lacking[0]}; leave it out of --series.")
+    return replace(outputs, internal=tuple(found.values())).kept
+
+
+def _read(run: FoundRun) -> xarray.DataTree:
+    try:
+        return read_run(run.folder / files.DATASET)
+    except ValueError as error:
+        raise SweepError(str(error)) from error
+
+
+def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, kept: Sequence[Variable]) -> Iterator[Slab]:
     """Give the time series of the complete runs; a SweepError tells of those that cannot be joined."""
     places = {job: place for place, job in np.ndenumerate(dataset["job"].values)}
     complete = [run for run in runs if run.status is Status.COMPLETE]
@@ -206,10 +235,7 @@ def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, names: Sequence[st
         raise SweepError("There is no complete run; there must be one for time series. Leave out --series.")
     first: NDArray[Any] | None = None
     for run in complete:
-        try:
-            tree = read_run(run.folder / files.DATASET)
-        except ValueError as error:
-            raise SweepError(str(error)) from error
+        tree = _read(run)
         time = np.asarray(tree["time"].values, dtype=np.float64)
         first = time if first is None else first
         if not np.array_equal(time, first):
@@ -218,9 +244,12 @@ def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, names: Sequence[st
                 "must be the same. Leave out --series, or run all with one solver.duration and one "
                 "record.interval."
             )
-        if lacking := [name for name in names if name not in tree.variables]:
+        rows = {one.name: np.asarray(tree[one.name]) for one in kept if one.name in tree.variables}
+        if lacking := [one.name for one in kept if one.name in SERIES and one.name not in rows]:
             raise SweepError(f"'{run.name}' has no {lacking[0]}; leave it out of --series.")
-        yield places[run.name], time, {name: np.asarray(tree[name]) for name in names}
+        # A law that does not remember it has none.
+        none = np.full(time.size, np.nan)
+        yield places[run.name], time, {one.name: rows.get(one.name, none) for one in kept}
 
 
 def _dimensions(dataset: xarray.Dataset) -> list[str]:

@@ -18,6 +18,7 @@ from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import code_digest, versions
 from contactlab.sweeps.state import Status
 from contactlab.sweeps.values import short_names
+from contactlab.variables import Variable
 
 DATASET: Final = "sweep.nc"
 """The file of a sweep, in its folder."""
@@ -29,6 +30,7 @@ GROUP: Final = "series"
 """Of the file: the time series."""
 
 SERIES: Final = {variable.name: variable for variable in variables.SERIES}
+"""Those of every run; a law that remembers has more, see `contactlab.results.internal`."""
 
 TAKEN: Final = frozenset({*METRICS, *SERIES, "status", "reason", "job", "time", RUN})
 """Names of a dataset that no parameter can have."""
@@ -42,7 +44,6 @@ REASONS: Final = {
 
 _ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
     **{k: {"units": m.units, "symbol": m.symbol, "long_name": m.meaning} for k, m in METRICS.items()},
-    **{f"{name}_series": cf_attributes(variable) for name, variable in SERIES.items()},
     "status": {
         "long_name": "what became of the run",
         "flag_values": np.array([code.value for code in Status], dtype=np.int8),
@@ -51,7 +52,7 @@ _ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
     "reason": {"long_name": "why a run has no numbers"},
     "job": {"long_name": "folder of the run"},
 }
-"""Of the variables, by name."""
+"""Of the variables that are no series, by name."""
 
 _PACKED: Final[dict[str, Any]] = {"zlib": True, "complevel": 1, "shuffle": True}
 
@@ -85,6 +86,7 @@ def dataset_of(
     attributes: dict[str, Any] | None = None,
     *,
     samples: bool = False,
+    series: Sequence[Variable] = (),
 ) -> xarray.Dataset:
     """Give one dataset of many runs.
 
@@ -94,8 +96,11 @@ def dataset_of(
             order over the axes.
         attributes: of the dataset, beside those that every sweep has.
         samples: whether the n-th run has the n-th value of every axis.
+        series: those that are kept, here or in the file.
     """
-    names = list(short_names([axis.key for axis in axes], TAKEN).values())
+    taken = TAKEN.union(variable.name for variable in series)
+    names = list(short_names([axis.key for axis in axes], taken).values())
+    told_of = _ATTRIBUTES | {f"{one.name}_series": cf_attributes(one) for one in series}
     dims, shape = ([RUN], [-1]) if samples else (names, [len(axis.values) for axis in axes])
 
     def variable(attributes: Mapping[str, Any], values: NDArray[Any]) -> xarray.Variable:
@@ -111,7 +116,7 @@ def dataset_of(
     status, time = columns["status"], columns.get("time", np.empty(0))
     if time.size:
         coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
-    found = {name: variable(_ATTRIBUTES[name], values) for name, values in columns.items() if name != "time"}
+    found = {name: variable(told_of[name], values) for name, values in columns.items() if name != "time"}
     every = {
         "Conventions": "CF-1.11",
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
@@ -128,12 +133,12 @@ def dataset_of(
 def write(
     dataset: xarray.Dataset,
     path: Path,
-    series: Sequence[str] = (),
+    series: Sequence[Variable] = (),
     slabs: Callable[[], Iterable[Slab]] = tuple,
 ) -> None:
     """Write what `dataset_of` gives into a new file; the same dataset gives the same bytes.
 
-    The `series` named go into the group of that name, one of the `slabs` in memory at a time; they are NaN
+    The `series` go into the group of that name, one of the `slabs` in memory at a time; they are NaN
     where a run has none.
     """
     encoding = {
@@ -156,11 +161,11 @@ def write(
                 axis[:] = time
                 # A slab is a chunk, so that a run is read or written without its neighbours.
                 size: Any = {"fill_value": np.nan, "chunksizes": [1] * len(dims) + [time.size]}
-                for name in series:
-                    target = group.createVariable(name, "f8", [*dims, "time"], **_PACKED, **size)
-                    target.setncatts(cf_attributes(SERIES[name]))
-            for name in series:
-                group[name][place] = rows[name]
+                for one in series:
+                    target = group.createVariable(one.name, "f8", [*dims, "time"], **_PACKED, **size)
+                    target.setncatts(cf_attributes(one))
+            for one in series:
+                group[one.name][place] = rows[one.name]
 
 
 def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:

@@ -19,6 +19,7 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import Value, flat
 from contactlab.config.quantity import describe
 from contactlab.config.schema import declared_in
+from contactlab.laws import ContactLaw
 from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.batch import Outputs
@@ -160,6 +161,7 @@ def planned(
         raise ConfigurationError([f"{words}none, or leave it out."])
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = _trials(bases, values)
+    outputs = outputs.of_laws(_laws(composer, trials))
     declared = declared_in(_sound(composer, trials).configuration) if values else {}
     axes: list[Axis] = []
     faults: list[str] = []
@@ -276,6 +278,13 @@ def _sound(composer: Composer, trials: Sequence[Configuration]) -> Setup:
         with suppress(ConfigurationError):
             return composer.build(trial)
     return composer.build(trials[0])
+
+
+def _laws(composer: Composer, trials: Iterable[Configuration]) -> Iterator[ContactLaw]:
+    """Give the laws of the trials that are sound."""
+    for trial in trials:
+        with suppress(ConfigurationError):
+            yield composer.build(trial).law
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:

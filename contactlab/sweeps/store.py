@@ -168,10 +168,11 @@ class Store:
                 column[cells.start : cells.stop] = answers[name]
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         configuration = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
-        dataset = dataset_of(plan.axes, columns, {"configuration": configuration}, samples=plan.samples)
+        said, kept = {"configuration": configuration}, plan.outputs.kept
+        dataset = dataset_of(plan.axes, columns, said, samples=plan.samples, series=kept)
         path = self.path / (DATASET if whole else UNFINISHED)
         with whole_netcdf(path) as partial:
-            write(dataset, partial, plan.outputs.series, lambda: self._slabs(chunks))
+            write(dataset, partial, kept, lambda: self._slabs(chunks))
             if whole:
                 # Before the sweep has its name: killed in between, the chunks make the same again.
                 with whole_file(self.path / DIGEST) as told:

@@ -1,6 +1,7 @@
 """Sweeps from Python: over keys of the configuration, or over arguments of a function that makes motors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, final
@@ -61,7 +62,8 @@ def sweep(
             keeps but the last record, with which all metrics are content that need no records.
         contact_step, tolerance: as for `contactlab.engine.simulate`.
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
-        series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series.
+        series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
+            internal_NAME of what a law remembers, NaN under laws that do not.
         folder: where chunks are kept as they are finished, so that the same sweep goes on where it was
             stopped; not with `motor`, since of a function nobody can tell whether it is the same.
         workers: processes at work; None is one a processor.
@@ -89,6 +91,7 @@ def sweep(
     if motor is None:
         composer = ScriptComposer(base, law, solver)
         plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
+        outputs = plan.outputs
         setup_at: SetupAt = plan.setup_at
     else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
@@ -99,6 +102,7 @@ def sweep(
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
         plan = Plan(axes=axes, samples=samples, outputs=outputs)
         _refuse(plan, law, record_interval)
+        outputs = outputs.of_laws(_laws(plan, law))
         setup_at = partial(_setup, plan, motor, law, solver)
     if folder is not None:
         store = Store(Path(folder), plan)
@@ -106,7 +110,8 @@ def sweep(
         store.run_missing(workers, report)
         return store.merge()
     with Batch(setup_at, outputs, workers, report) as batch:
-        return dataset_of(plan.axes, batch.answers(range(plan.cells)), samples=samples)
+        answers = batch.answers(range(plan.cells))
+    return dataset_of(plan.axes, answers, samples=samples, series=outputs.kept)
 
 
 def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
@@ -123,6 +128,13 @@ def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
             "The record interval is None; series, and metrics that are of more than the contacts and the "
             "end, need records. Give a record_interval in seconds."
         )
+
+
+def _laws(plan: Plan, law: Any) -> Iterator[ContactLaw]:
+    """Give the laws at both ends of a sweep; what a function raises there its runs tell."""
+    for cell in (0, plan.cells - 1):
+        with suppress(Exception):
+            yield law(**plan.point(cell)) if callable(law) else law
 
 
 def _setup(plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int) -> Setup:

@@ -17,6 +17,7 @@ from contactlab.metrics import INVARIANTS, NOT_APPLICABLE, assess
 from contactlab.testing import closed_forms, flow_properties, kernel_properties, references, run_properties
 from contactlab.testing.claim import Claim, Claims, at_most, proofs_of
 from contactlab.testing.plants import Bench, paper_motor
+from contactlab.testing.published import published
 
 
 def declares_what_it_breaks(bench: Bench) -> Claims:
@@ -106,7 +107,8 @@ def invariants_of(run: xarray.DataTree) -> Claims:
 
 def all_claims() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
     """Give every heading and the function of its claims: the catalogues, then the contract of every law."""
-    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values()):
+    of_laws = (proof for proofs in published().values() for proof in proofs.values())
+    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values(), *of_laws):
         yield (proof.__doc__ or "").partition("\n")[0], partial(claims_of, proof)
     for name in law_names():
         try:

@@ -73,7 +73,7 @@ def test_version_is_shown(command: Command) -> None:
 @pytest.mark.parametrize(
     ("line", "completion"),
     [
-        ("contactlab law=lagrange_", "law=lagrange_slip law=lagrange_stick"),
+        ("contactlab law=lagrange_", "law=lagrange_ageing law=lagrange_slip law=lagrange_stick"),
         ("contactlab solver.d", "solver.duration="),
         ("contactlab law/normal=hertz_p", "law/normal=hertz_point"),
         ("contactlab law=composed law.normal.s", "law.normal.stiffness="),

@@ -37,7 +37,7 @@ def test_a_text_is_no_list_of_overrides() -> None:
 @pytest.mark.parametrize(
     ("override", "words"),
     [
-        ("law=rubber", "law is 'rubber'; it must be one of composed, "),
+        ("law=rubber", "law is 'rubber'; it must be one of "),
         ("law=newtn", "Did you mean newton?"),
         ("rotor.inertai=1", "rotor.inertai is not a known key. Did you mean rotor.inertia?"),
         ("law.stifness=1", "law.stifness is not a known key. Did you mean law.stiffness?"),

@@ -17,6 +17,7 @@ from contactlab.laws.base import FREE, RATE_DEPENDENT, FrictionKernel, PenaltyKe
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised
+from contactlab.laws.memory import InternalVariable
 from contactlab.laws.normal import HertzPoint, Linear
 from contactlab.testing.plants import block, way_of
 from contactlab.trajectory import Trajectory
@@ -160,7 +161,9 @@ class RateAndState(PenaltyLaw):
     default_contact_step: ClassVar[float] = 4e-6
     friction_kind: ClassVar[int] = RATE_DEPENDENT
     exact_stick: ClassVar[bool] = False
-    internal_variables: ClassVar[tuple[str, ...]] = ("age, less that at the touch-down [s]",)
+    internal_variables: ClassVar[tuple[InternalVariable, ...]] = (
+        InternalVariable("age", "theta", "s", "age, less that at the touch-down"),
+    )
 
     direct_effect: Annotated[float, number("a", "1")] = 0.01
     stiffness: Annotated[float, number("k", "N m-1.5")] = 1e10

@@ -93,7 +93,7 @@ def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(count: int, e
 
 KEPT = """
 from borrowed import Borrowed
-from contactlab.engine.loop import kernels_of
+from contactlab.engine.law_kernels import kernels_of
 kernels, _ = kernels_of(Borrowed())
 print(sum(kernels[0].stats.cache_hits.values()))
 """

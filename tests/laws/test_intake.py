@@ -262,7 +262,9 @@ def bouncing(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
     return -normal_rate / d_nn, 0.0, SLIP
 
 
-@pytest.mark.parametrize("words", [{}, {"rate": staticmethod(flowing)}, {"told": True}], ids=str)
+@pytest.mark.parametrize(
+    "words", [{}, {"rate": staticmethod(flowing)}, {"told": True}], ids=["none", "rate", "told"]
+)
 def test_a_rigid_law_that_remembers_without_being_told_is_refused(words: dict[str, Any]) -> None:
     @dataclass(frozen=True)
     class Rigid(MultiplierLaw):

@@ -9,13 +9,18 @@ import pytest
 from support.command_line import Command
 
 from contactlab import laws
+from contactlab.cli.laws import declared_rows
 from contactlab.config.quantity import to_si
 from contactlab.laws import (
     Composed,
+    Friction,
     HertzPenalty,
+    InternalVariable,
     Linear,
     LuGre,
+    MultiplierLaw,
     Newton,
+    NormalForce,
     PenaltyLaw,
     law,
     law_class,
@@ -23,6 +28,7 @@ from contactlab.laws import (
     origin_of,
 )
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, members_of
+from contactlab.laws.memory import ODD
 from contactlab.laws.registry import LAWS, PARTS, build_law
 from contactlab.parameter import Parameter, from_cf, parameters_of
 
@@ -53,7 +59,7 @@ def test_every_law_and_part_that_is_written_is_in_a_table() -> None:
 
 
 def test_an_unknown_law_is_told_with_those_there_are() -> None:
-    with pytest.raises(ValueError, match="There is no law 'glue'; it must be one of composed, hertz"):
+    with pytest.raises(ValueError, match=r"There is no law 'glue'; it must be one of .*, hertz_penalty"):
         law_class("glue")
     with pytest.raises(AttributeError):
         _ = laws.Glue
@@ -168,6 +174,109 @@ def test_the_listing_says_what_is_a_bound_and_what_a_mirror_does(
     status, out, _ = command("laws", name)
     assert status == 0
     assert words in " ".join(out.split())
+
+
+@dataclass(frozen=True)
+class Dented(NormalForce):
+    """A normal force that says all that it can."""
+
+    name = "dented"
+    equation = "none"
+    source = "this test"
+    allows_tension = True
+    guards = 2
+    internal_variables = (
+        *(InternalVariable(f"creep_{i}", f"z_{i}", "m", f"creep of arm {i}", life="run") for i in (1, 2, 3)),
+        InternalVariable("yields", "", "1", "whether it yields", initial=1.0),
+    )
+    jump = limits = guard = staticmethod(lambda *_: 0.0)
+
+
+@dataclass(frozen=True)
+class Sticky(Friction):
+    """A friction whose cone and memory hang on its parameters."""
+
+    name = "sticky"
+    equation = "|F| <= mu (N + C)"
+    source = "this test"
+
+    count: Annotated[int, Parameter("n", "1", "springs", at_least=1.0)] = 1
+    cohesion: Annotated[float, Parameter("C", "N", "cohesion", at_least=0.0)] = 2.0
+
+    @property
+    def friction_offset(self) -> float:
+        return self.cohesion
+
+    @property
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
+        return (InternalVariable("stretch", "z", "m", "stretch", parity=ODD),) * self.count
+
+
+@dataclass(frozen=True)
+class Told(MultiplierLaw):
+    """A rigid law that has to be given a number."""
+
+    name = "told"
+    equation = "g = 0"
+    source = "this test"
+    default_contact_step = 5e-8
+    told = True
+
+    power: Annotated[float, Parameter("n", "1", "power")]
+
+    @property
+    def friction_limit(self) -> float:
+        return self.power
+
+    solve = staticmethod(lambda *_: None)
+
+
+@dataclass(frozen=True)
+class Turned(PenaltyLaw):
+    """A compliant law with a moment."""
+
+    name = "turned"
+    equation = "M = -k phi"
+    source = "this test"
+    default_contact_step = 4e-6
+
+    force = moment = staticmethod(lambda *_: None)
+
+
+@pytest.mark.parametrize(
+    ("owner", "rows"),
+    [
+        (
+            Dented,
+            {
+                "tension": "allowed",
+                "internal variables creep_1 to creep_3": "z_1 to z_3 [m], creep of arm 1 to creep of arm 3, "
+                "begin at 0 with the run and not with a contact",
+                "internal variable yields": "whether it yields, begins at 1 with every contact",
+                "limits": "a contact begins and ends at the gaps that it says, not at zero",
+                "guards": "2: where one falls through zero, a step ends and what it remembers jumps",
+            },
+        ),
+        (
+            Sticky,
+            {
+                "stick": "exact",
+                "cone": "widened by an offset C = 2 N",
+                "internal variable stretch": "z [m], stretch, begins at 0 with every contact, odd "
+                "in a mirror",
+            },
+        ),
+        (Told, {"told": "how long a step is, and whether it is that of an impact"}),
+        (Turned, {"moment": "a patch of some extent turns the tip"}),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_the_listing_says_what_is_special_of_a_law(owner: Any, rows: dict[str, str]) -> None:
+    said = {word: text for word, text in declared_rows(owner).items() if text}
+    # What every law says, whatever it is.
+    common = {"family", "convergence order", "default contact step", "stick", "tension"}
+    assert {word: said[word] for word in rows} == rows
+    assert said.keys() <= rows.keys() | common
 
 
 @dataclass(frozen=True)

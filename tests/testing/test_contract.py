@@ -27,6 +27,10 @@ HELD = {
     "stronge": LAWS["stronge"](friction_coefficient=0.3, restitution=0.5),
     "stronge_without_loss": LAWS["stronge"](friction_coefficient=0.3, restitution=1.0),
     "moreau_jean": LAWS["moreau_jean"](friction_coefficient=0.3, restitution=0.5),
+    "brach": LAWS["brach"](friction_coefficient=0.3, restitution=0.5),
+    "chatterjee_ruina": LAWS["chatterjee_ruina"](friction_coefficient=0.3, tangential_restitution=0.4),
+    "johnson": LAWS["johnson"](friction_coefficient=0.3),
+    "lagrange_ageing": LAWS["lagrange_ageing"](friction_coefficient=0.3),
     # Each part in a law that is Hertz and Coulomb but for it.
     **{f"normal_{name}": Composed(normal=part()) for name, part in NORMAL_FORCES.items()},
     **{f"damping_{name}": Composed(damping=part()) for name, part in DAMPINGS.items()},

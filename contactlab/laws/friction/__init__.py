@@ -7,7 +7,9 @@ from contactlab.laws.friction.bristles import ElastoPlastic, LuGre
 from contactlab.laws.friction.cohesive import Cohesive
 from contactlab.laws.friction.coulomb import Coulomb, cone_bound
 from contactlab.laws.friction.dahl import Dahl
+from contactlab.laws.friction.iwan import Iwan
 from contactlab.laws.friction.mindlin import Mindlin
+from contactlab.laws.friction.rate_and_state import RateAndState
 from contactlab.laws.friction.regularised import Regularised
 from contactlab.laws.friction.stribeck import Stribeck
 
@@ -15,6 +17,6 @@ FRICTIONS: dict[str, type[Friction]] = {
     part.name: part
     for part in (
         *(Coulomb, Regularised, Mindlin, LuGre, ElastoPlastic),
-        *(Stribeck, Cohesive, AgeingStick, Dahl, BoucWen),
+        *(Stribeck, Cohesive, AgeingStick, Dahl, BoucWen, Iwan, RateAndState),
     )
 }

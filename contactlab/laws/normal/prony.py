@@ -5,7 +5,7 @@ from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
-from contactlab.laws.memory import InternalVariable
+from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.parameter import not_negative, positive
 
 MOST = 3
@@ -55,8 +55,8 @@ class Prony(NormalForce):
         others = (self.second_stiffness, self.second_time), (self.third_stiffness, self.third_time)
         return first, *(arm for arm in others if arm[0] > 0.0)
 
-    @property
-    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
         """The way of each dashpot."""
         return tuple(
             InternalVariable(f"creep_{i}", f"z_{i}", "m", f"way of the dashpot of arm {i}", life="run")

@@ -1,4 +1,4 @@
-"""The elastic, perfectly plastic sphere: Hertz until it yields, a straight line, Hertz of a flatter sphere."""
+"""The elastic, perfectly plastic sphere: Hertz until it yields, a straight line, Hertz of a flatter one."""
 
 from dataclasses import dataclass
 from math import pi, sqrt
@@ -6,7 +6,7 @@ from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
-from contactlab.laws.memory import AT_TOUCH, InternalVariable
+from contactlab.laws.memory import AT_TOUCH, InternalVariable, dependent
 from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL
 from contactlab.parameter import positive
 
@@ -59,8 +59,8 @@ class Thornton(NormalForce):
         """The depth d_y at which it yields [m]."""
         return self.radius * (pi * self.yield_pressure / (2.0 * self.effective_modulus)) ** 2
 
-    @property
-    def internal_variables(self) -> tuple[InternalVariable, ...]:  # type: ignore[override]
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
         """Whether it yields, and how deep it has been."""
         return (
             InternalVariable("yields", "", "1", "whether the contact yields"),
@@ -102,7 +102,7 @@ class Thornton(NormalForce):
     def jump(which, event, depth, depth_rate, z, parameters, at):
         if event == BEGINS:
             return 1.0 if which == YIELDS else z[PEAK]
-        if event == STOPS or event == AT_TOUCH:
+        if event in (STOPS, AT_TOUCH):
             # A contact that begins under load has been loaded.
             return 0.0 if which == YIELDS else max(depth, z[PEAK])
         return z[which]

@@ -1,0 +1,99 @@
+"""The moments of a contact of some extent: against the tilt of the tip, and against its spin on the rotor.
+
+A moment M_t against the tilt, th less the angle a by which the tangent has turned, da/dt = v_T / |d|, acts on
+the tip as M_t - M_t/|d| along the tangent, and not on the rotor: the pressure is normal to it. A moment M_s
+against the spin thdot - Omega turns tip and rotor against each other.
+"""
+
+from math import asin
+
+from contactlab.compiled import inner_kernel
+from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.kinematics import contact_at, tip_motion
+from contactlab.engine.state import START, value_at
+
+
+@inner_kernel
+def moments_at(
+    run: Run, memory: Memory | None, gap: float, normal: float, turn: tuple[float, float, float, float]
+) -> tuple[float, float, float]:
+    """Give the moments against tilt and spin [N m] and what they store [J]; of what is recalled.
+
+    `turn` is the tip's slope th [rad], t_u of the contact's directions, which is the sine of the angle by
+    which the tangent has turned, thdot [rad/s] and -R Omega [m/s].
+    """
+    if memory is None:
+        return 0.0, 0.0, 0.0
+    th, t_u, th_rate, rotor = turn
+    spin = th_rate + rotor / run.plant.geometry.radius
+    tilting, spinning, stored = memory.moment(th - asin(t_u), spin, gap, normal, memory.parameters)
+    return tilting, spinning, stored
+
+
+@inner_kernel
+def first_moments(run: Run, memory: Memory | None, gap: float, normal: float) -> None:
+    """Take the moments at the start of a step, whose internal variables are recalled."""
+    if memory is None:
+        return
+    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
+    t_u = contact_at(run.plant, START)[5]
+    moments = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))
+    run.step.first_tilting, run.step.first_spinning = moments[0], moments[1]
+
+
+@inner_kernel
+def set_moments(
+    run: Run,
+    memory: Memory | None,
+    i: int,
+    gap: float,
+    normal: float,
+    turn: tuple[float, float, float, float],
+) -> float:
+    """Set the moments at node i, see `moments_at`; gives their change as a force on the rotor [N]."""
+    if memory is None:
+        return 0.0
+    step = run.step
+    tilting, spinning, _ = moments_at(run, memory, gap, normal, turn)
+    change = abs(tilting - step.tilting.node[i]) + abs(spinning - step.spinning.node[i])
+    step.tilting.node[i], step.spinning.node[i] = tilting, spinning
+    return float(change / run.plant.geometry.radius)
+
+
+@inner_kernel
+def missed_moments(run: Run, memory: Memory | None) -> float:
+    """Give what the moments' polynomials miss of them at the step's start, as a force on the rotor [N]."""
+    if memory is None:
+        return 0.0
+    step = run.step
+    tilting = abs(step.tilting.coefficient[0] - step.first_tilting)
+    spinning = abs(step.spinning.coefficient[0] - step.first_spinning)
+    return float(max(tilting, spinning) / run.plant.geometry.radius)
+
+
+@inner_kernel
+def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
+    """Give the power of the moments at a place of the step, at x = s/h [W]."""
+    if memory is None:
+        return 0.0
+    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
+    gap, _, slip, _, _, _, _ = contact_at(run.plant, place)
+    radius = run.plant.geometry.radius
+    tilt_rate = th_rate - (slip - rotor) / (radius + gap)
+    power = value_at(run.step.tilting, x) * tilt_rate
+    return float(power + value_at(run.step.spinning, x) * (th_rate + rotor / radius))
+
+
+@inner_kernel
+def press(run: Run, law: Law, memory: Memory | None) -> None:
+    """Count what a contact that is pressed together at the start stores as brought along."""
+    if memory is None:
+        return
+    state = run.state
+    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
+    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
+    normal, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    turned = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[2]
+    state.total.contact_loss += pressed
+    state.total.friction_loss += turned
+    state.contact.energy_loss += pressed + turned

@@ -1,0 +1,128 @@
+"""Springs with sliders in parallel, which begin to slide one after the other."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import copysign, cos, pi
+from types import MappingProxyType
+from typing import Annotated, final
+
+from contactlab.compiled import kernel
+from contactlab.laws.base import RATE_DEPENDENT, Friction
+from contactlab.laws.memory import ODD, InternalVariable, dependent
+from contactlab.parameter import Parameter, positive
+
+ELEMENTS = Parameter("n", "1", "springs with sliders in parallel", at_least=1, at_most=100)
+
+TOGETHER = 1e-10
+"""Way over x_s by which a slider begins late, or early with those that slide: what has come back to where
+it slid before has many at their limits, and what has only just turned some."""
+
+YIELD, REVERSE = 0, 1
+"""Guards: the next slider holds; the slip goes on as it went when sliders began."""
+
+
+@final
+@dataclass(frozen=True)
+class Iwan(Friction):
+    """Jenkins elements whose distribution is that of microslip in a round contact.
+
+        F = -N sum_j s_j z_j,  |z_j| <= x_j,  dz_j/dt = v, or 0 where the element slides
+
+    Under a constant N the first loading is that of Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327,
+    F = mu N [1 - (1 - x/x_s)^(3/2)], and its reversals follow by Masing's rule. What sticks at x has the
+    share u = sqrt(1 - x/x_s) of the stiffness 3 mu N/(2 x_s); element j has that of u from cos(pi j/(2n))
+    to cos(pi (j-1)/(2n)), and the friction that belongs to it. So a small slip's stiffness and a large
+    one's friction are exact, and what is between goes with 1/n^2. x_s is the slip at which all slides:
+    between spheres mu d/kappa of the depth d, with kappa as in `mindlin`.
+
+    To its limit an element has the way x_j - z_j to go, which never falls with j: those that slide are
+    always the first ones. They stick where the slip reverses. Stiffness and limits are in proportion
+    to N, and stretches stay where it changes.
+    """
+
+    name = "iwan"
+    equation = "F = -N sum s_j z_j, |z_j| <= x_j, dz_j/dt = v - sliding; mu N (1 - (1 - x/x_s)^1.5) at first"
+    source = "Iwan (1966), J. Appl. Mech. 33, 893; Iwan (1967), J. Appl. Mech. 34, 612"
+    friction_kind = RATE_DEPENDENT
+    exact_stick = False
+    guards = 2
+    violations = MappingProxyType(
+        {
+            "friction_opposes_slip": "stretched springs grow stiffer with the normal force, which gives them "
+            "energy that nothing brought."
+        }
+    )
+
+    elements: Annotated[int, ELEMENTS] = 10
+    full_slip: Annotated[float, positive("x_s", "m", "slip at which all elements slide")] = 4e-7
+
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
+        """Stretches by their limits, and how many slide."""
+        count = range(1, self.elements + 1)
+        stretches = [
+            InternalVariable(f"stretch_{j}", f"z_{j}", "m", f"stretch {j}", parity=ODD) for j in count
+        ]
+        sliding = InternalVariable(
+            "sliding", "J", "1", "elements that slide, with the sign of slip", parity=ODD
+        )
+        return *stretches, sliding
+
+    def coefficients(self) -> tuple[float, ...]:
+        """Give mu, 1, n, x_s, then limits x_j [m] and stiffnesses over N, s_j [m-1]."""
+        n, mu, whole = self.elements, self.friction_coefficient, self.full_slip
+        shares = [cos(0.5 * pi * j / n) if j < n else 0.0 for j in range(n + 1)]
+        pairs = [*pairwise(shares)]
+        limits = [whole * (1.0 - (a * a + a * b + b * b) / 3.0) for a, b in pairs]
+        stiffnesses = [1.5 * mu / whole * (a - b) for a, b in pairs]
+        return mu, 1.0, float(n), whole, *limits, *stiffnesses
+
+    @staticmethod
+    @kernel
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        """See `Friction.state`."""
+        n, force, stored = int(parameters[at + 2]), 0.0, 0.0
+        for j in range(n):
+            part = max(normal, 0.0) * parameters[at + 4 + n + j] * z[j]
+            force -= part
+            stored += 0.5 * part * z[j]
+        return force, stored, 0.0
+
+    @staticmethod
+    @kernel
+    def rate(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        """See `contactlab.laws.memory`: what slides keeps its stretch."""
+        n = int(parameters[at + 2])
+        return slip if abs(z[n]) <= which < n else 0.0
+
+    @staticmethod
+    @kernel
+    def guard(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        """See `contactlab.laws.memory`: the way to the next limit [m], or the slip."""
+        n = int(parameters[at + 2])
+        sliding = z[n]
+        if which == REVERSE:
+            return copysign(1.0, sliding) * slip if sliding != 0.0 else 1.0
+        held = int(abs(sliding))
+        if held == n:
+            return 1.0
+        stretch = z[held] if sliding > 0.0 else -z[held] if sliding < 0.0 else abs(z[held])
+        return parameters[at + 4 + held] + TOGETHER * parameters[at + 3] - stretch
+
+    @staticmethod
+    @kernel
+    def jump(which, event, normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        """See `contactlab.laws.memory`: how many slide, with the sign of their slip."""
+        n = int(parameters[at + 2])
+        if which < n or event < 0:
+            return z[which]
+        if event == REVERSE:
+            return 0.0
+        begun = int(abs(z[n]))
+        direction = copysign(1.0, z[n] if begun > 0 else z[0])
+        begun = min(begun + 1, n)
+        while (
+            begun < n and parameters[at + 4 + begun] - direction * z[begun] <= TOGETHER * parameters[at + 3]
+        ):
+            begun += 1
+        return direction * begun

@@ -1,0 +1,80 @@
+"""Friction that grows with the age of the contact and, at first, with the logarithm of the slip."""
+
+from dataclasses import dataclass
+from math import asinh, copysign, exp, log, log1p, sqrt
+from typing import Annotated, final
+
+from contactlab.compiled import inner_kernel, kernel
+from contactlab.laws.base import RATE_DEPENDENT, Friction
+from contactlab.laws.memory import InternalVariable, dependent
+from contactlab.parameter import not_negative, positive
+
+FASTEST = 10.0
+"""Slip [m/s] up to which `friction_limit` is meant."""
+
+
+@inner_kernel
+def asinh_of(slip, exponent):
+    """Give asinh(slip exp(exponent)) [1]; the exponential itself may be beyond all numbers."""
+    if slip == 0.0:
+        return 0.0
+    whole = exponent + log(abs(slip))
+    if whole < 1.0:
+        return asinh(copysign(exp(whole), slip))
+    return copysign(whole + log1p(sqrt(1.0 + exp(-2.0 * whole))), slip)
+
+
+@final
+@dataclass(frozen=True)
+class RateAndState(Friction):
+    """A contact of age theta that ages at rest and is renewed by a slip of D: Dieterich's ageing law.
+
+        F/N = -a asinh(v/(2 v_0) exp((mu + b z)/a)),  z = ln(v_0 theta/D),  dz/dt = (v_0 exp(-z) - |v|)/D
+
+    Of a faster slip friction rises by a ln(v_2/v_1) at once, and falls by b ln(v_2/v_1) over the way D;
+    at steady slip F/N = mu + (a - b) ln(v/v_0), so that with b > a fast slip is easy. mu is that at v_0. It
+    never sticks: at rest it creeps with a slip that falls as exp(-mu/a), a few pm/s and less, where the
+    round-off of a motor's slip is felt. Below v_c, which no surface can tell from rest, friction therefore
+    falls to zero in proportion to the slip: what of the exponent makes the creep slower than v_c is
+    multiplied by v/sqrt(v^2 + v_c^2), which far above v_c is nothing. Nothing is stored.
+
+    |F|/N has no largest value; `friction_limit` is that of slips up to 10 m/s in contacts younger than D/v_0.
+
+    Source: the asinh is that of Lapusta et al. (2000), J. Geophys. Res. 105, 23765, after Rice and Ben-Zion
+    (1996); without it F would be infinite at rest.
+    """
+
+    name = "rate_and_state"
+    equation = "F = -N a asinh(v/(2 v_0) exp((mu + b ln(v_0 theta/D))/a)), dtheta/dt = 1 - |v| theta/D"
+    source = "Dieterich (1979), J. Geophys. Res. 84, 2161; Ruina (1983), J. Geophys. Res. 88, 10359"
+    friction_kind = RATE_DEPENDENT
+    exact_stick = False
+
+    direct_effect: Annotated[float, positive("a", "1", "d(F/N)/d ln v at once")] = 0.01
+    evolution_effect: Annotated[float, not_negative("b", "1", "d(F/N)/d ln theta")] = 0.015
+    renewal_distance: Annotated[float, positive("D", "m", "slip that renews the contact")] = 1e-6
+    reference_velocity: Annotated[float, positive("v_0", "m s-1", "steady slip with F = mu N")] = 1e-6
+    fresh_age: Annotated[float, positive("theta_0", "s", "age at touch-down")] = 1e-6
+    creep_velocity: Annotated[float, positive("v_c", "m s-1", "slip that is as good as rest")] = 1e-9
+
+    @dependent
+    def internal_variables(self) -> tuple[InternalVariable, ...]:
+        """The age, as a logarithm: it may change by ten powers of ten."""
+        fresh = log(self.reference_velocity * self.fresh_age / self.renewal_distance)
+        return (InternalVariable("age", "z", "1", "ln(v_0 theta/D) of the age theta", fresh),)
+
+    @property
+    def friction_limit(self) -> float:
+        """Largest |F|/N [1] of slips up to 10 m/s in contacts younger than D/v_0."""
+        return self.friction_coefficient + self.direct_effect * log(1.0 + FASTEST / self.reference_velocity)
+
+    @staticmethod
+    @kernel
+    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        """See `Friction.state`; z = ln(v_0 theta/D)."""
+        a, b, distance = parameters[at + 2], parameters[at + 3], parameters[at + 4]
+        reference, least = parameters[at + 5], parameters[at + 7]
+        exponent = (parameters[at] + b * z) / a - log(2.0 * reference)
+        slower = max(exponent + log(least), 0.0)
+        risen = asinh_of(slip, exponent - slower) + slower * slip / sqrt(slip * slip + least * least)
+        return -max(normal, 0.0) * a * risen, (reference * exp(-z) - abs(slip)) / distance, 0.0, 0.0

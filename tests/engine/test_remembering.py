@@ -1,0 +1,239 @@
+"""What the engine does with internal variables, guards, limits, moments, and laws that are told more."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from support.remembering import (
+    Cooling,
+    FreshDent,
+    LastingDent,
+    Ledge,
+    Pad,
+    Softening,
+    Told,
+    TwoClocks,
+    softened_end,
+)
+
+from contactlab.engine import Flow, simulate
+from contactlab.laws import ContactLaw
+from contactlab.motor import NormalModes
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.testing.flights import DURATION, random_flight
+from contactlab.testing.plants import attempt, block, paper_motor, run, silent_drive, way_of
+
+MASS, SPEED, HEIGHT = 2e-3, 0.1, 1e-6
+
+LAWS = pytest.mark.parametrize(
+    "law", [Softening(), Cooling(), LastingDent(), FreshDent(), Told()], ids=lambda law: law.name
+)
+
+
+def thrown(**more: float) -> Motor:
+    """A ball that touches down after 10 us."""
+    return block(MASS, height=HEIGHT, gap_rate=-SPEED, **more)
+
+
+@pytest.mark.parametrize("time", [1e-6, 3e-5, 1e-4])
+def test_a_guard_is_located_and_the_step_ends_there(time: float) -> None:
+    law = Softening(time=time)
+    made = run(thrown(), law, 4e-4)
+    duration, rebound = softened_end(law, MASS, SPEED)
+    assert_allclose(made.contacts["internal_switched"], time, rtol=1e-12)
+    assert_allclose(made.contacts["internal_clock"], duration, rtol=1e-7)
+    assert_allclose(made.contacts["duration"], duration, rtol=1e-7)
+    assert_allclose(made.contacts["separation_velocity"], rebound, rtol=1e-7)
+
+
+def test_of_two_guards_within_a_step_the_earlier_one_falls_first() -> None:
+    made = run(thrown(), TwoClocks(), 4e-4)
+    assert_array_equal(made.contacts["internal_order"], 21.0)
+
+
+def test_what_is_stored_less_after_a_jump_is_lost_by_the_contact() -> None:
+    law = Softening()
+    made = run(thrown(), law, 4e-4, record_interval=1e-6)
+    rebound = softened_end(law, MASS, SPEED)[1]
+    lost = 0.5 * MASS * (SPEED**2 - rebound**2)
+    assert_allclose(made.series["contact_loss"][-1], lost, rtol=1e-6)
+    assert_allclose(made.contacts["energy_loss"], lost, rtol=1e-6)
+    assert np.abs(made.series["energy_residual"]).max() < 1e-8 * 0.5 * MASS * SPEED**2
+
+
+@pytest.mark.parametrize("law", [Cooling(), Told(time=2e-4)], ids=lambda law: law.name)
+def test_what_lives_for_the_run_flows_in_flight_and_in_contact(law: ContactLaw) -> None:
+    made = run(thrown(weight=5.0), law, 1e-3, record_interval=1e-5)
+    assert 0.0 < made.contacts["duration"].sum() < made.time[-1]
+    # A rigid law's memory is of the order of its step.
+    error = 1e-10 if law.name == "cooling" else 1e-4
+    assert_allclose(made.series["internal_warmth"], np.exp(-made.time / 2e-4), rtol=error)
+
+
+def test_a_dent_that_lasts_puts_the_next_contact_off_and_a_fresh_place_does_not() -> None:
+    once = run(thrown(), LastingDent(), 4e-4).contacts
+    assert_allclose(once["separation_velocity"], 0.5 * SPEED, rtol=1e-6)
+    motor = thrown(normal_stiffness=MASS * (2.0 * np.pi * 200.0) ** 2)
+    lasting, fresh = (run(motor, law, 6e-3, record_interval=1e-6) for law in (LastingDent(), FreshDent()))
+    for made, expected in ((lasting, lasting.contacts["internal_dent"][0]), (fresh, 0.0)):
+        begins = made.contacts["start_time"][1]
+        gap = np.interp(begins, made.time, made.series["gap"])
+        assert_allclose(-gap, expected, atol=2e-9)
+    dents = lasting.contacts["internal_dent"]
+    assert dents[1] > dents[0] > 0.0
+    first, second = fresh.contacts["start_time"][:2]
+    between = (fresh.time > first + 3e-4) & (fresh.time < second)
+    assert_array_equal(fresh.series["internal_dent"][between], 0.0)
+
+
+def test_a_place_that_the_gap_is_not_clear_of_is_met_again_with_its_dent() -> None:
+    """The ball falls back before it has left its dent."""
+    made = run(thrown(weight=1.3), FreshDent(), 6e-4, record_interval=1e-7)
+    dents, starts = made.contacts["internal_dent"], made.contacts["start_time"]
+    assert starts.size > 1
+    assert dents[1] > dents[0]
+    assert_allclose(np.interp(starts[1], made.time, -made.series["gap"]), dents[0], rtol=1e-4)
+    assert made.series["gap"][made.time > starts[0]].max() < 0.0
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_a_contact_begins_where_the_law_says_as_safely_as_at_zero(number: int) -> None:
+    begin = [-1e-7, 2e-9, 1e-10][number % 3]
+    _, flight = random_flight(7, number)
+    grid, gaps, _ = flight.on_grid(DURATION)
+    if gaps[0] <= begin:
+        pytest.skip("It starts beyond the limit.")
+    made = attempt(flight.motor, Ledge(begin, begin), DURATION)
+    found = made.contacts["start_time"]
+    closed = grid[gaps <= begin]
+    if found.size == 0:
+        assert closed.size == 0
+        return
+    assert found[0] <= (closed[0] if closed.size else DURATION)
+    assert abs(float(flight.at(found[0])[0]) - begin) < 1e-16
+    assert (gaps[grid < found[0]] > begin).all()
+
+
+def test_a_contact_ends_where_the_law_says() -> None:
+    law = Ledge(0.0, 1e-7)
+    made = run(thrown(), law, 4e-4, record_interval=1e-7)
+    # A force that is there at once is brought by nothing but the way from the ledge: 1/2 k g_1^2.
+    rebound = np.sqrt(SPEED**2 + law.stiffness * law.end**2 / MASS)
+    assert_allclose(made.contacts["separation_velocity"], rebound, rtol=1e-8)
+    ends = made.contacts["start_time"] + made.contacts["duration"]
+    assert_allclose(np.interp(ends, made.time, made.series["gap"]), law.end, rtol=1e-3)
+
+
+def rocking(tip: float, inertia: float, rotor: float, weight: float, tilt: float, turning: float) -> Motor:
+    """A body over a rotor that turns with no stiffness, pressed on; its tip has a length [m]."""
+    roots = np.sqrt([MASS, inertia])
+    modes = NormalModes(
+        stiffness=np.zeros(2),
+        damping=np.zeros(2),
+        coupling=np.zeros((2, 2)),
+        tip_displacement=np.array([1.0 / roots[0], 0.0]),
+        tip_slope=np.array([0.0, 1.0 / roots[1]]),
+        shape_coupling=np.zeros((2, 2)),
+    )
+    start = ModalState(roots * [weight / Pad().stiffness, tilt], np.array([0.0, roots[1] * turning]))
+    preload = np.array([weight / roots[0], 0.0])
+    return Motor(
+        modes, silent_drive(), ContactGeometry(tip, 25e-3, 0.0), Rotor(rotor), preload=preload, start=start
+    )
+
+
+def test_a_pad_that_tilts_rocks_the_tip_and_does_not_turn_the_rotor() -> None:
+    """With a tip so short that its slope moves it nowhere, I th'' = -k b^2/3 th."""
+    inertia, law, tilt = 1e-6, Pad(), 1e-4
+    rate = np.sqrt(law.stiffness * law.half_width**2 / 3.0 / inertia)
+    period = 2.0 * np.pi / rate
+    motor = rocking(1e-9, inertia, 1e-6, 10.0, tilt, 0.0)
+    made = run(motor, law, 3.0 * period, record_interval=period / 16.0)
+    assert_allclose(made.series["tip_slope"], tilt * np.cos(rate * made.time), atol=1e-6 * tilt)
+    assert np.abs(made.series["rotor_angle"]).max() < 1e-9 * tilt
+    assert np.abs(made.series["energy_residual"]).max() < 1e-8 * made.series["contact_energy"][0]
+    assert np.abs(made.series["friction_loss"]).max() < 1e-8 * made.series["contact_energy"][0]
+
+
+def test_a_pad_on_a_tip_of_some_length_keeps_its_energy() -> None:
+    """What moves along the rotor turns the tangent: the tilt is th (1 + L/R) and more than linear."""
+    motor = rocking(19e-3, 1e-5, 1e-6, 10.0, 1e-3, 0.0)
+    series = run(motor, Pad(), 3e-3, record_interval=1e-5).series
+    assert np.abs(series["tip_slope"]).min() < 1e-4
+    assert np.abs(series["energy_residual"]).max() < 1e-6 * series["contact_energy"][0]
+    assert np.abs(series["friction_loss"]).max() < 1e-6 * series["contact_energy"][0]
+
+
+def test_a_moment_against_spin_shares_the_angular_momentum_with_the_rotor() -> None:
+    """thdot - Omega decays at c (1/I + 1/J), I thdot + J Omega stays, and what is gone is friction's loss."""
+    inertia, rotor, drag, turning = 1e-6, 2e-6, 1e-3, 0.1
+    law = Pad(half_width=1e-9, drag=drag)
+    decay = drag * (1.0 / inertia + 1.0 / rotor)
+    made = run(
+        rocking(1e-9, inertia, rotor, 10.0, 0.0, turning), law, 3.0 / decay, record_interval=0.1 / decay
+    )
+    velocity = turning * inertia / (inertia + rotor) * (1.0 - np.exp(-decay * made.time))
+    assert_allclose(made.series["rotor_velocity"], velocity, atol=1e-8 * turning)
+    left = inertia * rotor / (inertia + rotor) * turning**2
+    expected = 0.5 * left * (1.0 - np.exp(-2.0 * decay * made.time))
+    assert_allclose(made.series["friction_loss"], expected, atol=1e-7 * left)
+
+
+def test_a_rigid_law_is_told_which_step_is_an_impact_and_how_long_it_is() -> None:
+    """It bounces once with its restitution; resting, it slides off against mu (W + C)."""
+    e, weight, cohesion, mu, speed = 0.5, 5.0, 3.0, 0.3, 0.5
+    made = run(thrown(), Told(restitution=e), 1e-4)
+    assert_allclose(made.contacts["separation_velocity"], e * SPEED, rtol=1e-6)
+    stop = speed * MASS / (mu * (weight + cohesion))
+    sliding = block(MASS, weight=weight, velocity=speed)
+    made = run(sliding, Told(cohesion=cohesion), 3.0 * stop, record_interval=stop / 20.0)
+    stuck = float(made.contacts["stick_duration"][0])
+    assert_allclose(3.0 * stop - stuck, stop, rtol=3e-3)
+    assert_allclose(way_of(made.series["tip_slope"])[-1], 0.5 * speed * stop, rtol=5e-3)
+    # The age is that of the stick, and there was one switch.
+    assert_allclose(made.contacts["internal_age"], stuck, rtol=1e-9)
+    assert_array_equal(made.contacts["internal_switches"], 1.0)
+
+
+@LAWS
+def test_a_run_that_remembers_goes_on_to_the_bit(law: ContactLaw) -> None:
+    whole = simulate(paper_motor(), law, duration=1e-3, record_interval=1e-6)
+    start = float(whole.contacts["start_time"][1])
+    for cut in (start + 0.4 * float(whole.contacts["duration"][1]), start - 1e-6):
+        cut = round(cut * 1e6) * 1e-6
+        before = simulate(paper_motor(), law, duration=cut, record_interval=1e-6)
+        after = simulate(paper_motor(), law, duration=1e-3 - cut, record_interval=1e-6, start=before.state)
+        assert whole.ending == after.ending
+        for name in ("gap", "rotor_velocity", *(n for n in whole.series if n.startswith("internal_"))):
+            assert_array_equal(after.series[name][1:], whole.series[name][before.time.size :])
+
+
+@LAWS
+def test_many_starts_at_once_remember_apart(law: ContactLaw) -> None:
+    motor = paper_motor()
+    made = simulate(motor, law, duration=6e-4, record_interval=6e-4)
+    zero = np.zeros((3, motor.modes.stiffness.size))
+    ends = Flow(motor, law, 6e-4)(zero, zero, np.zeros(3))
+    for i in range(3):
+        assert_array_equal(ends.displacement[i], made.final.displacement)
+
+
+@LAWS
+def test_records_do_not_change_what_is_remembered(law: ContactLaw) -> None:
+    coarse, fine = (
+        simulate(paper_motor(), law, duration=1e-3, record_interval=step) for step in (1e-3, 2e-7)
+    )
+    for name, values in coarse.contacts.items():
+        assert_array_equal(values, fine.contacts[name])
+
+
+def test_another_memory_begins_in_flight_and_is_refused_in_contact() -> None:
+    motor = thrown()
+    in_contact = simulate(motor, Softening(), duration=2e-5, record_interval=2e-5).state
+    with pytest.raises(ValueError, match="another kind"):
+        simulate(motor, LastingDent(), duration=1e-4, record_interval=1e-6, start=in_contact)
+    flying = simulate(motor, Cooling(), duration=5e-6, record_interval=5e-6).state
+    made = simulate(motor, Softening(), duration=2e-4, record_interval=1e-6, start=flying)
+    assert made.series["internal_clock"][0] == 0.0
+    cooled = simulate(motor, Cooling(), duration=1e-6, record_interval=1e-6, start=flying)
+    assert_allclose(cooled.series["internal_warmth"][0], np.exp(-5e-6 / 2e-4), rtol=1e-12)

@@ -1,0 +1,87 @@
+"""Normal forces of the literature: a power of the depth, a spring and dashpot, and a damped Hertz contact."""
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+from typing import Annotated
+
+from contactlab.compiled import kernel
+from contactlab.laws import FRICTION_COEFFICIENT, NormalForce, Parameter, PenaltyLaw
+from contactlab.parameter import positive
+
+RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
+
+
+@dataclass(frozen=True)
+class Power(NormalForce):
+    """A force that grows with a power of the depth, as that of a rough surface or an axisymmetric punch."""
+
+    name = "power"
+    equation = "N = P (d/d_0)^n"
+    source = "Galin (1946); Johnson, Contact Mechanics (1985), sec. 5.3"
+
+    load: Annotated[float, positive("P", "N", "load at d_0")] = 10.0
+    depth: Annotated[float, positive("d_0", "m", "depth at P")] = 1e-6
+    exponent: Annotated[float, Parameter("n", "1", "exponent", at_least=1.0, at_most=4.0)] = 2.0
+
+    @staticmethod
+    @kernel
+    def elastic(depth, parameters, at):
+        load, unit, n = parameters[at], parameters[at + 1], parameters[at + 2]
+        stiffness = n * load / unit * (depth / unit) ** (n - 1.0)
+        slope = (n - 1.0) * stiffness / depth if depth > 0.0 else 0.0
+        return stiffness * depth / n, stiffness * depth**2 / (n * (n + 1.0)), stiffness, slope
+
+
+@dataclass(frozen=True)
+class KelvinVoigt(PenaltyLaw):
+    """A spring and dashpot side by side; it pulls before the gap opens."""
+
+    name = "kelvin_voigt"
+    equation = "N = k d + c dd/dt, |F| <= mu max(N, 0)"
+    source = "Goldsmith, Impact (1960)"
+    default_contact_step = 4e-6
+    allows_tension = True
+
+    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7
+    damping: Annotated[float, positive("c", "N s m-1", "contact damping")] = 20.0
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    @staticmethod
+    @kernel
+    def force(gap, gap_rate, slip, impact_speed, parameters):
+        k, c, mu = parameters[0], parameters[1], parameters[2]
+        normal = -k * gap - c * gap_rate
+        return normal, mu * max(normal, 0.0), 0.5 * k * gap * gap, c * gap_rate * gap_rate
+
+
+@dataclass(frozen=True)
+class Tsuji(PenaltyLaw):
+    """A Hertz contact whose damping gives one restitution at all speeds; it pulls before the gap opens.
+
+    alpha = -sqrt(5) ln(e) / sqrt(ln(e)^2 + pi^2), by Antypov and Elliott (2011), EPL 94, 50004.
+    """
+
+    name = "tsuji"
+    equation = "N = K d^1.5 + alpha sqrt(m K) d^0.25 dd/dt, |F| <= mu max(N, 0)"
+    source = "Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239"
+    default_contact_step = 4e-6
+    allows_tension = True
+
+    stiffness: Annotated[float, positive("K", "N m-1.5", "contact stiffness")] = 1e10
+    effective_mass: Annotated[float, positive("m", "kg", "mass of the impact")] = 2e-3
+    restitution: Annotated[float, RESTITUTION] = 0.8
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+    def parameters(self):
+        lost = -log(self.restitution)
+        alpha = sqrt(5.0) * lost / sqrt(lost * lost + pi * pi)
+        damping = alpha * sqrt(self.effective_mass * self.stiffness)
+        return self.stiffness, damping, self.friction_coefficient
+
+    @staticmethod
+    @kernel
+    def force(gap, gap_rate, slip, impact_speed, parameters):
+        depth = max(-gap, 0.0)
+        spring, dashpot = parameters[0] * depth * sqrt(depth), parameters[1] * sqrt(sqrt(depth))
+        normal = spring - dashpot * gap_rate
+        return normal, parameters[2] * max(normal, 0.0), 0.4 * spring * depth, dashpot * gap_rate * gap_rate

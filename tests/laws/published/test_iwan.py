@@ -1,0 +1,201 @@
+"""Iwan's elements: the microslip of Mindlin and Deresiewicz, loops after Masing, and what they lose."""
+
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from numpy.testing import assert_allclose
+
+from contactlab.laws.composed import Composed
+from contactlab.laws.friction import Iwan
+from contactlab.laws.normal import Linear
+from contactlab.testing.plants import HEAVY, block, run
+
+Array = np.ndarray
+
+MU, WHOLE, NORMAL = 0.3, 4e-7, 5.0
+LIMIT = MU * NORMAL
+
+
+def backbone(x: Array | float) -> Array:
+    """Friction [N] of a first slip x [m] between spheres (Mindlin and Deresiewicz 1953)."""
+    return np.asarray(LIMIT * (1.0 - np.maximum(1.0 - np.asarray(x) / WHOLE, 0.0) ** 1.5))
+
+
+def cycle_loss(amplitude: float) -> float:
+    """Loss [J] of a cycle between +-T, T the friction at the amplitude (Johnson 1985, sec. 7.4).
+
+    By Masing's rule it is 8 int_0^A F dx - 4 A F(A), which with T/(mu N) = t and x_s is
+    24/5 mu N x_s {1 - (1 - t)^(5/3) - 5/6 t [1 + (1 - t)^(2/3)]}.
+    """
+    t = float(backbone(amplitude)) / LIMIT
+    bracket = 1.0 - (1.0 - t) ** (5 / 3) - 5 / 6 * t * (1.0 + (1.0 - t) ** (2 / 3))
+    return 4.8 * LIMIT * WHOLE * bracket
+
+
+class Driven:
+    """Elements that are moved along a path under a constant normal force, by guards and jumps alone."""
+
+    def __init__(self, friction: Iwan) -> None:
+        self.friction, self.parameters = friction, np.array(friction.coefficients())
+        self.z = np.zeros(len(friction.remembered))
+        self.work, self.events = 0.0, 0
+
+    def force(self) -> float:
+        """The force against the slip [N]."""
+        return -float(self.friction.state(NORMAL, 1e7, 0.0, 0.0, self.z, self.parameters, 0)[0])
+
+    def move(self, way: float) -> float:
+        """Move by a way [m] at 1 m/s; gives the force at its end."""
+        slip, left = float(np.copysign(1.0, way)), abs(way)
+        state = NORMAL, 1e7, 0.0, slip
+        while True:
+            rates = np.array(
+                [self.friction.rate(k, *state, self.z, self.parameters, 0) for k in range(self.z.size)]
+            )
+            fallen = [self.friction.guard(k, *state, self.z, self.parameters, 0) < 0.0 for k in (0, 1)]
+            if fallen[1]:
+                self.jump(1, state)
+                continue
+            # The guard of the next limit is that of a stretch that moves evenly: a way [m].
+            ahead = self.friction.guard(0, *state, self.z + left * rates, self.parameters, 0)
+            step = left
+            if ahead < 0.0:
+                low, high = 0.0, left
+                while high - low > 1e-16 * left and (middle := 0.5 * (low + high)) not in (low, high):
+                    there = self.friction.guard(0, *state, self.z + middle * rates, self.parameters, 0)
+                    low, high = (middle, high) if there > 0.0 else (low, middle)
+                step = high
+            before = self.force()
+            self.z = self.z + step * rates
+            self.work += 0.5 * (before + self.force()) * step * slip
+            left -= step
+            if ahead >= 0.0:
+                return self.force()
+            self.jump(0, state)
+
+    def jump(self, event: int, state: tuple[float, ...]) -> None:
+        jump = self.friction.jump
+        self.z = np.array([jump(k, event, *state, self.z, self.parameters, 0) for k in range(self.z.size)])
+        self.events += 1
+
+
+def root_mean_square(errors: Array) -> float:
+    return float(np.sqrt(np.mean(errors**2)))
+
+
+def test_first_loading_is_that_of_spheres_in_the_second_order_of_the_number_of_elements() -> None:
+    ways = np.linspace(0.0, 1.2 * WHOLE, 61)[1:]
+    errors = []
+    for n in (8, 16, 32):
+        driven = Driven(Iwan(MU, n, WHOLE))
+        forces = [driven.move(way) for way in np.diff(ways, prepend=0.0)]
+        errors.append(root_mean_square(forces - backbone(ways)) / LIMIT)
+        # At x_s all slides.
+        assert forces[-1] == pytest.approx(LIMIT, rel=1e-9)
+    assert errors[-1] < 3e-4
+    assert_allclose([a / b for a, b in pairwise(errors)], 4.0, rtol=0.1)
+
+
+def test_stiffness_of_a_small_slip_is_mindlins_for_any_number_of_elements() -> None:
+    for n in (1, 3, 20):
+        small = 1e-6 * WHOLE
+        assert Driven(Iwan(MU, n, WHOLE)).move(small) / small == pytest.approx(1.5 * LIMIT / WHOLE, rel=1e-12)
+
+
+def elements_loss(friction: Iwan, amplitude: float) -> float:
+    """Loss [J] of a cycle of all elements, each of 4 f (A - f/k) as it begins to slide."""
+    n, given = friction.elements, np.array(friction.coefficients())
+    limits, stiffnesses = given[4 : 4 + n], NORMAL * given[4 + n :]
+    return float(4.0 * np.sum(stiffnesses * limits * np.maximum(amplitude - limits, 0.0)))
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
+def test_what_a_cycle_loses_is_what_its_elements_do(share: float) -> None:
+    friction, amplitude = Iwan(MU, 30, WHOLE), share * WHOLE
+    driven = Driven(friction)
+    driven.move(amplitude)
+    before = driven.work
+    driven.move(-2.0 * amplitude)
+    driven.move(2.0 * amplitude)
+    assert driven.work - before == pytest.approx(elements_loss(friction, amplitude), rel=1e-7)
+
+
+def test_loss_of_a_cycle_is_that_of_spheres_in_the_second_order_of_the_number_of_elements() -> None:
+    shares = np.linspace(0.05, 1.0, 200)
+    closed = np.array([cycle_loss(share * WHOLE) for share in shares])
+    errors = []
+    for n in (10, 20, 40, 80):
+        found = np.array([elements_loss(Iwan(MU, n, WHOLE), share * WHOLE) for share in shares])
+        errors.append(root_mean_square(found - closed) / closed[-1])
+    assert errors[0] < 4e-3
+    assert_allclose([a / b for a, b in pairwise(errors)], 4.0, rtol=0.1)
+
+
+def test_loss_of_small_cycles_grows_with_the_cube_of_the_amplitude() -> None:
+    for share in (1e-2, 1e-3):
+        assert cycle_loss(share * WHOLE) == pytest.approx(0.5 * share**3 * LIMIT * WHOLE, rel=share)
+    losses = []
+    for share in (0.05, 0.1):
+        driven = Driven(Iwan(MU, 100, WHOLE))
+        driven.move(share * WHOLE)
+        driven.work = 0.0
+        driven.move(-2.0 * share * WHOLE)
+        driven.move(2.0 * share * WHOLE)
+        losses.append(driven.work)
+    assert np.log2(losses[1] / losses[0]) == pytest.approx(3.0, abs=0.1)
+
+
+def test_a_reversal_follows_the_first_loading_at_twice_the_scale() -> None:
+    """Masing: F(A - x) = F(A) - 2 f(x/2)."""
+    driven, amplitude = Driven(Iwan(MU, 60, WHOLE)), 0.8 * WHOLE
+    top = driven.move(amplitude)
+    ways = np.linspace(0.0, 2.0 * amplitude, 41)[1:]
+    forces = [driven.move(-way) for way in np.diff(ways, prepend=0.0)]
+    assert_allclose(forces, top - 2.0 * backbone(0.5 * ways), atol=1e-3 * LIMIT)
+
+
+def test_an_inner_loop_closes_and_the_outer_one_goes_on_as_if_there_had_been_none() -> None:
+    plain, looped = Driven(Iwan(MU, 30, WHOLE)), Driven(Iwan(MU, 30, WHOLE))
+    corner, _ = (driven.move(0.6 * WHOLE) for driven in (plain, looped))
+    looped.move(-0.5 * WHOLE)
+    before = looped.events
+    assert looped.move(0.5 * WHOLE) == pytest.approx(corner, rel=1e-8)
+    end = [driven.move(0.2 * WHOLE) for driven in (plain, looped)]
+    assert end[1] == pytest.approx(end[0], rel=1e-8)
+    # What slid before the loop slides on together, in one event and not in as many as there are elements.
+    assert looped.events - before < 20
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(st.floats(-1.5, 1.5).filter(lambda x: abs(x) > 1e-3), min_size=1, max_size=12),
+    st.integers(1, 15),
+)
+def test_guards_and_jumps_are_the_return_map_of_every_element(path: list[float], n: int) -> None:
+    driven = Driven(Iwan(MU, n, WHOLE))
+    limits, stretches = driven.parameters[4 : 4 + n], np.zeros(n)
+    for way in path:
+        force = driven.move(way * WHOLE)
+        stretches = np.clip(stretches + way * WHOLE, -limits, limits)
+        assert_allclose(driven.z[:n], stretches, atol=1e-9 * WHOLE)
+        assert abs(force) <= LIMIT * (1.0 + 1e-9)
+
+
+def test_a_run_loses_in_a_cycle_what_spheres_do() -> None:
+    """A body so heavy that the contact does not disturb it, swinging within the full slip and beyond."""
+    spring, frequency = 1e7, 50.0
+    resting = partial(block, HEAVY, height=-NORMAL / spring, weight=NORMAL)
+    rate = 2.0 * np.pi * frequency
+    for share in (0.5, 1.5):
+        swing = share * WHOLE
+        driven, friction = resting(velocity=rate * swing, stiffness=HEAVY * rate**2), Iwan(MU, 24, WHOLE)
+        made = run(
+            driven, Composed(Linear(spring), friction=friction), 2.0 / frequency, 1e-4, 1.0 / frequency
+        )
+        loss = np.diff(made.series["friction_loss"])[-1]
+        assert loss == pytest.approx(elements_loss(friction, swing), rel=1e-6)
+        closed = cycle_loss(min(share, 1.0) * WHOLE) + 4.0 * LIMIT * max(share - 1.0, 0.0) * WHOLE
+        assert loss == pytest.approx(closed, rel=7e-3)

@@ -1,0 +1,58 @@
+"""docs/writing_laws.md is right: every block runs, and every law of it keeps its contract."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from contactlab.laws import Composed, ContactLaw, Friction, NormalForce
+from contactlab.testing.contract import PROPERTIES, check
+from contactlab.testing.plants import Bench
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "writing_laws.md"
+QUICK = ("declares_its_parameters", "kernel_is_consistent", "declares_what_it_breaks")
+
+
+def blocks() -> list[tuple[int, str]]:
+    """The Python blocks of the page, each with the number of lines before it."""
+    text = PAGE.read_text(encoding="utf-8")
+    found = re.finditer(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    return [(text[: each.start(1)].count("\n"), each[1]) for each in found]
+
+
+@pytest.fixture(scope="module")
+def names() -> dict[str, Any]:
+    """What stands in the namespace of the page at its end."""
+    made: dict[str, Any] = {"__name__": "writing_laws"}
+    for line, block in blocks():
+        # As many lines before it as on the page, so that a failure names the line there.
+        exec(compile("\n" * line + block, PAGE, "exec"), made)
+    return made
+
+
+def laws_of(names: dict[str, Any]) -> dict[str, ContactLaw]:
+    """The laws of the page, parts in a composed one."""
+    found: dict[str, ContactLaw] = {}
+    for word, made in names.items():
+        if isinstance(made, type) and made.__module__ == "writing_laws":
+            if issubclass(made, ContactLaw):
+                found[word] = made()
+            elif issubclass(made, NormalForce | Friction):
+                found[word] = Composed(**{made.family: made()})
+    return found
+
+
+def test_every_block_of_the_guide_runs_in_order(names: dict[str, Any]) -> None:
+    assert len(blocks()) >= 15
+    assert sum(block.count("assert ") for _, block in blocks()) >= 14
+    assert len(laws_of(names)) == 8
+
+
+@pytest.mark.parametrize(
+    "property_name", [p if p in QUICK else pytest.param(p, marks=pytest.mark.long) for p in PROPERTIES]
+)
+def test_the_laws_of_the_guide_keep_their_contract(names: dict[str, Any], property_name: str) -> None:
+    for law in laws_of(names).values():
+        failed = [str(claim) for claim in check(Bench(law), property_name) if not claim.holds]
+        assert not failed, "\n".join([law.title, *failed])
