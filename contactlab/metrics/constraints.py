@@ -1,13 +1,17 @@
 """What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
 
 from contextlib import suppress
+from inspect import getattr_static
 from math import sqrt
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.laws import hertz_stiffness
-from contactlab.laws.base import ELASTOPLASTIC, STICK
+from contactlab.laws.base import ELASTOPLASTIC, STICK, Tangential
+from contactlab.laws.memory import Remembering
 from contactlab.metrics.catalogue import ROUND_OFF, metric
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 from contactlab.parameter import parameters_of
@@ -57,26 +61,64 @@ def penetration_over_amplitude(run: Run) -> float:
     return float(run.contacts("max_penetration").max()) / run.normal_amplitude()
 
 
+def pulls(run: Run) -> bool:
+    """Tell whether the law that ran, or its normal force, declares that it pulls."""
+    return any(getattr(owner, "allows_tension", None) is True for owner in run.law_classes.values())
+
+
+def reaches_out(run: Run) -> bool:
+    """Tell whether what pulls has limits of its own, and so may act over an open gap."""
+    idle = Remembering.__dict__["limits"]
+    pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
+    return any(getattr_static(owner, "limits", idle) is not idle for owner in pulling)
+
+
+def changes_side(force: Array) -> NDArray[np.bool_]:
+    """Tell in which intervals a force begins or ends, or may change its sign, by its means over them."""
+    turns = np.append(force[1:] * force[:-1] <= 0.0, False)
+    return turns | np.append(False, turns[:-1])
+
+
+def cone(run: Run) -> tuple[float, float]:
+    """Give the largest |F|/N [1] and the cohesion beside N [N], as the law that ran declares them."""
+    mu = run.setting("contact.friction_coefficient")
+    for family in ("friction", ""):
+        owner: Any = run.law_classes.get(family)
+        if isinstance(owner, type) and issubclass(owner, Tangential):
+            front = f"{family}." if family else ""
+            own = {n.removeprefix(front): x for n, x in run.law_parameters.items() if n.startswith(front)}
+            # The law of another version may not take what this one was given.
+            with suppress(TypeError, ValueError):
+                law = owner(**{**own, "friction_coefficient": mu})
+                return float(law.friction_limit), float(law.friction_offset)
+    # Static over kinetic coefficient; one where the law knows none.
+    named = run.law_parameters.items()
+    return mu * max((x for name, x in named if name.endswith("static_ratio")), default=1.0), 0.0
+
+
 @metric(
     "max(-N, 0) / (sum p_n / sum t_c)",
-    "largest pull over the mean normal force in contact",
+    "largest pull over the mean normal force in contact; not applicable to laws that declare adhesion",
     bound=ONE_STEP,
     reason="dry bodies do not pull, but for the one step in which a contact ends, a thousandth of it",
     source="Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def tension(run: Run) -> float:
+    needed(not pulls(run))
     pull = -float(run.series("normal_force").min())
     return max(0.0, pull) / run.contact_force()
 
 
 @metric(
     "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
-    "normal force while the gap is open, over mean force in contact times amplitude",
+    "normal force while the gap is open, over mean force in contact times amplitude; not applicable to "
+    "adhesion that declares to reach over a gap",
     bound=ROUND_OFF,
     reason="0 <= N, 0 <= g, N g = 0: no force but round-off where the gap is open throughout an interval",
     source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def force_at_distance(run: Run) -> float:
+    needed(not reaches_out(run))
     gap, force = run.series("gap"), run.series("normal_force")
     # A contact may begin and end within an interval whose two records are open: the gap that it had
     # throughout is at least the mean of the two less the fastest way the records show.
@@ -87,21 +129,23 @@ def force_at_distance(run: Run) -> float:
 
 
 @metric(
-    "max(|F| - mu_s |N|, 0) / (sum p_n / sum t_c)",
-    "friction beyond its bound, over the mean normal force in contact",
+    "max(|F| - mu_s (|N| + C), 0) / (sum p_n / sum t_c)",
+    "friction beyond its bound, over the mean normal force in contact, with the cohesion C that the law "
+    "declares; intervals in which adhesion begins to pull are left out",
     bound=ROUND_OFF,
-    reason="|F| <= mu_s N at every instant, and so for the means over any interval, but for round-off",
+    reason="|F| <= mu_s (N + C) at every instant, and so for the means over any interval, but for round-off",
     source="Coulomb's law, paper, eqs. 43-47",
 )
 def cone_excess(run: Run) -> float:
-    # Static over kinetic coefficient; one where the law knows none.
-    named = run.law_parameters.items()
-    ratio = max((x for name, x in named if name.endswith("static_ratio")), default=1.0)
-    limit = run.setting("contact.friction_coefficient") * ratio
+    limit, offset = cone(run)
     normal, friction = run.series("normal_force"), run.series("friction_force")
     # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
-    excess = float((np.abs(friction) - limit * (1.0 + ROUND_OFF) * np.abs(normal)).max())
-    return max(0.0, excess) / run.contact_force()
+    excess = np.abs(friction) - limit * ((1.0 + ROUND_OFF) * np.abs(normal) + offset)
+    if pulls(run):
+        # The mean of a force that changes its sign says nothing of its size.
+        excess = excess[~changes_side(normal)]
+        needed(excess.size)
+    return max(0.0, float(excess.max())) / run.contact_force()
 
 
 @metric(

@@ -140,8 +140,7 @@ def guards_let_go(bench: Bench) -> Claims:
         worst.take(
             "guard below zero after its own jump, over its size", fallen / flow.largest[jump.event], 0.0
         )
-    below = (-flow.lowest / (flow.largest + TINY)).tolist()
-    for k, share in enumerate(below):
+    for k, share in enumerate((-flow.lowest / (flow.largest + TINY)).tolist()):
         worst.take(f"guard {k} below zero while a contact lasts, over its size", share, LOCATED)
     yield from worst.values()
 

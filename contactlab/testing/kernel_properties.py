@@ -23,6 +23,10 @@ from contactlab.testing.plants import Bench
 State = tuple[float, float, float, float, Array]
 """Gap [m], gap rate [m/s], slip [m/s], impact speed [m/s], and what is kept."""
 
+Side = tuple[Any, tuple[Any, ...], Array]
+Sides = tuple[Side, Side]
+"""Friction and normal force: the part, what its kernels are asked, and its own internal variables."""
+
 ROUND_OFF = 1e-9
 """Share of the quantities that take part; the checks subtract numbers of their size."""
 
@@ -50,7 +54,7 @@ def drawn_states() -> Iterator[tuple[float, float, float, float]]:
 
 
 def states_of(bench: Bench) -> list[State]:
-    """Give states of a compliant contact: drawn ones, or where it remembers those that its history leads to."""
+    """Give states of a compliant contact: drawn ones, or those that what it remembers leads to."""
     instants = flow_of(bench).instants
     if instants:
         return [(at.gap, at.rate, at.slip, at.speed, at.kept) for at in instants]
@@ -211,10 +215,12 @@ def answers_of_parts(
     bent, pressed = (guarded(some) for some in (kept[:count], kept[count:]))
     of_normal: tuple[Array, ...] = (pressed, normal) if part.remembered else (normal,)
     of_friction: tuple[Array, ...] = (bent, friction) if drag.remembered else (friction,)
-    if part.force is not None:
-        spring, stored, stiffness, slope, lost = part.force(-gap, -rate, pressed, normal, 0)
+    kernel: Any = part.elastic if part.force is None else part.force
+    if part.force is None:
+        spring, stored, stiffness, slope = kernel(-gap, normal, 0)
+        lost = 0.0
     else:
-        spring, stored, stiffness, slope, lost = *part.elastic(-gap, normal, 0), 0.0
+        spring, stored, stiffness, slope, lost = kernel(-gap, -rate, pressed, normal, 0)
     alone = law.damping.damped(spring, -rate, speed, damping, 0)
     bound = cone_bound(alone, slip, friction, 0)
     if drag.bound is not None:
@@ -223,28 +229,35 @@ def answers_of_parts(
     swept = alone, stiffness, -slope * rate, slip
     if drag.state is not None and drag.remembered:
         force, held, tangential = drag.state(*swept, *of_friction, 0)
-        answers += [force, 0.0, held, tangential]
+        answers += force, 0.0, held, tangential
     elif drag.state is not None:
         z = float(kept[0]) if drag.internal_variables else 0.0
         answers += drag.state(*swept, z, friction, 0)
-    way, ways = (-gap, -rate, *of_normal, 0), (*swept, *of_friction, 0)
-    sides = ((drag, ways, bent), (part, way, pressed))
-    for each, state, own in sides:
-        if each.remembered:
-            none = [0.0] * own.size
-            answers += none if each.rate is None else [each.rate(k, *state) for k in range(own.size)]
-    for each, state, _ in sides:
-        answers += [each.guard(k, *state) for k in range(each.guards)]
-    answers += (0.0, 0.0) if part.limits is None else part.limits(*of_normal, 0)
-    for event in range(AT_TOUCH, law.guards):
-        for each, state, own in sides:
-            mine = event if event < 0 or each is drag else event - drag.guards
-            theirs = event >= 0 and (event < drag.guards) != (each is drag)
-            if each.remembered:
-                kept_as_is = theirs or each.jump is None
-                jumps = own if kept_as_is else [each.jump(k, mine, *state) for k in range(own.size)]
-                answers += [float(value) for value in jumps]
-    return answers
+    way = -gap, -rate, *of_normal, 0
+    limits = (0.0, 0.0) if part.limits is None else part.limits(*of_normal, 0)
+    sides = (drag, (*swept, *of_friction, 0), bent), (part, way, pressed)
+    return [*answers, *_memory_of_parts(sides, limits)]
+
+
+def _memory_of_parts(sides: Sides, limits: tuple[float, float]) -> Iterator[float]:
+    """Give rates, guards, limits and jumps of the friction and the normal force, in what each is asked."""
+    (drag, _, _), _ = sides
+    guards = sum(part.guards for part, _, _ in sides)
+    remembering = [side for side in sides if side[0].remembered]
+    for part, state, own in remembering:
+        for k in range(own.size):
+            yield 0.0 if part.rate is None else part.rate(k, *state)
+    for part, state, _ in sides:
+        for k in range(part.guards):
+            yield part.guard(k, *state)
+    yield from limits
+    for event in range(AT_TOUCH, guards):
+        for part, state, own in remembering:
+            mine = event if event < 0 or part is drag else event - drag.guards
+            theirs = event >= 0 and (event < drag.guards) != (part is drag)
+            for k in range(own.size):
+                kept_as_is = theirs or part.jump is None
+                yield float(own[k]) if kept_as_is else part.jump(k, mine, *state)
 
 
 @lru_cache(maxsize=1)

@@ -11,6 +11,7 @@ from contactlab.engine import simulate
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import FREE
 from contactlab.laws.memory import AT_TOUCH, ODD
+from contactlab.metrics.constraints import changes_side
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
 from contactlab.testing.asking import Asked
@@ -65,10 +66,10 @@ def inside_the_cone(bench: Bench) -> Claims:
         normal, friction = (np.abs(made.series[f"{n}_force"]) for n in ("normal", "friction"))
         # Forces are read as differences of impulses, which round off.
         cone = bench.law.friction_limit * (normal + bench.law.friction_offset)
-        # Where a force begins to pull within an interval, its mean says nothing of its size.
-        side = np.sign(made.series["normal_force"])
-        turns = np.convolve(np.append(side[1:] * side[:-1] < 0.0, False), np.ones(3), "same") > 0.0
-        judged = ~(turns & bench.law.allows_tension)
+        judged = np.ones(normal.size, dtype=bool)
+        if bench.law.allows_tension:
+            # Where a force begins to pull within an interval, its mean says nothing of its size.
+            judged = ~changes_side(made.series["normal_force"])
         excess = (friction - cone)[judged].max(initial=0.0) / max(normal.max(), TINY)
         yield at_most(f"friction over its bound, {words}, over the peak force", excess, 1e-8)
 
@@ -261,7 +262,8 @@ def records_change_nothing(bench: Bench) -> Claims:
 
 def _coarsely(bench: Bench, duration: float = MOTOR_DURATION, start: Any = None) -> Trajectory:
     """Run a bench's motor with few records, from a state that it goes on from where there is one."""
-    steps = {"contact_step": bench.law.default_contact_step, "record_interval": MOTOR_DURATION / RECORDS}
+    step, interval = bench.law.default_contact_step, MOTOR_DURATION / RECORDS
+    steps: dict[str, Any] = {"contact_step": step, "record_interval": interval}
     return completed(simulate(bench.motor, bench.law, duration=duration, start=start, **steps))
 
 

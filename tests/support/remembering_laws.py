@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, final
 
+from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import Friction
@@ -78,7 +79,9 @@ def law_of(
 
 
 @kernel
-def solid_force(gap, gap_rate, slip, impact_speed, z, parameters):
+def solid_force(
+    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
+) -> Any:
     bent = -gap - z[0]
     normal = -STIFF * gap + SOFT * bent
     stored = 0.5 * STIFF * gap * gap + 0.5 * SOFT * bent * bent
@@ -86,28 +89,45 @@ def solid_force(gap, gap_rate, slip, impact_speed, z, parameters):
 
 
 @kernel
-def solid_rate(which, gap, gap_rate, slip, normal, z, parameters):
+def solid_rate(
+    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
+) -> Any:
     return (-gap - z[0]) / TIME
 
 
 @kernel
-def overshooting_rate(which, gap, gap_rate, slip, normal, z, parameters):
+def overshooting_rate(
+    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
+) -> Any:
     return (-1.5 * gap - z[0]) / TIME
 
 
 @kernel
-def pumping_force(gap, gap_rate, slip, impact_speed, z, parameters):
+def pumping_force(
+    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
+) -> Any:
     normal, bound, stored, _ = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
     return normal, bound, stored, SOFT * (-gap - z[0]) * (-1.5 * gap - z[0]) / TIME
 
 
 @kernel
-def forgetting_jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+def forgetting_jump(
+    which: int,
+    event: int,
+    gap: float,
+    gap_rate: float,
+    slip: float,
+    normal: float,
+    z: Array,
+    parameters: Array,
+) -> Any:
     return 0.0 if event == AT_SLIP else z[0]
 
 
 @kernel
-def greedy_force(gap, gap_rate, slip, impact_speed, z, parameters):
+def greedy_force(
+    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
+) -> Any:
     normal, bound, stored, loss = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
     # What is no number is not positive either.
     more = 1.01 if z[1] > 0.0 else 1.0
@@ -115,25 +135,33 @@ def greedy_force(gap, gap_rate, slip, impact_speed, z, parameters):
 
 
 @kernel
-def owing_force(gap, gap_rate, slip, impact_speed, z, parameters):
+def owing_force(
+    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
+) -> Any:
     normal, bound, stored, loss = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
     return normal, bound, stored - 1e-7, loss
 
 
 @kernel
-def dent_force(gap, gap_rate, slip, impact_speed, z, parameters):
+def dent_force(
+    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
+) -> Any:
     depth = -gap - z[0]
     normal = max(STIFF * depth, 0.0)
     return normal, parameters[0] * normal, 0.5 * normal * depth, -normal * gap_rate * z[1]
 
 
 @kernel
-def dent_rate(which, gap, gap_rate, slip, normal, z, parameters):
+def dent_rate(
+    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
+) -> Any:
     return -gap_rate * z[1] if which == 0 else 0.0
 
 
 @kernel
-def dent_guard(which, gap, gap_rate, slip, normal, z, parameters):
+def dent_guard(
+    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
+) -> Any:
     yields = z[1] > 0.5
     if which == 0:
         return YIELD if yields else YIELD + STIFF * (gap + z[0])
@@ -141,24 +169,42 @@ def dent_guard(which, gap, gap_rate, slip, normal, z, parameters):
 
 
 @kernel
-def dent_jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+def dent_jump(
+    which: int,
+    event: int,
+    gap: float,
+    gap_rate: float,
+    slip: float,
+    normal: float,
+    z: Array,
+    parameters: Array,
+) -> Any:
     if which == 0:
         return z[0]
     return 1.0 if event == 0 else 0.0 if event == 1 else z[1]
 
 
 @kernel
-def stubborn_jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+def stubborn_jump(
+    which: int,
+    event: int,
+    gap: float,
+    gap_rate: float,
+    slip: float,
+    normal: float,
+    z: Array,
+    parameters: Array,
+) -> Any:
     return z[which]
 
 
 @kernel
-def dent_limits(z, parameters):
+def dent_limits(z: Array, parameters: Array) -> Any:
     return -z[0], -z[0]
 
 
 @kernel
-def crossed_limits(z, parameters):
+def crossed_limits(z: Array, parameters: Array) -> Any:
     return -0.5 * z[0], -z[0]
 
 
@@ -192,7 +238,16 @@ class Counting(Friction):
 
     @staticmethod
     @kernel
-    def rate(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
+    def rate(
+        which: int,
+        normal: float,
+        stiffness: float,
+        stiffness_rate: float,
+        slip: float,
+        z: Array,
+        parameters: Array,
+        at: int,
+    ) -> Any:
         return slip
 
 
