@@ -67,7 +67,7 @@ def _compiled_form(law: ContactLaw, name: str, function: Any) -> tuple[Any, Call
     a row, or any callable.
     """
     signature, rows = SIGNATURES[name], has_row(law)
-    shape = len(law.remembered), getattr(law, "friction_variable", None) is None
+    shape = len(law.remembered), law.friction_remembers
     if INTERPRETED:
         return (reading_row(name, function, *shape) if rows else function), None
     kernel = _compiled(function, own_signature(law, name))

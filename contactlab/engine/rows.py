@@ -38,7 +38,7 @@ def own_signature(law: ContactLaw, name: str) -> Any:
     *given, _ = signature.args
     if name == "solve":
         return signature.return_type(*given, _real, types.boolean, _row, _row)
-    if name == "friction_force" and law.friction_variable is None:
+    if name == "friction_force" and law.friction_remembers:
         # The rates are those of the kernel `rate`.
         return types.UniTuple(_real, 3)(*given[:-1], _row, _row)
     return signature.return_type(*given, _row, _row)

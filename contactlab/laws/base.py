@@ -62,6 +62,11 @@ class Tangential(Remembering):
         return 0.0
 
     @property
+    def friction_remembers(self) -> bool:
+        """Whether the kernel of its friction has internal variables as an array and gives no rate."""
+        return bool(self.remembered)
+
+    @property
     def friction_variable(self) -> InternalVariable | None:
         """The one variable that the friction's own kernel flows, where there is no `rate` and no `jump`."""
         return self.internal_variables[0] if self.internal_variables and not self.remembered else None

@@ -38,6 +38,7 @@ class Composed(PenaltyLaw):
     friction_limit = _of_friction("friction_limit")
     friction_offset = _of_friction("friction_offset")
     friction_variable = _of_friction("friction_variable")
+    friction_remembers = _of_friction("friction_remembers")
     exact_stick = _of_friction("exact_stick")
     convergence_order = _of_friction("convergence_order")
     violations = _of_friction("violations")

@@ -6,7 +6,6 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.composed import Composed
 from contactlab.laws.intake import GUARDS, guarded
 
 Limits = tuple[float, float]
@@ -38,8 +37,7 @@ class Asked:
         self._moment: Any = law.moment if isinstance(law, PenaltyLaw) else None
         self._solve: Any = law.solve if isinstance(law, MultiplierLaw) else None
         self._told = isinstance(law, MultiplierLaw) and law.told
-        part = law.friction.remembered if isinstance(law, Composed) else law.remembered
-        self._of_a_number = not part
+        self._of_a_number = not law.friction_remembers
 
     @property
     def has_friction(self) -> bool:
