@@ -73,7 +73,8 @@ def reaches_out(run: Run) -> bool:
 def changes_side(force: Array) -> NDArray[np.bool_]:
     """Tell in which intervals a force begins or ends, or may change its sign, by its means over them."""
     turns: NDArray[np.bool_] = np.append(force[1:] * force[:-1] <= 0.0, False)
-    return np.logical_or(turns, np.append(False, turns[:-1]))
+    turns[1:] |= turns[:-1].copy()
+    return turns
 
 
 def cone(run: Run) -> tuple[float, float]:
