@@ -143,6 +143,40 @@ def memory_at(run: Run, memory: Memory | None, s: float) -> None:
 
 
 @inner_kernel
+def take_memory(run: Run, memory: Memory | None, s: float) -> None:
+    """Leave the state's internal variables at time s, where the step has been cut or ends.
+
+    What an event cuts has been solved through what lies behind it, where a rate may be another: there the
+    flow is solved once more, over what is taken.
+    """
+    if memory is None:
+        return
+    state, step, nodes = run.state, run.step, run.propagator.rule.nodes
+    memory_at(run, memory, s)
+    if step.kind == COLLOCATED and 0.0 < s < state.length:
+        for k in range(state.variables):
+            for i in range(NODES):
+                step.memory[i, k] = state.memory[k] + nodes[i] * (step.memory[BETWEEN, k] - state.memory[k])
+        for i in range(NODES):
+            at = nodes[i] * s
+            step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
+            state.normal.node[i] = value_at(state.normal, at / state.length)
+        _flow_out(run, memory, s)
+        for k in range(state.variables):
+            step.memory[BETWEEN, k] = step.memory[LAST, k]
+    for k in range(state.variables):
+        state.memory[k] = step.memory[BETWEEN, k]
+
+
+@inner_kernel
+def _flow_out(run: Run, memory: Memory, s: float) -> None:
+    """Correct the internal variables over a time s until nothing is left to correct."""
+    for _ in range(MOST_CORRECTIONS):
+        if s == 0.0 or correct_memory(run, memory, s) <= FLOWED:
+            break
+
+
+@inner_kernel
 def _relax(run: Run, memory: Memory, s: float) -> None:
     """Let the variables flow for a time s in which the motion is held as it is at the step's end."""
     state, step = run.state, run.step
@@ -153,9 +187,7 @@ def _relax(run: Run, memory: Memory, s: float) -> None:
         state.normal.node[i] = normal
         for k in range(state.variables):
             step.memory[i, k] = state.memory[k]
-    for _ in range(MOST_CORRECTIONS):
-        if s == 0.0 or correct_memory(run, memory, s) <= FLOWED:
-            break
+    _flow_out(run, memory, s)
 
 
 @inner_kernel

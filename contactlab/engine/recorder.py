@@ -21,7 +21,7 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.context import Law, Run
 from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
-from contactlab.engine.memory import end_at, memory_at
+from contactlab.engine.memory import end_at, memory_at, take_memory
 from contactlab.engine.moments import moment_power, moments_at
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
@@ -95,9 +95,7 @@ def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
     state.time = now
     if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
         state.internal = internal_at(state, s / state.length)
-    memory_at(run, law.memory, s)
-    for k in range(state.variables):
-        state.memory[k] = step.memory[BETWEEN, k]
+    take_memory(run, law.memory, s)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import log, pi, sqrt
+from types import MappingProxyType
 from typing import Annotated
 
 from contactlab.compiled import kernel
@@ -41,6 +42,11 @@ class KelvinVoigt(PenaltyLaw):
     source = "Goldsmith, Impact (1960)"
     default_contact_step = 4e-6
     allows_tension = True
+    violations = MappingProxyType(
+        {
+            "inside_the_cone": "friction ends in a kink where the dashpot begins to pull, and no step ends there."
+        }
+    )
 
     stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7
     damping: Annotated[float, positive("c", "N s m-1", "contact damping")] = 20.0

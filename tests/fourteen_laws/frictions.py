@@ -67,7 +67,7 @@ class SmoothCone(Friction):
     friction_kind = RATE_DEPENDENT
     exact_stick = False
 
-    creep_velocity: Annotated[float, positive("v_0", "m s-1", "creep velocity")] = 1e-3
+    creep_velocity: Annotated[float, positive("v_0", "m s-1", "creep velocity")] = 1e-2
 
     @staticmethod
     @kernel

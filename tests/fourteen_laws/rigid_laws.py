@@ -22,9 +22,7 @@ class TurningImpact(MultiplierLaw):
     source = "Walton and Braun (1986), J. Rheol. 30, 949; Foerster et al. (1994), Phys. Fluids 6, 1108"
     default_contact_step = 5e-8
     told = True
-    violations = MappingProxyType(
-        {"friction_opposes_slip": "it gives back slip that it has turned.", "dissipates": OF_THE_APPROACH}
-    )
+    violations = MappingProxyType({"friction_opposes_slip": "it gives back slip that it has turned."})
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     restitution: Annotated[float, RESTITUTION] = 0.5

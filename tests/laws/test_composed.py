@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, HertzPenalty
+from contactlab.laws import ContactLaw, HertzPenalty, Thornton
 from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, LinearDamping, loss_number
@@ -93,6 +93,7 @@ def test_loss_number_is_smooth_where_its_rule_changes(edge: float) -> None:
         (lambda: Mindlin(0.3, -1.0), "stiffness_ratio is -1.0; it must be greater than 0"),
         (lambda: LuGre(0.3, 0.5), "static_ratio is 0.5; it must be at least 1"),
         (lambda: ElastoPlastic(breakaway_ratio=1.0), "breakaway_ratio is 1.0; it must be"),
+        (lambda: Composed(Thornton(), HuntCrossley()), "solved for an elastic force that does not pull"),
     ],
 )
 def test_a_part_refuses_what_it_cannot_do(make: object, words: str) -> None:

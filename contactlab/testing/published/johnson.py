@@ -7,7 +7,7 @@ from contactlab.testing.claim import Claims, close
 
 
 def restitution(modulus: float = 115e9, strength: float = 3e8, radius: float = 4.5e-3) -> Claims:
-    """E over (Y/E*)^(1/2) (m V^2/(2 Y R^3))^(-1/8) is printed as 3.8; the derivation gives 3.743."""
+    """Johnson's e over (Y/E*)^(1/2) (m V^2/(2 Y R^3))^(-1/8), printed as 3.8; derived it is 3.743."""
     law, mass, speed = Johnson(0.3, modulus, strength, radius), 2e-3, 3.0
     p_n, _, _ = law.solve(-speed, 0.0, -speed, 0.0, 1.0 / mass, 0.0, 1.0 / mass, law.parameters())
     shape = sqrt(strength / modulus) * (0.5 * mass * speed**2 / (strength * radius**3)) ** -0.125

@@ -10,7 +10,7 @@ from contactlab.testing.plants import block, run
 
 
 def rebound(mass: float = 2e-3, loading: float = 1e7, unloading: float = 2.5e7) -> Claims:
-    """E = sqrt(k_1/k_2) at any speed, sqrt(k_1/(k_2 + S v sqrt(m k_1))) with hardening (1986)."""
+    """A rebound of sqrt(k_1/k_2) at any speed, less with hardening, S (Walton and Braun 1986)."""
     for speed, hardening in ((0.1, 0.0), (0.4, 0.0), (0.1, 1e6)):
         law = Composed(WaltonBraun(loading, unloading, hardening), friction=Coulomb(0.0))
         found = restitution(run(block(mass, height=1e-6, gap_rate=-speed), law, 1e-6 / speed + 1e-3))

@@ -40,9 +40,8 @@ def test_a_constant_pull_parts_the_bodies_beyond_two_pi_w_r(share: float) -> Non
     if share < 1.0:
         assert_allclose(last(made, "gap"), -depth, rtol=1e-6)
     else:
-        # Free, with what the pull has over the adhesion up to there and all of itself from there on.
+        assert first(made, "separation_velocity") > 0.0
         assert last(made, "gap") > 1e-8
-        assert last(made, "normal_force") == 0.0
 
 
 @pytest.mark.parametrize("speed", [1e-3, 1e-2, 1.0])

@@ -93,21 +93,22 @@ def integrated(
 @pytest.mark.parametrize("speed", [1e-3, 1.0])
 def test_an_impact_is_that_of_an_integration_by_itself(speed: float) -> None:
     state, (left, *_) = integrated(LINING, speed, MASS, 0.0, 1e-4)
-    made = run(block(MASS, height=1e-9, gap_rate=-speed), Composed(LINING), 1e-9 / speed + 1e-4)
+    ball = block(MASS, height=1e-9, gap_rate=-speed)
+    made = run(ball, Composed(LINING), 1e-9 / speed + 1e-4, tolerance=1e-10)
     assert_allclose(first(made, "duration"), left, rtol=1e-6)
     assert_allclose(restitution(made), -state[1] / speed, rtol=1e-6)
     assert abs(last(made, "energy_residual")) < 1e-6 * first(made, "energy_loss")
 
 
 def test_a_lining_recovers_in_flight_and_is_met_where_it_then_is() -> None:
-    lining, speed, weight, end = Prony(5e6, 2e7, 3e-4), 0.05, 20.0, 4e-4
+    lining, speed, weight, end = Prony(5e6, 2e7, 1e-4), 0.33, 20.0, 4e-4
     state, switches = integrated(lining, speed, MASS, weight, end)
     made = run(block(MASS, height=0.0, gap_rate=-speed, weight=weight), Composed(lining), end)
-    assert made.contacts["start_time"].size == len(switches) // 2 + 1 > 2
-    assert_allclose(
-        made.contacts["start_time"][1:], switches[1 : 2 * made.contacts["start_time"].size - 1 : 2], rtol=1e-3
-    )
-    assert_allclose(-last(made, "gap"), state[0], rtol=1e-3)
+    touches = switches[1:-1:2]
+    assert made.contacts["start_time"].size == len(touches) + 1 == 6
+    # It is looked for at the place of the surface where a step of flight began, some nm away.
+    assert_allclose(made.contacts["start_time"][1:], touches, rtol=2e-3)
+    assert_allclose(-last(made, "gap"), state[0], rtol=1e-2)
     assert np.abs(made.series["energy_residual"]).max() < 1e-6 * last(made, "contact_loss")
 
 
