@@ -43,6 +43,12 @@ def made(normal: str, friction: str, friction_force: float = 0.0, **given: float
     )
 
 
+class Dent(NormalForce):
+    """Says where its contacts begin."""
+
+    limits = staticmethod(min)
+
+
 def of_normal(part: type[NormalForce]) -> Run:
     """The same of a normal force by its class, with Coulomb's friction."""
     run = made("hertz_point", "coulomb")
@@ -103,12 +109,6 @@ def test_where_adhesion_begins_to_pull_a_mean_is_not_held_to_the_cone() -> None:
     assert found(run, "cone_excess") == 0.0
     run.columns["friction_force"][2] = 10.0
     assert found(run, "cone_excess") > METRICS["cone_excess"].bound
-
-
-class Dent(NormalForce):
-    """Says where its contacts begin."""
-
-    limits = staticmethod(lambda z, parameters, at: (-z[0], -z[0]))
 
 
 def test_an_overlap_that_a_law_says_is_no_contact_is_no_missed_one() -> None:
