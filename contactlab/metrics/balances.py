@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
-from contactlab.metrics.run import Run, needed, positive
+from contactlab.metrics.run import Run, declares, needed, positive
 from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 
@@ -40,7 +40,8 @@ def energy_residual(run: Run) -> float:
 
 @invariant(
     "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|)",
-    "angular momentum of the rotor that friction impulses, load and damping do not explain",
+    "angular momentum of the rotor that friction impulses, load and damping do not explain; not applicable "
+    "to laws with a moment, which is not recorded",
     bound=ROUND_OFF,
     reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
     "rigid law that projects corrects the angle too, by a step h of the change of velocity: a damped rotor "
@@ -48,6 +49,7 @@ def energy_residual(run: Run) -> float:
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
+    needed(not any(declares(owner, "moment") for owner in run.law_classes.values()))
     inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
     damping, torque = run.setting("rotor.damping"), run.setting("rotor.load_torque")
     fastest, push = np.abs(run.series("rotor_velocity")).max(), run.contacts("friction_impulse")
@@ -118,12 +120,14 @@ def closing_release(run: Run) -> float:
 
 @invariant(
     "max(-g, 0) without contact / A",
-    "deepest overlap of tip and rotor without contact, over half the range of the tip's normal motion",
+    "deepest overlap of tip and rotor without contact, over half the range of the tip's normal motion; not "
+    "applicable to laws that say where contacts begin, as one that leaves a dent",
     bound=1e-3,
     reason="bodies that overlap touch; a first-order release is off by a step, which moves the gap by less",
     source="0 <= g outside of contact",
 )
 def missed_contact(run: Run) -> float:
+    needed(not any(declares(owner, "limits") for owner in run.law_classes.values()))
     gap, free, time = run.series("gap"), run.series("contact_mode") == FREE, run.time
     # A record at the very instant of a touch-down or a release may carry either mode.
     if run.touches("start_time"):

@@ -1,7 +1,6 @@
 """What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
 
 from contextlib import suppress
-from inspect import getattr_static
 from math import sqrt
 from typing import Any, Final
 
@@ -11,9 +10,8 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.laws import hertz_stiffness
 from contactlab.laws.base import ELASTOPLASTIC, STICK, Tangential
-from contactlab.laws.memory import Remembering
 from contactlab.metrics.catalogue import ROUND_OFF, metric
-from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+from contactlab.metrics.run import NotApplicableError, Run, declares, needed, positive
 from contactlab.parameter import parameters_of
 
 ONE_STEP: Final = 1e-3
@@ -68,15 +66,15 @@ def pulls(run: Run) -> bool:
 
 def reaches_out(run: Run) -> bool:
     """Tell whether what pulls has limits of its own, and so may act over an open gap."""
-    idle = Remembering.__dict__["limits"]
     pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
-    return any(getattr_static(owner, "limits", idle) is not idle for owner in pulling)
+    return any(declares(owner, "limits") for owner in pulling)
 
 
 def changes_side(force: Array) -> NDArray[np.bool_]:
     """Tell in which intervals a force begins or ends, or may change its sign, by its means over them."""
-    turns = np.append(force[1:] * force[:-1] <= 0.0, False)
-    return turns | np.append(False, turns[:-1])
+    turns: NDArray[np.bool_] = np.append(force[1:] * force[:-1] <= 0.0, False)
+    turns[1:] |= turns[:-1].copy()
+    return turns
 
 
 def cone(run: Run) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from inspect import getattr_static
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -15,6 +16,9 @@ from numpy.typing import NDArray
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.nesting import flat
+from contactlab.laws.base import PenaltyLaw
+from contactlab.laws.composed import Composed
+from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
 from contactlab.results.files import damage
 from contactlab.results.netcdf import configuration_of, period_in
@@ -45,6 +49,13 @@ def positive(scale: float) -> float:
     """Give a scale to measure by; there is nothing to measure where it is not positive."""
     needed(scale > 0.0)
     return scale
+
+
+def declares(owner: Any, kernel: str) -> bool:
+    """Tell whether a law or a part has a kernel of its own where most have none: limits, or a moment."""
+    found = getattr_static(owner, kernel, None)
+    idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed)]
+    return found is not None and found not in idle
 
 
 @final

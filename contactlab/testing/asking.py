@@ -34,7 +34,6 @@ class Asked:
         self._rate, self._guard, self._jump, self._limits = law.rate, law.guard, law.jump, law.limits
         self._force: Any = law.force if isinstance(law, PenaltyLaw) else None
         self._drag: Any = law.friction_force if isinstance(law, PenaltyLaw) else None
-        self._moment: Any = law.moment if isinstance(law, PenaltyLaw) else None
         self._solve: Any = law.solve if isinstance(law, MultiplierLaw) else None
         self._told = isinstance(law, MultiplierLaw) and law.told
         self._of_a_number = not law.friction_remembers
@@ -87,12 +86,6 @@ class Asked:
         """Give the gaps at which a contact begins and ends [m]."""
         begin, end = self._limits(*self._seen(kept)) if self._limits is not None else (0.0, 0.0)
         return float(begin), float(end)
-
-    def moment(self, tilt: float, spin: float, gap: float, normal: float, kept: Array) -> Any:
-        """Give the moment on the tip [N m] and what it stores [J], none where there is no kernel."""
-        if self._moment is None:
-            return 0.0, 0.0
-        return self._moment(tilt, spin, gap, normal, *self._seen(kept))
 
     def solve(self, step: tuple[float, ...], length: float, impact: bool, kept: Array) -> Any:
         """Give the impulses [N s] and the mode of a rigid law for one of `drawn_steps`."""

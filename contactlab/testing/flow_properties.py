@@ -70,7 +70,7 @@ def losses_of(bench: Bench) -> tuple[Worst, Worst]:
 
 
 def flow_keeps_the_ledger(bench: Bench) -> Claims:
-    """dV/dt = -N gdot - loss along every flow, with V by differences; nothing is stored at a touch-down."""
+    """dV/dt = -N gdot - loss along every flow, with V by differences; a touch-down makes none."""
     flow, worst = flow_of(bench), Worst()
     if not flow.instants:
         yield from _walked(bench)
@@ -83,10 +83,17 @@ def flow_keeps_the_ledger(bench: Bench) -> Claims:
         missed = max(abs(change + normal * at.rate + loss) - error, 0.0) / power
         worst.take("dV/dt less -N gdot - loss along a flow, over the power", missed, DIFFERENCE)
         largest = max(largest, abs(stored))
+    left, path = 0.0, None
     for jump in flow.jumps:
+        # A new path begins with nothing, and so does a contact that remembers nothing of the one before.
+        fresh = jump.at.path is not path or np.array_equal(jump.at.kept, asked.initial)
+        path = jump.at.path
         if jump.event == AT_TOUCH:
-            stored = abs(energy_of(asked, jump.at)) / largest
-            worst.take("energy that is there before a touch-down, over the largest", stored, LOCATED)
+            found = energy_of(asked, jump.at) - (0.0 if fresh else left)
+            words = "energy that a touch-down finds beyond what a release has left, over the largest"
+            worst.take(words, found / largest, LOCATED)
+        elif jump.event == AT_RELEASE:
+            left = energy_of(asked, jump.at)
     yield from _walked(bench)
     yield from worst.values()
 

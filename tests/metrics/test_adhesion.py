@@ -5,7 +5,9 @@ from math import isnan
 import numpy as np
 import pytest
 
+from contactlab.laws import HertzPenalty
 from contactlab.laws.base import NormalForce
+from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
 from contactlab.laws.normal.dmt import Dmt
@@ -13,7 +15,7 @@ from contactlab.laws.normal.jkr import Jkr
 from contactlab.metrics import METRICS
 from contactlab.metrics.catalogue import NOT_APPLICABLE, measured
 from contactlab.metrics.constraints import cone, reaches_out
-from contactlab.metrics.run import Run
+from contactlab.metrics.run import Run, declares
 
 FORCES = (0.0, 2.0, 4.0, 2.0, -1.0, -0.5, -0.25)
 """It pulls before it lets go."""
@@ -39,6 +41,12 @@ def made(normal: str, friction: str, friction_force: float = 0.0, **given: float
         law_parameters={f"friction.{name}": value for name, value in given.items()},
         contact_step=0.0,
     )
+
+
+class Dent(NormalForce):
+    """Says where its contacts begin."""
+
+    limits = staticmethod(min)
 
 
 def of_normal(part: type[NormalForce]) -> Run:
@@ -71,9 +79,6 @@ def test_a_pull_is_held_against_a_law_that_declares_none_and_its_reach_likewise(
 def test_a_dent_gives_no_right_to_act_at_a_distance() -> None:
     """Limits of a law that does not pull lie below a gap of zero."""
 
-    class Dent(NormalForce):
-        limits = staticmethod(lambda z, parameters, at: (-z[0], -z[0]))
-
     class Sticky(Dent):
         allows_tension = True
 
@@ -104,3 +109,17 @@ def test_where_adhesion_begins_to_pull_a_mean_is_not_held_to_the_cone() -> None:
     assert found(run, "cone_excess") == 0.0
     run.columns["friction_force"][2] = 10.0
     assert found(run, "cone_excess") > METRICS["cone_excess"].bound
+
+
+def test_an_overlap_that_a_law_says_is_no_contact_is_no_missed_one() -> None:
+    for part, judged in ((HertzPoint, True), (Dent, False)):
+        run = of_normal(part)
+        run.columns["contact_mode"] = np.zeros(7)
+        assert isnan(found(run, "missed_contact")) != judged
+        assert declares(part, "limits") != judged
+
+
+def test_a_composed_law_declares_nothing_but_by_its_parts() -> None:
+    assert not declares(Composed, "limits")
+    assert not declares(Composed, "moment")
+    assert not declares(HertzPenalty, "moment")

@@ -45,8 +45,7 @@ CHEATS = {
     "Pumping": {"kernel_is_consistent"},
     "Forgetting": {"jumps_lose"},
     "Greedy": {"memory_is_its_own"},
-    # What it owes at the end was not there at the beginning.
-    "Owing": {"flow_keeps_the_ledger", "jumps_lose"},
+    "Owing": {"jumps_lose"},
     "Stubborn": {"guards_let_go"},
     "Crossed": {"limits_in_order"},
 }
