@@ -80,15 +80,17 @@ def section(name: str, owner: type[ContactLaw] | type[Part], numbers: str) -> st
     rows = [f"| `{n}` | {described_parameter(n, m, own=True)} |" for n, m in members_of(owner).items()]
     table = ["| parameter | symbol, unit, meaning, default, range |", "|---|---|", *rows, ""]
     declared = [f"* {word}: {text}" for word, text in declared_rows(owner).items() if text]
+    # Where the words have equations of their own, it is one of their kind, and not the first.
+    derived = "\n    " in words
     return "\n".join(
         [
             f"### {name.rpartition('/')[2]}",
             "",
             words,
             "",
-            # Most say it themselves, and at more length.
-            *([] if "\n    " in words else [f"    {owner.equation}", ""]),
+            *([] if derived else [f"    {owner.equation}", ""]),
             *(table if rows else []),
+            *([f"* equation: `{owner.equation}`"] if derived else []),
             *declared,
             f"* source: {owner.source}",
             "",

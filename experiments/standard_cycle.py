@@ -13,6 +13,7 @@ over time.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from math import pi, sin
 
 import numpy as np
@@ -75,6 +76,7 @@ class Curves:
     memory: tuple[tuple[str, Array], ...] = ()
 
 
+@cache
 def curves_of(law: ContactLaw) -> Curves:
     """The cycle of a compliant law, or the impacts of a rigid one."""
     if isinstance(law, MultiplierLaw):

@@ -105,7 +105,7 @@ def _solve(
     UNSOLVED where no step, however short, satisfies the law.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(run, gap - end_at(law.memory), rate, known[0])
+    level = _separation_level(run, gap - end_at(law.memory), rate, max(abs(known[0]), known[1]))
     # The shortest step at this time.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:

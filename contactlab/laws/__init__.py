@@ -1,10 +1,24 @@
 """The contact laws, and the parts that one is composed of. A new one is one class and one name in a table."""
 
+from contactlab.laws.archard import Archard
 from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, LinearDamping, Undamped
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION, LawError
-from contactlab.laws.friction import Coulomb, ElastoPlastic, LuGre, Mindlin, Regularised
+from contactlab.laws.friction import (
+    AgeingStick,
+    BoucWen,
+    Cohesive,
+    Coulomb,
+    Dahl,
+    ElastoPlastic,
+    Iwan,
+    LuGre,
+    Mindlin,
+    RateAndState,
+    Regularised,
+    Stribeck,
+)
 from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
 from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.lagrange import LagrangeSlip, LagrangeStick

@@ -220,6 +220,8 @@ class Damping(Declared):
     """A part of a composed law: what the elastic force becomes while the bodies move."""
 
     family: ClassVar[str] = "damping"
+    any_force: ClassVar[bool] = True
+    """Whether it may act on a normal force that pulls, or that has a memory and losses of its own."""
 
     @abstractmethod
     def coefficients(self, normal: NormalForce) -> tuple[float, ...]:

@@ -42,6 +42,15 @@ class Composed(PenaltyLaw):
     convergence_order = _of_friction("convergence_order")
     violations = _of_friction("violations")
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        normal = self.normal
+        if not self.damping.any_force and (normal.elastic is None or normal.allows_tension):
+            raise ValueError(
+                f"{self.name}: damping is {self.damping.name} and normal is {normal.name}; such a damping is "
+                "solved for an elastic force that does not pull. Choose damping none or another normal force."
+            )
+
     @property
     def title(self) -> str:
         """The names of the parts."""

@@ -72,6 +72,7 @@ class LinearDamping(Damping):
     name = "linear"
     equation = "N = max(f(d) + c dd/dt, 0), c solved for e of (m, v)"
     source = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    any_force = False
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
     effective_mass: Annotated[float, positive("m", "kg", "mass of the impact")] = 2e-3
@@ -153,6 +154,7 @@ def loss_number(restitution: float) -> float:
 class Hysteretic(Damping):
     """A loss in proportion to the elastic force, solved for the restitution of a free impact."""
 
+    any_force = False
     largest = inf
     """The D that the published model has at a nominal restitution of 0."""
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8

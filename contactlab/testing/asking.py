@@ -77,9 +77,7 @@ class Asked:
         seen, count = self._seen(kept), self.law.guards
         return np.array([self._guard(k, gap, rate, slip, normal, *seen) for k in range(count)])
 
-    def jumped(
-        self, event: int, gap: float, rate: float, slip: float, normal: float, kept: Array
-    ) -> Array:
+    def jumped(self, event: int, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Give what is kept after an event."""
         after, seen = kept.copy(), self._seen(kept)
         if self._jump is not None:

@@ -137,7 +137,9 @@ def guards_let_go(bench: Bench) -> Claims:
         kept = jump.kept + soon * rates
         normal = asked.force(gap, rate, slip, at.speed, kept)[0]
         fallen = -asked.guards(gap, rate, slip, normal, kept)[jump.event]
-        worst.take("guard below zero after its own jump, over its size", fallen / flow.largest[jump.event], 0.0)
+        worst.take(
+            "guard below zero after its own jump, over its size", fallen / flow.largest[jump.event], 0.0
+        )
     below = (-flow.lowest / (flow.largest + TINY)).tolist()
     for k, share in enumerate(below):
         worst.take(f"guard {k} below zero while a contact lasts, over its size", share, LOCATED)
@@ -153,7 +155,9 @@ def limits_in_order(bench: Bench) -> Claims:
     odd = int((~np.isfinite(limits)).any(axis=1).sum())
     yield at_most(f"drawn paths that it cannot be followed on {flow.faults}", len(flow.faults), 0)
     yield at_most("limits that are no numbers", odd, 0)
-    yield at_most("gap of the beginning over that of the end", float((limits[:, 0] - limits[:, 1]).max()), 0.0, "m")
+    yield at_most(
+        "gap of the beginning over that of the end", float((limits[:, 0] - limits[:, 1]).max()), 0.0, "m"
+    )
 
 
 def _initial(bench: Bench) -> list[float]:
@@ -218,5 +222,3 @@ def _signed(asked: Asked, at: Instant, side: float, signs: Array) -> list[float]
     for event in range(AT_TOUCH, asked.law.guards):
         found += (signs * asked.jumped(event, *state)).tolist()
     return [float(each) for each in found]
-
-

@@ -28,10 +28,9 @@ class Johnson(MultiplierLaw):
 
     At the pressure p_d = 3 Y the dent takes m V^2/2 = pi a^4 p_d/(4 R); from it P = pi a^2 p_d gives back
     3 P^2/(10 a E*). Their ratio is e^2, and e falls as V^(-1/4). The mass is that of the impact, 1/d_nn.
-    The factor is 3.743; Johnson's eq. 11.47 prints 3.8. One speed is the bound: up to 27 times the speed of
-    `first_yield` this form gives more than the approach, and e is one. In truth e leaves one at first
-    yield and joins the form from below: it is good for what has yielded all over. Large dents, a/R above
-    about 0.3, are not in it.
+    The factor of the equation is 3.743; Johnson's eq. 11.47 prints 3.8. Up to 27 times the speed of
+    `first_yield` that form gives back more than came, and e is one; in truth e falls below one at first yield
+    and meets the form from below. So it is good for a ball that has yielded all over, whose dent is small.
     """
 
     name = "johnson"

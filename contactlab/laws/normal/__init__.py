@@ -17,5 +17,9 @@ from contactlab.laws.normal.thornton import Thornton
 from contactlab.laws.normal.walton_braun import WaltonBraun
 
 NORMAL_FORCES: dict[str, type[NormalForce]] = {
-    part.name: part for part in (HertzPoint, HertzElliptic, Line, Linear, Lining)
+    part.name: part
+    for part in (
+        *(HertzPoint, HertzElliptic, Line, Linear, Lining),
+        *(Thornton, WaltonBraun, Jkr, Dmt, Prony),
+    )
 }

@@ -7,7 +7,6 @@ from numpy.testing import assert_allclose
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty
 from contactlab.laws.archard import Archard
-from contactlab.laws.memory import AT_RELEASE
 from contactlab.testing.plants import block, paper_motor, run
 
 MU, STIFFNESS, WEIGHT, MASS = 0.3, 1e10, 5.0, 2e-3
@@ -35,9 +34,6 @@ def test_kernels_say_one_thing_of_force_energy_and_wear() -> None:
     assert (ahead - behind) / (2.0 * step) == pytest.approx(-normal * gap_rate - loss, rel=1e-6)
     assert loss == pytest.approx(normal * worn)
     assert law.limits(np.array([wear]), row) == (-wear, -wear)
-    # It wears, and does not jump.
-    assert law.jump is None
-    assert AT_RELEASE < 0
 
 
 def test_a_block_with_a_constant_weight_wears_linearly_in_the_way() -> None:
@@ -45,27 +41,37 @@ def test_a_block_with_a_constant_weight_wears_linearly_in_the_way() -> None:
     law, speed, spring = Archard(friction_coefficient=MU, wear_coefficient=1e-3), 0.5, 1e6
     depth = (WEIGHT / STIFFNESS) ** (2 / 3)
     motor = block(
-        MASS, height=-depth, weight=WEIGHT, way=MU * WEIGHT / spring, stiffness=spring, belt_velocity=speed
+        MASS,
+        height=-depth,
+        gap_rate=-softness(law) * WEIGHT * speed,
+        weight=WEIGHT,
+        way=MU * WEIGHT / spring,
+        stiffness=spring,
+        belt_velocity=speed,
     )
     series = run(motor, law, 2e-3, record_interval=1e-4).series
     ways = speed * 1e-4 * np.arange(21)
-    assert_allclose(series["internal_wear"], softness(law) * WEIGHT * ways, rtol=1e-4)
+    assert_allclose(series["internal_wear"], softness(law) * WEIGHT * ways, rtol=1e-7)
     # The gap follows the surface that recedes.
-    assert_allclose(series["gap"], -depth - series["internal_wear"], atol=1e-4 * depth)
+    assert_allclose(series["gap"], -depth - series["internal_wear"], atol=1e-7 * depth)
     assert series["internal_wear"][-1] > 0.3 * depth
 
 
-@pytest.mark.parametrize("coefficient", [1e-4, 1e-1])
-def test_a_motor_wears_by_the_work_of_its_friction(coefficient: float) -> None:
-    """A w = (k/H) int N |v| dt, to the last digits of what friction loses, and by the recorded series."""
-    law = Archard(wear_coefficient=coefficient)
-    series = simulate(paper_motor(), law, duration=3e-3, record_interval=1e-7).series
+@pytest.mark.parametrize(("tolerance", "close"), [(None, 1e-4), (1e-11, 5e-6)])
+def test_a_motor_wears_by_the_work_of_its_friction(tolerance: float | None, close: float) -> None:
+    """A w = (k/H) int N |v| dt, by what friction loses and by the recorded series.
+
+    Both would agree to round-off but for steps in which the slip reverses: |v| has its kink there, and the
+    nodes behind it are not taken but have their say.
+    """
+    law = Archard(wear_coefficient=1e-2)
+    simulated = simulate(paper_motor(), law, duration=3e-3, record_interval=1e-7, tolerance=tolerance)
+    series = simulated.series
     wear = series["internal_wear"]
-    assert_allclose(wear[-1], softness(law) / MU * series["friction_loss"][-1], rtol=1e-9)
+    assert_allclose(wear[-1], softness(law) / MU * series["friction_loss"][-1], rtol=close)
     slips = np.abs(series["slip_velocity"])
     recorded = np.sum(series["normal_force"][1:] * 0.5 * (slips[1:] + slips[:-1])) * 1e-7
     assert_allclose(wear[-1], softness(law) * recorded, rtol=1e-4)
-    assert np.all(np.diff(wear) >= 0.0)
     # What was pressed and has worn off.
     worn_off = np.sum(series["normal_force"][1:] * np.diff(wear))
     assert_allclose(series["contact_loss"][-1], worn_off, rtol=1e-3)
@@ -74,7 +80,7 @@ def test_a_motor_wears_by_the_work_of_its_friction(coefficient: float) -> None:
 
 
 def test_contact_of_a_worn_surface_begins_where_the_surface_is() -> None:
-    """A block comes down twice, sliding; a third law that has worn before begins no earlier."""
+    """A block comes down again and again, sliding, and each time later by what it has worn."""
     law = Archard(wear_coefficient=0.1)
     rate = 2.0 * np.pi * 100.0
     motor = block(MASS, gap_rate=-0.05, velocity=0.5, normal_stiffness=MASS * rate**2)

@@ -10,7 +10,7 @@ from contactlab.testing.plants import block, last, run
 
 
 def test_what_it_declares_is_what_it_breaks() -> None:
-    laws = ChatterjeeRuina(), ChatterjeeRuina(0.8, 1.0, 1.0), ChatterjeeRuina(1.5, 0.9, -0.5)
+    laws = ChatterjeeRuina(0.8, 1.0, 1.0), ChatterjeeRuina(1.5, 0.9, -0.5)
     for law in laws:
         assert broken(law) == {}
 

@@ -96,18 +96,18 @@ def characteristic(stiffness: float, mass: float, speed: float) -> Array:
     return np.linalg.eigvals(rows)
 
 
-MASS, SPEED, SPRING = 2e-5, 1e-3, 1e4
+SPEED, SPRING = 1e-3, 1e7
 CRITICAL = NORMAL * (B - A) / D
 
 
-def slider(share: float, off: float, periods: float) -> Trajectory:
+def slider(share: float, off: float, periods: float, mass: float) -> Trajectory:
     """A block on a belt, held by a spring of a share of the critical stiffness, near its steady slip."""
     stiffness = share * CRITICAL
     age = D / SPEED
     friction = RateAndState(MU, A, B, D, V0, age, 1e-12)
     drag = NORMAL * (MU + (A - B) * log(SPEED / V0))
     motor = block(
-        MASS,
+        mass,
         height=-NORMAL / SPRING,
         weight=NORMAL,
         way=drag / stiffness + off,
@@ -116,7 +116,7 @@ def slider(share: float, off: float, periods: float) -> Trajectory:
     )
     period = 2.0 * np.pi * D / SPEED / sqrt((B - A) / A)
     law = Composed(Linear(SPRING), friction=friction)
-    return run(motor, law, periods * period, 0.01 * period, 0.005 * period)
+    return run(motor, law, periods * period, 0.005 * period, 0.005 * period)
 
 
 def swings(made: Trajectory) -> Array:
@@ -126,22 +126,37 @@ def swings(made: Trajectory) -> Array:
     return np.abs(np.diff(force[1:-1][inner]))
 
 
-@pytest.mark.parametrize("share", [0.9, 1.1])
+@pytest.mark.parametrize("share", [0.9, 1.2])
 def test_a_slider_swings_up_below_the_critical_stiffness_and_calms_down_above(share: float) -> None:
-    """Ruina (1983): k_c = N (b - a)/D; how fast is told by the characteristic equation."""
-    roots = characteristic(share * CRITICAL, MASS, SPEED)
+    """Ruina (1983): k_c = N (b - a)/D; how fast is told by the characteristic equation.
+
+    The mass lifts k_c by m v_s^2/(N a D) (Rice and Ruina 1983, J. Appl. Mech. 50, 343), here by 4%.
+    """
+    mass = 2e-3
+    roots = characteristic(share * CRITICAL, mass, SPEED)
     root = roots[np.argmax(roots.imag)]
     assert (root.real > 0.0) == (share < 1.0)
-    found = swings(slider(share, 2e-9, 4.0))
-    half = np.pi / root.imag
-    assert_allclose(found[2:] / found[1:-1], exp(root.real * half), rtol=2e-2)
+    lifted = characteristic((1.0 + mass * SPEED**2 / (NORMAL * A * D)) * CRITICAL, mass, SPEED)
+    assert np.abs(lifted.real).min() < 1e-6 * np.abs(lifted.imag).max()
+    found = swings(slider(share, 2e-9, 2.6, mass))
+    assert found.size >= 4
+    assert_allclose(found[2:] / found[1:-1], exp(root.real * np.pi / root.imag), rtol=1e-2)
 
 
 def test_at_the_critical_stiffness_swings_of_any_size_go_on_as_they_are() -> None:
-    """Ranjith and Rice (1999), J. Mech. Phys. Solids 47, 1207: under the ageing law they are periodic."""
-    found = swings(slider(1.0, 2e-7, 4.0))
-    assert found[1] > 1e-8
-    assert_allclose(found[3::2] / found[1:-2:2], 1.0, rtol=1e-2)
+    """Ranjith and Rice (1999), J. Mech. Phys. Solids 47, 1207: under the ageing law they are periodic.
+
+    That is without inertia; with this mass the critical stiffness is larger by 0.4%, and a tenth of that is
+    left in the swings.
+    """
+    mass = 2e-4
+    made = slider(1.0 + mass * SPEED**2 / (NORMAL * A * D), 6e-7, 2.2, mass)
+    found = swings(made)
+    speeds = np.abs(made.series["slip_velocity"])
+    # Far from linear: the slip goes to half of the belt's and nearly to twice.
+    assert speeds.max() / speeds.min() > 2.9
+    assert found.size >= 4
+    assert_allclose(found[2:], found[1], rtol=1e-3)
 
 
 def test_a_motor_runs_with_a_small_direct_effect_in_a_few_hundred_steps_a_contact() -> None:

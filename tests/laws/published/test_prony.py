@@ -1,0 +1,138 @@
+"""A spring with Maxwell arms: relaxation, harmonic moduli, and impacts against an integration of its own."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+from support.normal_balance import answer, imbalance
+
+from contactlab.laws import Composed, Linear, Prony
+from contactlab.testing.closed_forms import restitution
+from contactlab.testing.plants import block, first, last, run
+
+MASS, HEAVY = 2e-3, 1e6
+LINING = Prony(5e6, 8e6, 1e-5, 3e6, 1e-4, 2e6, 1e-3)
+ARMS = LINING.arms
+GLASSY = LINING.relaxed_stiffness + sum(arm for arm, _ in ARMS)
+TIGHT: Any = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-18}
+
+
+def held(depth: float) -> Any:
+    """A body so heavy that nothing moves it, pressed in."""
+    return block(HEAVY * 1e9, height=-depth)
+
+
+def test_a_held_depth_relaxes_as_a_prony_series() -> None:
+    depth, interval = 1e-6, 2e-5
+    made = run(held(depth), Composed(LINING), 1e-3, record_interval=interval)
+    time = made.time
+
+    def impulse(t: np.ndarray) -> np.ndarray:
+        relaxed = LINING.relaxed_stiffness * t
+        return depth * (relaxed + sum(k * tau * -np.expm1(-t / tau) for k, tau in ARMS))
+
+    # A record is the mean over its interval.
+    expected = np.diff(impulse(time)) / interval
+    assert_allclose(made.series["normal_force"][1:], expected, rtol=1e-7)
+    assert_allclose(made.series["normal_force"][1] / depth, GLASSY, rtol=0.5)
+
+
+@pytest.mark.parametrize("frequency", [300.0, 1.6e4])
+def test_a_harmonic_depth_has_the_storage_and_loss_moduli_of_the_arms(frequency: float) -> None:
+    """k' = k_inf + sum k_i x^2/(1 + x^2), k'' = sum k_i x/(1 + x^2), x = w tau_i; loss pi A^2 k''."""
+    centre, swing, w = 2e-6, 5e-7, 2.0 * pi * frequency
+    stiffness, period = HEAVY * w**2, 1.0 / frequency
+    # The arms forget where they began in the slowest time.
+    cycles = int(8e-3 * frequency) + 1
+    body = block(HEAVY, height=-centre - swing, weight=stiffness * centre, normal_stiffness=stiffness)
+    made = run(body, Composed(LINING), (cycles + 1) * period, 0.02 * period, 0.25 * period)
+    lost = np.diff(made.series["contact_loss"][-5:][[0, 4]])[0]
+    x = np.array([w * tau for _, tau in ARMS])
+    k = np.array([arm for arm, _ in ARMS])
+    assert_allclose(lost, pi * swing**2 * (k * x / (1.0 + x * x)).sum(), rtol=1e-3)
+    # Impulses of the quarters about the deepest and the least deep: 2 sqrt 2 A k'/w apart at eighths.
+    quarters = made.series["normal_force"][-4:] * 0.25 * period
+    # Over a quarter from the deepest on, cos and sin both integrate to 1/w.
+    storage = LINING.relaxed_stiffness + (k * x * x / (1.0 + x * x)).sum()
+    first_half = quarters[0] - quarters[2], quarters[3] - quarters[1]
+    assert_allclose(sum(first_half) * w / (4.0 * swing), storage, rtol=1e-3)
+
+
+def integrated(
+    lining: Prony, speed: float, mass: float, weight: float, end: float
+) -> tuple[Any, list[float]]:
+    """Follow a body and its lining by themselves; gives the last state and the times of touch and release."""
+    k, tau = (np.array(each) for each in zip(*lining.arms, strict=True))
+    whole = lining.relaxed_stiffness + k.sum()
+
+    def force(t: float, y: np.ndarray) -> float:
+        return float(whole * y[0] - k @ y[2:])
+
+    def motion(t: float, y: np.ndarray, touching: bool) -> list[float]:
+        pressed = force(t, y) if touching else 0.0
+        surface = y[0] if touching else k @ y[2:] / whole
+        return [y[1], (weight - pressed) / mass, *((surface - y[2:]) / tau)]
+
+    y, time, touching, switches = np.array([0.0, speed, *np.zeros(k.size)]), 0.0, True, []
+    while time < end:
+
+        def switch(t: float, y: np.ndarray, touching: bool) -> float:
+            return force(t, y)
+
+        switch.terminal, switch.direction = True, -1.0 if touching else 1.0  # type: ignore[attr-defined]
+        found = solve_ivp(motion, (time, end), y, events=switch, args=(touching,), **TIGHT)
+        y, time, touching = found.y[:, -1], float(found.t[-1]), not touching
+        switches.append(time)
+    return y, switches
+
+
+@pytest.mark.parametrize("speed", [1e-3, 1.0])
+def test_an_impact_is_that_of_an_integration_by_itself(speed: float) -> None:
+    state, (left, *_) = integrated(LINING, speed, MASS, 0.0, 1e-4)
+    made = run(block(MASS, height=1e-9, gap_rate=-speed), Composed(LINING), 1e-9 / speed + 1e-4)
+    assert_allclose(first(made, "duration"), left, rtol=1e-6)
+    assert_allclose(restitution(made), -state[1] / speed, rtol=1e-6)
+    assert abs(last(made, "energy_residual")) < 1e-6 * first(made, "energy_loss")
+
+
+def test_a_lining_recovers_in_flight_and_is_met_where_it_then_is() -> None:
+    lining, speed, weight, end = Prony(5e6, 2e7, 3e-4), 0.05, 20.0, 4e-4
+    state, switches = integrated(lining, speed, MASS, weight, end)
+    made = run(block(MASS, height=0.0, gap_rate=-speed, weight=weight), Composed(lining), end)
+    assert made.contacts["start_time"].size == len(switches) // 2 + 1 > 2
+    assert_allclose(
+        made.contacts["start_time"][1:], switches[1 : 2 * made.contacts["start_time"].size - 1 : 2], rtol=1e-3
+    )
+    assert_allclose(-last(made, "gap"), state[0], rtol=1e-3)
+    assert np.abs(made.series["energy_residual"]).max() < 1e-6 * last(made, "contact_loss")
+
+
+def test_what_is_much_faster_and_what_is_much_slower_than_the_arms_is_elastic() -> None:
+    for time, stiffness in ((10.0, 1e7), (1e-12, 5e6)):
+        lining, ball = Prony(first_time=time), block(MASS, height=1e-6, gap_rate=-0.1)
+        soft, hard = (run(ball, Composed(each), 2e-4) for each in (lining, Linear(stiffness)))
+        assert_allclose(restitution(soft), 1.0, rtol=1e-4)
+        assert_allclose(first(soft, "duration"), first(hard, "duration"), rtol=1e-4)
+
+
+@settings(max_examples=60)
+@given(
+    exponent=st.floats(-8.0, -5.0), rate=st.floats(-1.0, 1.0), shares=st.tuples(*[st.floats(-0.5, 0.95)] * 3)
+)
+def test_what_is_not_stored_is_lost(exponent: float, rate: float, shares: tuple[float, ...]) -> None:
+    depth = 10.0**exponent
+    z = depth * np.array(shares)
+    assert imbalance(LINING, depth, rate, z) < 1e-6
+    assert answer(LINING, depth, rate, z)[4] >= 0.0
+
+
+def test_an_arm_without_stiffness_is_none() -> None:
+    assert [one.name for one in Prony().internal_variables] == ["creep_1"]
+    assert [one.name for one in LINING.internal_variables] == ["creep_1", "creep_2", "creep_3"]
+    third = Prony(third_stiffness=1e6)
+    assert third.arms == ((5e6, 1e-5), (1e6, 1e-3))
+    assert third.coefficients()[:2] == (5e6, 2)

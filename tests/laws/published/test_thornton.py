@@ -1,0 +1,144 @@
+"""The elastic, perfectly plastic sphere against Thornton (1997) and the pressure that it comes from."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from support.normal_balance import answer, imbalance, lost_by
+
+from contactlab.laws import Composed, HertzPoint, Thornton
+from contactlab.laws.normal.thornton import BEGINS, STOPS
+from contactlab.testing.closed_forms import restitution
+from contactlab.testing.plants import block, first, last, run
+from contactlab.trajectory import Trajectory
+
+MASS = 2e-3
+SPHERE = Thornton()
+ELASTIC, YIELDING = (0.0, SPHERE.yield_depth), (1.0, SPHERE.yield_depth)
+
+YIELD_SPEED = pi**2 / 4.0 * sqrt(8.0 * pi / 15.0)
+"""V_y over (p_y^5 R^3 / E*^4 m)^(1/2); 3.194 in print."""
+
+
+def yield_speed() -> float:
+    s = SPHERE
+    return YIELD_SPEED * sqrt(s.yield_pressure**5 * s.radius**3 / (s.effective_modulus**4 * MASS))
+
+
+def published(ratio: float) -> float:
+    """Thornton (1997), the restitution at V_i/V_y."""
+    y = 1.0 / ratio
+    slowed = y / (y + 2.0 * sqrt(6.0 / 5.0 - y * y / 5.0))
+    return sqrt(6.0 * sqrt(3.0) / 5.0) * sqrt(1.0 - y * y / 6.0) * slowed**0.25
+
+
+def impact(ratio: float) -> Trajectory:
+    speed = ratio * yield_speed()
+    ball = block(MASS, height=1e-6, gap_rate=-speed)
+    return run(ball, Composed(SPHERE), 1e-6 / speed + 3e-4)
+
+
+@pytest.mark.parametrize("ratio", [1.05, 2.0, 10.0, 105.0])
+def test_restitution_is_the_published_one_over_two_decades_of_speed(ratio: float) -> None:
+    made = impact(ratio)
+    assert_allclose(restitution(made), published(ratio), rtol=1e-6)
+    assert abs(last(made, "energy_residual")) < 1e-6 * first(made, "energy_loss")
+
+
+def test_a_fast_impact_has_the_published_quarter_power() -> None:
+    """e = 1.185 (V_y/V_i)^(1/4)."""
+    assert_allclose(YIELD_SPEED, 3.194, atol=5e-4)
+    fast = 1e4
+    assert published(fast) * fast**0.25 == pytest.approx(1.185, abs=5e-4)
+    assert restitution(impact(105.0)) * 105.0**0.25 == pytest.approx(1.185, rel=2e-3)
+
+
+def test_nothing_is_lost_below_the_yield_speed() -> None:
+    slow = impact(0.999)
+    assert restitution(slow) == pytest.approx(1.0, abs=1e-9)
+    assert first(slow, "energy_loss") == 0.0
+    assert first(slow, "internal_yields") == 0.0
+    assert first(impact(1.001), "energy_loss") > 0.0
+
+
+@pytest.mark.parametrize("over", [1.0, 1.5, 8.0])
+def test_the_force_is_the_sum_of_hertzs_pressure_cut_off_at_its_limit(over: float) -> None:
+    depth = over * SPHERE.yield_depth
+    radius = sqrt(SPHERE.radius * depth)
+
+    def ring(r: float) -> float:
+        hertz = 2.0 * SPHERE.effective_modulus / (pi * SPHERE.radius) * sqrt(radius**2 - r * r)
+        return 2.0 * pi * r * min(hertz, SPHERE.yield_pressure)
+
+    flat = radius * sqrt(1.0 - 1.0 / over)
+    whole = quad(ring, 0.0, flat)[0] + quad(ring, flat, radius)[0]
+    assert_allclose(answer(SPHERE, depth, 0.1, YIELDING)[0], whole, rtol=1e-8)
+
+
+@pytest.mark.parametrize("over", [1.0, 1.5, 8.0])
+def test_it_comes_back_as_a_sphere_with_the_same_contact_circle(over: float) -> None:
+    """dN/dd = 2 E* a just behind the turn, and N = 0 at the dent that the limits say."""
+    depth = over * SPHERE.yield_depth
+    force = answer(SPHERE, depth, 0.1, YIELDING)[0]
+    back, _, stiffness, _, _ = answer(SPHERE, depth, -0.1, (0.0, depth))
+    assert_allclose(back, force, rtol=1e-12)
+    assert_allclose(stiffness, 2.0 * SPHERE.effective_modulus * sqrt(SPHERE.radius * depth), rtol=1e-12)
+    flatter = 4.0 / 3.0 * SPHERE.effective_modulus * (SPHERE.radius * depth) ** 1.5 / force
+    dent = -SPHERE.limits(np.array([0.0, depth]), np.array(SPHERE.coefficients()), 0)[1]
+    assert_allclose(depth - dent, SPHERE.radius * depth / flatter, rtol=1e-12)
+    assert answer(SPHERE, dent, -0.1, (0.0, depth))[0] == 0.0
+
+
+def test_it_is_hertz_until_it_yields_and_its_stiffness_does_not_jump() -> None:
+    hertz = HertzPoint(SPHERE.coefficients()[0])
+    assert_allclose(answer(SPHERE, 3e-7, 0.1, ELASTIC), answer(hertz, 3e-7), rtol=1e-12)
+    at = SPHERE.yield_depth
+    before, after = answer(SPHERE, at, 0.1, ELASTIC), answer(SPHERE, at, 0.1, YIELDING)
+    assert_allclose(after[:3], before[:3], rtol=1e-12)
+    assert after[4] == pytest.approx(0.0, abs=1e-12 * before[0])
+
+
+@settings(max_examples=60)
+@given(over=st.floats(1.001, 50.0), share=st.floats(0.05, 0.99), rate=st.floats(1e-4, 3.0))
+def test_what_is_not_stored_is_lost_and_no_jump_changes_what_is_stored(
+    over: float, share: float, rate: float
+) -> None:
+    peak = over * SPHERE.yield_depth
+    assert imbalance(SPHERE, peak, rate, YIELDING) < 1e-6
+    assert answer(SPHERE, peak, rate, YIELDING)[4] > 0.0
+    dent = -SPHERE.limits(np.array([0.0, peak]), np.array(SPHERE.coefficients()), 0)[0]
+    assert imbalance(SPHERE, dent + share * (peak - dent), -rate, (0.0, peak)) < 1e-6
+    assert lost_by(SPHERE, STOPS, peak, 0.0, YIELDING) < 1e-12
+    assert lost_by(SPHERE, BEGINS, peak, rate, (0.0, peak)) < 1e-12
+
+
+def test_a_dent_is_elastic_until_its_depth_is_reached_again() -> None:
+    """A body so heavy that nothing disturbs it swings between 1/2 and 3/2 of a depth: it yields once."""
+    mass, depth, rate = 1e6, 2e-6, 2.0 * pi * 1e3
+    start = 0.3 * SPHERE.yield_depth
+    stiffness = mass * rate**2
+    swing = block(mass, height=-start, weight=stiffness * depth, normal_stiffness=stiffness)
+    peak = 2.0 * depth - start
+    made = run(swing, Composed(SPHERE), 2.4e-3, record_interval=1e-4)
+    n, x = 0.5 * (3.0 * peak / SPHERE.yield_depth - 1.0), peak / SPHERE.yield_depth
+    unit = 0.4 * SPHERE.coefficients()[0] * SPHERE.yield_depth**2.5
+    # Work to the peak less what comes back, in units of the energy of yield.
+    expected = unit * (1.0 + 2.5 * (x - 1.0) + 1.875 * (x - 1.0) ** 2 - n * n / sqrt(x))
+    assert made.contacts["start_time"].size == 3
+    assert_allclose(made.series["contact_loss"][10], expected, rtol=1e-6)
+    assert_allclose(made.series["internal_largest_depth"][10], peak, rtol=1e-6)
+    assert_allclose(made.series["contact_loss"][-1], expected, rtol=1e-6)
+
+
+def test_a_contact_that_begins_under_load_is_at_rest_and_loses_nothing() -> None:
+    weight = 10.0
+    depth = SPHERE.yield_depth + (weight / answer(SPHERE, SPHERE.yield_depth, 0.0, ELASTIC)[0] - 1.0) * (
+        SPHERE.yield_depth / 1.5
+    )
+    assert depth > SPHERE.yield_depth
+    made = run(block(1.0, height=-depth, weight=weight), Composed(SPHERE), 1e-2)
+    assert_allclose(last(made, "gap"), -depth, rtol=1e-9)
+    assert abs(last(made, "contact_loss")) < 1e-12 * weight * depth
