@@ -44,7 +44,7 @@ class KelvinVoigt(PenaltyLaw):
     allows_tension = True
     violations = MappingProxyType(
         {
-            "inside_the_cone": "friction ends in a kink where the dashpot begins to pull, and no step ends there."
+            "inside_the_cone": "friction ends with a kink where the dashpot begins to pull, inside of a step."
         }
     )
 
