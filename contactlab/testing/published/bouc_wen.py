@@ -16,6 +16,6 @@ def loop(mu: float = 0.3, yields: float = 3e-6, swing: float = 5.0) -> Claims:
     top, rate = 1.0 - lambertw(exp(1.0 - 2.0 * swing)).real, 2.0 * pi * 50.0
     heavy = resting(HEAVY, velocity=rate * swing * yields, stiffness=HEAVY * rate**2)
     law = Composed(Linear(SPRING), friction=BoucWen(mu, yields, 0.5, 1.0))
-    loss = run(heavy, law, 0.2, 1e-4, 0.02, tolerance=1e-8).series["friction_loss"]
+    loss = run(heavy, law, 0.2, 1e-4, 0.02, tolerance=1e-10).series["friction_loss"]
     expected = 2.0 * mu * WEIGHT * yields * (2.0 * swing - 2.0 * top - 0.5 * top**2)
     yield close("loss in a cycle", loss[10] - loss[9], expected, 1e-6, "J")
