@@ -132,6 +132,9 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
         f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal, z)
         f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), end, normal, z + dz)
         f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
+        if slip == 0.0 and state.parity == EVEN:
+            # What a mirror leaves has no slope there, but at most a kink.
+            g_v = 0.0
         for m in range(NODES):
             s = mobility(run, level, i, m)
             same = 1.0 if m == i else 0.0

@@ -195,6 +195,8 @@ class NormalForce(Declared, Remembering):
     family: ClassVar[str] = "normal"
     allows_tension: ClassVar[bool] = False
     """Whether it may pull."""
+    convergence_order: ClassVar[float] = 1.0
+    """As of a law: less where the force jumps, which coarse tolerances do not see."""
 
     def coefficients(self) -> tuple[float, ...]:
         """Give what the kernel reads: the fields in their order, unless something follows from them."""

@@ -40,7 +40,6 @@ class Composed(PenaltyLaw):
     friction_variable = _of_friction("friction_variable")
     friction_remembers = _of_friction("friction_remembers")
     exact_stick = _of_friction("exact_stick")
-    convergence_order = _of_friction("convergence_order")
     violations = _of_friction("violations")
 
     def __post_init__(self) -> None:
@@ -93,6 +92,11 @@ class Composed(PenaltyLaw):
     def allows_tension(self) -> bool:
         """Whether the normal force may pull."""
         return self.normal.allows_tension
+
+    @dependent
+    def convergence_order(self) -> float:
+        """That of the part which has the lower one."""
+        return min(self.friction.convergence_order, self.normal.convergence_order)
 
     @property
     def _plain(self) -> bool:

@@ -91,8 +91,9 @@ def dissipates(bench: Bench) -> Claims:
     yield from (answers_of(bench)["dissipates"] if bench.rigid else losses_of(bench)[0]).values()
     for words, made in bench.runs.items():
         if not bench.rigid:
-            gained = _gained(np.diff(made.series["contact_loss"]))
-            yield at_most(f"work of normal losses, {words}, over all of them", gained, STEP_ERROR)
+            normal, friction = (np.diff(made.series[f"{n}_loss"]) for n in ("contact", "friction"))
+            gained = _gained(normal, float(np.abs(friction).sum()))
+            yield at_most(f"work of normal losses, {words}, over all losses", gained, STEP_ERROR)
         gain = _gained(made.contacts["energy_loss"])
         yield at_most(f"energy from a contact, {words}, over all losses", gain, 1e-9)
 
@@ -291,6 +292,6 @@ def _differing(bench: Bench, motor: Motor, mirrored: tuple[str, ...] = ()) -> li
     return [n for n in made if not np.array_equal(made[n], signs[n] * other[n], equal_nan=True)]
 
 
-def _gained(losses: Array) -> float:
-    """Give the largest gain over all losses."""
-    return float(max(-losses.min(), 0.0) / max(np.abs(losses).sum(), TINY))
+def _gained(losses: Array, others: float = 0.0) -> float:
+    """Give the largest gain over all losses, of which some may be others' [J]."""
+    return float(max(-losses.min(), 0.0) / max(np.abs(losses).sum() + others, TINY))

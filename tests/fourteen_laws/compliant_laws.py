@@ -43,9 +43,7 @@ class KelvinVoigt(PenaltyLaw):
     default_contact_step = 4e-6
     allows_tension = True
     violations = MappingProxyType(
-        {
-            "inside_the_cone": "friction ends with a kink where the dashpot begins to pull, inside of a step."
-        }
+        {"inside_the_cone": "friction ends with a kink where the dashpot begins to pull, inside of a step."}
     )
 
     stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7

@@ -23,6 +23,7 @@ class Dmt(NormalForce):
     equation = "N = 4/3 E* sqrt(R) d^1.5 - 2 pi w R"
     source = "Derjaguin, Muller and Toporov (1975), J. Colloid Interface Sci. 53, 314"
     allows_tension = True
+    convergence_order = 0.9
 
     radius: Annotated[float, RADIUS] = 4.2e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL

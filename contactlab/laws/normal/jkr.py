@@ -50,6 +50,7 @@ class Jkr(NormalForce):
     equation = "N = 4 E* a^3/3 R - sqrt(8 pi w E* a^3), d = a^2/R - sqrt(2 pi w a/E*)"
     source = "Johnson, Kendall and Roberts (1971), Proc. R. Soc. A 324, 301; Thornton and Ning (1998)"
     allows_tension = True
+    convergence_order = 0.9
 
     radius: Annotated[float, RADIUS] = 4.2e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
