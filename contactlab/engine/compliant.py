@@ -50,6 +50,9 @@ GROWTH = 2.0**6
 SLIP_ROUND_OFF = 1e-13
 """Slip velocity [m/s] that a located reversal may leave."""
 
+REMEMBERED = 1e-2
+"""Share of the negligible impulse down to which a contact that remembers walks up to its release."""
+
 ROUND_OFF = 1e-13
 """Impulse over that of the tip that the forces which hold its slip cannot be told apart by."""
 
@@ -188,7 +191,8 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     state, level = run.state, run.state.level
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
-        small = state.tolerance * state.momentum
+        # What is remembered flows on past the release at another rate, whatever the force is by then.
+        small = state.tolerance * state.momentum * (REMEMBERED if state.variables > 0 else 1.0)
         finest = run.propagator.rule.level_count - 1
         while h * rate > -0.7 * gap and abs(normal) * h > small and level < finest:
             level += 1

@@ -255,12 +255,12 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
             state.touchdowns -= 1
         state.mode, state.phase = FREE, RELEASED
         state.level = run.propagator.rule.fresh_level
-        leave(run, law.memory)
+        leave(run, law, law.memory)
     elif state.switched != 0:
         jump(run, law, law.memory, state.switched)
         state.switched = 0
     elif state.mode == FREE:
-        leave(run, law.memory)
+        leave(run, law, law.memory)
 
 
 @inner_kernel

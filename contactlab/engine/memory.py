@@ -224,10 +224,19 @@ def guard_at(run: Run, memory: Memory | None, s: float) -> float:
 
 
 @inner_kernel
+def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
+    """Give what the law stores where a contact with the recalled variables would begin [J]."""
+    if run.state.compliant == 0:
+        return 0.0
+    begins = memory.limits(memory.parameters)[0]
+    return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[2])
+
+
+@inner_kernel
 def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     """Let the internal variables jump at an event where the step starts; what is stored less is lost.
 
-    At a release all that is stored still is, and a touch gives back what it finds stored.
+    What stays stored while apart is that where the next contact would begin.
     """
     if memory is None:
         return
@@ -239,22 +248,25 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     if state.compliant != 0:
         gap = min(gap, end_at(memory))
         normal, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
-        stored = 0.0 if event == AT_TOUCH else before
+        stored = state.apart if event == AT_TOUCH else before
     for k in range(state.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
     recall_start(run, memory)
-    if state.compliant != 0 and event != AT_RELEASE:
+    if event == AT_RELEASE:
+        state.apart = _stored_apart(run, law, memory)
+        stored -= state.apart
+    elif state.compliant != 0:
         stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
     state.total.contact_loss += stored
     state.contact.energy_loss += stored
 
 
 @inner_kernel
-def leave(run: Run, memory: Memory | None) -> None:
+def leave(run: Run, law: Law, memory: Memory | None) -> None:
     """Set where the next contact begins, after a release or a step of flight.
 
     What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
-    then it puts off the next one.
+    then it puts off the next one. What is stored while apart is lost as it goes.
     """
     if memory is None:
         return
@@ -271,3 +283,7 @@ def leave(run: Run, memory: Memory | None) -> None:
         for k in range(state.variables):
             state.memory[k] = step.memory[BETWEEN, k]
         state.begins, state.kept = anew, 0
+    recall_start(run, memory)
+    stored = _stored_apart(run, law, memory)
+    state.total.contact_loss += state.apart - stored
+    state.apart = stored

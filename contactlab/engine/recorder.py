@@ -111,7 +111,7 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     u, th, _, th_rate, rotor = tip_motion(run.plant, BETWEEN)
     gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, BETWEEN)
     memory_at(run, law.memory, s)
-    stored, held, internal = 0.0, 0.0, state.internal
+    stored, held, internal = state.apart if state.mode == FREE else 0.0, 0.0, state.internal
     if run.step.kind == COLLOCATED and gap < end_at(law.memory):
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:

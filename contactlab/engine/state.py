@@ -88,7 +88,8 @@ STATE: Final = record(
     "window window_start tolerance "  # of the pace [s]; of a compliant step [1]
     "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
     "impact_speed internal "  # with which the contact began [m/s]; variable of the friction
-    "first_internal begins "  # its value at first; gap at which the next contact begins [m]
+    "first_internal begins apart "  # its value at first; gap at which the next contact begins [m]; what the
+    # law stores while apart [J]
     "normal_before friction_before "  # of a rigid contact [N]
     "held_energy "  # what a spring of the friction holds at the last record [J]
     "initial_energy least_open most_open "  # at t = 0; what the ledger's terms left so far [J]

@@ -71,7 +71,9 @@ def inside_the_cone(bench: Bench) -> Claims:
             # Where a force begins to pull within an interval, its mean says nothing of its size.
             judged = ~changes_side(made.series["normal_force"])
         excess = (friction - cone)[judged].max(initial=0.0) / max(normal.max(), TINY)
-        yield at_most(f"friction over its bound, {words}, over the peak force", excess, 1e-8)
+        # Friction has a kink where the force begins to pull, and no step ends there.
+        bound = 1e-6 if bench.law.allows_tension else 1e-8
+        yield at_most(f"friction over its bound, {words}, over the peak force", excess, bound)
 
 
 def friction_opposes_slip(bench: Bench) -> Claims:
