@@ -10,7 +10,7 @@ from contactlab.engine.collocation import Known, attempt, sound_normal
 from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import friction_and_steepness
 from contactlab.engine.kinematics import add_collocated, checked, contact_at
-from contactlab.engine.memory import end_at, jump, open_step, recall_start
+from contactlab.engine.memory import SLIP_ROUND_OFF, end_at, jump, open_step, recall_start
 from contactlab.engine.moments import first_moments
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
@@ -46,9 +46,6 @@ TOUCHED = -1e-22
 
 GROWTH = 2.0**6
 """What the error of a step grows by where it doubles: it goes as h^(NODES + 1)."""
-
-SLIP_ROUND_OFF = 1e-13
-"""Slip velocity [m/s] that a located reversal may leave."""
 
 REMEMBERED = 1e-2
 """Share of the negligible impulse down to which a contact that remembers walks up to its release."""

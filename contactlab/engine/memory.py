@@ -14,11 +14,14 @@ from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
-from contactlab.laws.base import STICK
+from contactlab.laws.base import SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
+
+SLIP_ROUND_OFF = 1e-13
+"""Slip velocity [m/s] that a located reversal may leave."""
 
 FLOWED = 1e-12
 """Correction over the size of a variable that is round-off."""
@@ -89,6 +92,9 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
             z, g_z = step.memory[i, k], 0.0
             recall(run, memory, i)
             slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
+            if slip == 0.0 and state.mode == SLIP and state.friction_kind == SET_VALUED:
+                # Where a slip ends exactly the law must not take it for stick.
+                slip = state.sign * SLIP_ROUND_OFF
             # Of a step that the release cuts, what lies beyond it goes on as at the release.
             gap = min(step.gap[i], step.end[i]) if step.kind == COLLOCATED else step.gap[i]
             rate = step.gap_rate[i]
@@ -271,6 +277,8 @@ def leave(run: Run, law: Law, memory: Memory | None) -> None:
     if memory is None:
         return
     state, step = run.state, run.step
+    if state.variables == 0:
+        return
     for k in range(state.variables):
         lasts = step.memory_lasts[k] != 0.0
         step.memory[BETWEEN, k] = state.memory[k] if lasts else step.memory_first[k]

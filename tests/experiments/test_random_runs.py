@@ -51,4 +51,4 @@ def test_the_table_has_every_law_and_says_what_is_broken(capsys: pytest.CaptureF
     assert [script.broken(row) for row in wrong.to_dict("records")] == [["phantom_contacts"], [], []]
     assert "Complete runs that break an invariant: 1." in script.page(wrong, "a test")
     script.show(wrong, 0)
-    assert "Broken: 0 hertz_penalty: phantom_contacts 0.5" in capsys.readouterr().out
+    assert f"Broken: {laws.index(names[0])} hertz_penalty: phantom_contacts 0.5" in capsys.readouterr().out

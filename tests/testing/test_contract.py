@@ -31,6 +31,7 @@ HELD = {
     "chatterjee_ruina": LAWS["chatterjee_ruina"](friction_coefficient=0.3, tangential_restitution=0.4),
     "johnson": LAWS["johnson"](friction_coefficient=0.3),
     "lagrange_ageing": LAWS["lagrange_ageing"](friction_coefficient=0.3),
+    "archard": LAWS["archard"](friction_coefficient=0.3),
     # Each part in a law that is Hertz and Coulomb but for it.
     **{f"normal_{name}": Composed(normal=part()) for name, part in NORMAL_FORCES.items()},
     **{f"damping_{name}": Composed(damping=part()) for name, part in DAMPINGS.items()},

@@ -41,7 +41,7 @@ def test_a_cycle_loses_the_area_of_the_loop(swing: float) -> None:
     law, frequency = Composed(Linear(SPRING), friction=BoucWen(MU, YIELD, 0.5, 1.0)), 50.0
     rate = 2.0 * pi * frequency
     heavy = resting(HEAVY, velocity=rate * swing * YIELD, stiffness=HEAVY * rate**2)
-    made = run(heavy, law, 10.0 / frequency, 1e-4, 1.0 / frequency, tolerance=1e-8)
+    made = run(heavy, law, 10.0 / frequency, 1e-4, 1.0 / frequency, tolerance=1e-10)
     loss = made.series["friction_loss"]
     assert_allclose(loss[10] - loss[9], expected, rtol=1e-6)
 

@@ -59,7 +59,7 @@ def test_a_fast_impact_has_the_published_quarter_power() -> None:
 def test_nothing_is_lost_below_the_yield_speed() -> None:
     slow = impact(0.999)
     assert restitution(slow) == pytest.approx(1.0, abs=1e-9)
-    assert first(slow, "energy_loss") == 0.0
+    assert abs(first(slow, "energy_loss")) < 1e-30
     assert first(slow, "internal_yields") == 0.0
     assert first(impact(1.001), "energy_loss") > 0.0
 
