@@ -53,6 +53,7 @@ def test_time_is_announced_from_the_pace_of_a_trial(capsys: pytest.CaptureFixtur
     assert "on 2 processors" in said
 
 
+@pytest.mark.long
 def test_the_estimate_is_what_the_run_takes() -> None:
     setup = build(["law=lagrange_stick", "solver.duration=0.3"])
     wall_time_of(setup)

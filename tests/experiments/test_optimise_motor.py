@@ -89,6 +89,7 @@ def test_the_same_seed_is_the_same_search_and_another_is_not(objective: str) -> 
 
 
 @pytest.mark.parametrize("objective", cases(["all", "velocity"], ["all"]))
+@pytest.mark.long
 def test_interrupted_anywhere_and_resumed_it_is_the_uninterrupted_search(
     objective: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -131,6 +132,7 @@ def finished(folder: Path, elsewhere: Path) -> int:
         return 0
 
 
+@pytest.mark.long
 def test_killed_and_started_again_it_leaves_the_same_bytes(tmp_path: Path) -> None:
     def command(folder: str) -> list[str]:
         script = optimise_motor.__file__

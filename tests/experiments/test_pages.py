@@ -5,10 +5,12 @@ from pathlib import Path
 
 import law_page
 import metric_page
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.long
 def test_the_page_is_what_the_laws_declare() -> None:
     committed = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
     assert committed == law_page.page(), "Run python experiments/law_page.py."
@@ -21,6 +23,7 @@ def test_every_law_has_a_picture_and_no_picture_is_without_a_law() -> None:
     assert shown == there
 
 
+@pytest.mark.long
 def test_the_page_can_be_made_elsewhere(tmp_path: Path) -> None:
     assert law_page.main(["--output", str(tmp_path)]) == 0
     assert (tmp_path / "laws.md").is_file()

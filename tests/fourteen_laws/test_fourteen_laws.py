@@ -23,6 +23,7 @@ class TestPower(LawContract):
     law = Composed(normal=Power())
 
 
+@pytest.mark.long
 class TestKelvinVoigt(LawContract):
     law = KelvinVoigt()
 
@@ -31,6 +32,7 @@ class TestTsuji(LawContract):
     law = Tsuji()
 
 
+@pytest.mark.long
 class TestTustin(LawContract):
     law = Composed(friction=Tustin())
 
@@ -39,10 +41,12 @@ class TestSolidFriction(LawContract):
     law = Composed(friction=SolidFriction())
 
 
+@pytest.mark.long
 class TestSmoothCone(LawContract):
     law = Composed(friction=SmoothCone())
 
 
+@pytest.mark.long
 class TestTurningImpact(LawContract):
     law = TurningImpact()
 

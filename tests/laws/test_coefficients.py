@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import pytest
+from support.command_line import cases
 
 from contactlab.compiled import kernel
 from contactlab.engine.preparation import take_in
@@ -70,7 +71,7 @@ class Short(Friction):
         return (self.friction_coefficient,)
 
 
-@pytest.mark.parametrize("damping", DAMPINGS.values(), ids=DAMPINGS)
+@pytest.mark.parametrize("damping", cases(DAMPINGS.values(), [DAMPINGS["linear"]]), ids=DAMPINGS)
 @pytest.mark.parametrize("friction", FRICTIONS.values(), ids=FRICTIONS)
 def test_a_part_has_as_many_coefficients_as_it_wants(damping: Any, friction: Any) -> None:
     law = Composed(Polynomial(), damping(), friction())

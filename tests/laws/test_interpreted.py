@@ -112,6 +112,7 @@ def test_laws_of_both_families_give_the_same_bits_without_machine_code(tmp_path:
                 np.testing.assert_array_equal(found[f"{number} {name}"], column, err_msg=name)
 
 
+@pytest.mark.long
 def test_the_command_runs_without_machine_code(tmp_path: Path) -> None:
     velocities = []
     for jit in (False, True):

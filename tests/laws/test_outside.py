@@ -209,6 +209,7 @@ def test_a_sweep_runs_over_it_and_the_packages_own(elsewhere: Elsewhere) -> None
     assert [law_of(run)[0] for run in runs] == ["hertz_penalty", "power_law"]
 
 
+@pytest.mark.long
 def test_its_contract_holds_in_three_lines(elsewhere: Elsewhere) -> None:
     test = EXAMPLE / "test_power_law.py"
     (elsewhere.folder / test.name).write_text(test.read_text(encoding="utf-8"), encoding="utf-8")
@@ -245,6 +246,7 @@ def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhe
     assert parts == ["normal of example-law 1.2.3", "friction of example-law 1.2.3"]
 
 
+@pytest.mark.long
 def test_declarations_of_its_parts_are_the_rules_of_their_keys(elsewhere: Elsewhere) -> None:
     faults = ("law.friction.distance=0", "law.normal.depth=3 N")
     status, _, err = elsewhere.command(*PARTS, *faults)
@@ -253,6 +255,7 @@ def test_declarations_of_its_parts_are_the_rules_of_their_keys(elsewhere: Elsewh
     assert "law.normal.depth is '3 N', whose unit 'N' cannot be converted to m" in err
 
 
+@pytest.mark.long
 def test_a_script_makes_and_sweeps_its_parts_by_name(elsewhere: Elsewhere) -> None:
     code = """
 import contactlab as cl
@@ -310,6 +313,7 @@ def test_a_broken_law_is_refused_in_a_sentence(elsewhere: Elsewhere, name: str) 
     assert clearance.startswith("contact.clearance is -1 m")
 
 
+@pytest.mark.long
 def test_a_broken_part_is_refused_in_a_sentence(elsewhere: Elsewhere) -> None:
     broken = ("law/normal=part_of_a_module_that_fails", "law/damping=part_that_is_a_law")
     status, _, err = elsewhere.command("law=composed", *broken)
@@ -385,6 +389,7 @@ def test_broken_laws_harm_no_other(elsewhere: Elsewhere) -> None:
     assert "law is 'twice'; it must be one of " in err
 
 
+@pytest.mark.long
 def test_a_parameter_without_default_has_to_be_given(elsewhere: Elsewhere) -> None:
     status, _, err = elsewhere.command("law=without_default")
     assert status == 2

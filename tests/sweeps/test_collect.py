@@ -222,6 +222,7 @@ def test_one_run_alone_is_collected(command: Command, simulations: Simulations) 
     assert found.attrs["complete"] == 1
 
 
+@pytest.mark.long
 def test_the_same_sweep_gives_the_same_bytes(command: Command, simulations: Simulations) -> None:
     files = []
     for _ in range(2):

@@ -79,6 +79,7 @@ def runs_below(folder: str) -> dict[str, bytes]:
     return {path.parent.name: path.read_bytes() for path in Path(folder).glob("*/run.nc")}
 
 
+@pytest.mark.long
 def test_two_processes_leave_the_same_bits_and_status_as_one(command: Command) -> None:
     # The last voltage drives the tip deep into the rotor, and its run is left incomplete.
     soft = "law.stiffness=1e3"
@@ -110,6 +111,7 @@ def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(tmp_path: Path,
 
 
 @needs_signals
+@pytest.mark.long
 def test_a_lost_worker_ends_the_sweep_with_a_sentence(tmp_path: Path) -> None:
     with endless_sweep(tmp_path) as (process, children):
         busiest = max(children, key=lambda child: child.memory_info().rss)

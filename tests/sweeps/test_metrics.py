@@ -69,6 +69,7 @@ def test_a_sweep_is_the_sweep_of_single_runs_in_one_file(command: Command) -> No
         assert found["final_rotor_velocity"].sel(law=law) == alone
 
 
+@pytest.mark.long
 def test_a_sweep_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(tmp_path: Path) -> None:
     arguments = [
         *(sys.executable, "-m", "contactlab", *METRICS_ALONE, "sweep.chunk=40", "sweep.workers=2"),

@@ -55,6 +55,7 @@ class Fragile(PenaltyLaw):
 FAULT = '{"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0'
 
 
+@pytest.mark.long
 def test_a_law_that_raises_harms_no_other_and_is_run_again_when_it_is_mended(tmp_path: Path) -> None:
     elsewhere = Elsewhere(tmp_path / "packages", tmp_path)
     law = {"fragile": "fragile:Fragile"}
