@@ -50,6 +50,11 @@ class Composed(PenaltyLaw):
                 f"{self.name}: damping is {self.damping.name} and normal is {normal.name}; such a damping is "
                 "solved for an elastic force that does not pull. Choose damping none or another normal force."
             )
+        if self.friction.limits is not None:
+            raise ValueError(
+                f"{self.name}: friction is {self.friction.name}, which has limits; where a contact begins "
+                "and ends is the normal force's. Give them to that."
+            )
 
     @property
     def title(self) -> str:

@@ -143,14 +143,21 @@ def misfits(law: ContactLaw) -> Iterator[str]:
             )
     if isinstance(law, PenaltyLaw):
         yield from _misfits_of_friction(law)
-    elif isinstance(law, MultiplierLaw) and kept and not (law.remembered and law.told):
-        yield "it has internal variables, but no kernel rate or jump, or does not say told = True."
+    elif isinstance(law, MultiplierLaw):
+        yield from _misfits_of_a_rigid_law(law)
     if len(law.remembered) > MOST_VARIABLES:
         yield f"it has {len(law.remembered)} internal variables; it can have {MOST_VARIABLES} at most."
     if law.guards and (law.guard is None or law.jump is None):
         yield f"it says that it has {law.guards} guards; it needs a kernel guard and a kernel jump for them."
     if law.guard is not None and not law.guards:
         yield "it has a kernel of guards and says that it has none; say how many in guards."
+
+
+def _misfits_of_a_rigid_law(law: MultiplierLaw) -> Iterator[str]:
+    if law.internal_variables and not (law.remembered and law.told):
+        yield "it has internal variables, but no kernel rate or jump, or does not say told = True."
+    if law.limits is not None or law.guard is not None:
+        yield "it has limits or guards; a rigid contact begins and ends at a gap of zero, and has neither."
 
 
 def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
@@ -171,6 +178,8 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
             f"it remembers {', '.join(map(str, law.internal_variables))}; more than one quantity needs a "
             "kernel rate or jump."
         )
+    elif law.internal_variables and not law.remembered and own is None:
+        yield "it has an internal variable of its normal force, and no kernel rate or jump for it."
     elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != (own is not None):
         yield (
             f"{said} and what its friction remembers {shown(own and own.name)}; set-valued friction "

@@ -11,7 +11,7 @@ import pytest
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, LawError, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP
+from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP, Friction
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
 from contactlab.laws.friction import FRICTIONS
@@ -279,6 +279,37 @@ def test_a_rigid_law_that_remembers_without_being_told_is_refused(words: dict[st
     remembering = dataclass(frozen=True)(type("Remembering", (Rigid,), words))
     with pytest.raises(LawError, match="no kernel rate or jump, or does not say told = True"):
         short_run(remembering())
+
+
+@pytest.mark.parametrize("name", ["limits", "guard"])
+def test_a_rigid_law_with_limits_or_guards_is_refused(name: str) -> None:
+    @dataclass(frozen=True)
+    class Rigid(MultiplierLaw):
+        name = "rigid"
+        equation = "g = 0"
+        source = "this test"
+        default_contact_step = 5e-8
+
+        solve = staticmethod(bouncing)
+
+    limited = dataclass(frozen=True)(type("Limited", (Rigid,), {name: staticmethod(flowing)}))
+    with pytest.raises(LawError, match="a rigid contact begins and ends at a gap of zero"):
+        short_run(limited())
+
+
+@dataclass(frozen=True)
+class Still(Friction):
+    """Coulomb's cone, for others to spoil."""
+
+    name = "still"
+    equation = "|F| <= mu N"
+    source = "this test"
+
+
+def test_a_friction_with_limits_is_refused() -> None:
+    limited = dataclass(frozen=True)(type("Limited", (Still,), {"limits": staticmethod(flowing)}))
+    with pytest.raises(ValueError, match="where a contact begins and ends is the normal force's"):
+        Composed(friction=limited())
 
 
 @pytest.mark.parametrize(
