@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from contactlab.laws.base import SLIP
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import AgeingStick
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
@@ -75,6 +76,16 @@ def test_a_pulled_block_breaks_away_where_the_pull_meets_the_friction_that_has_a
     decades = np.diff(np.log10(np.array(ages) + BEGINS))
     assert (decades > 0.9).all()
     assert_allclose(np.diff(peaks), DELTA * log(10.0) * decades, rtol=1e-6)
+
+
+def test_while_it_slips_it_has_no_age() -> None:
+    speed = 0.03
+    until = breakaway(speed) + 1e-3
+    motor = resting(stiffness=STIFFNESS, velocity=speed, belt_velocity=speed)
+    made = run(motor, LAW, until, 1e-3, 1e-4)
+    assert made.contact_mode[-1] == SLIP
+    assert made.series["internal_age"][-1] == 0.0
+    assert_allclose(made.series["internal_age"].max(), breakaway(speed), atol=1e-4)
 
 
 def test_every_slip_begins_the_age_anew() -> None:
