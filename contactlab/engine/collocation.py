@@ -24,7 +24,7 @@ from contactlab.engine.friction import (
 )
 from contactlab.engine.kinematics import contact_of, free_response, tip_motion
 from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
-from contactlab.engine.moments import missed_moments, set_moments
+from contactlab.engine.moments import fit_moments, missed_moments, set_moments
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, fit, largest, value_at
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
@@ -127,7 +127,7 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
         # Only friction with an internal variable reads these.
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
         step.internal[i] = state.internal + nodes[i] * state.length * state.internal_rate.node[i]
-        push_node(run, i)
+        push_node(run, law.memory, i)
     guess_memory(run, law.memory)
 
 
@@ -152,7 +152,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             turned = _law_at_node(run, law, level, i)
             if slides:
                 state.friction.node[i] = -sign * state.bound.node[i]
-            push_node(run, i)
+            push_node(run, law.memory, i)
             change = max(change, turned, abs(state.normal.node[i] - old_normal))
             change = max(change, abs(state.friction.node[i] - old_friction))
             # Friction that would have to hold far more than the law lets it has the round-off of its size.
@@ -174,8 +174,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             fit(rule, step.push_u)
             fit(rule, step.push_th)
             fit(rule, step.push_r)
-            fit(rule, step.tilting)
-            fit(rule, step.spinning)
+            fit_moments(run, law.memory)
             return sweep
     return 0
 

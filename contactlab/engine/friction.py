@@ -16,10 +16,11 @@ from typing import Final, cast
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.context import Law, Run
+from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.memory import end_at, memory_at, recall
+from contactlab.engine.moments import push_moments
 from contactlab.engine.state import NODES, internal_at, value_at
 from contactlab.laws.base import Forces
 from contactlab.laws.memory import EVEN
@@ -38,16 +39,13 @@ HELD_SLIP = 1e-9
 
 
 @part_kernel
-def push_node(run: Run, i: int) -> None:
+def push_node(run: Run, memory: Memory | None, i: int) -> None:
     """Set the generalised forces of node i from its normal force, friction and moments."""
     step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
-    tilting, spinning, radius = step.tilting.node[i], step.spinning.node[i], run.plant.geometry.radius
-    # What moves the tip along the rotor turns the tangent, too.
-    along = friction - tilting / (radius + step.gap[i])
-    step.push_u.node[i] = normal * step.n_u[i] + along * step.t_u[i]
-    step.push_th.node[i] = normal * step.n_th[i] + along * step.t_th[i] + tilting + spinning
-    # The rotor's row carries forces at its radius.
-    step.push_r.node[i] = friction + spinning / radius
+    step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
+    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
+    step.push_r.node[i] = friction
+    push_moments(run, memory, i)
 
 
 @inner_kernel
@@ -150,7 +148,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
         change = system[i, right]
         state.friction.node[i] += change
         step.internal[i] += 0.0 if holds else system[NODES + i, right]
-        push_node(run, i)
+        push_node(run, law.memory, i)
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
     if not holds:
         for i in range(NODES):

@@ -9,7 +9,7 @@ relaxation is no matter of the step; what couples variables is met by the sweeps
 a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
 """
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
@@ -30,7 +30,7 @@ MOST_CORRECTIONS = 25
 """Of a flow without collocation."""
 
 
-@inner_kernel
+@part_kernel
 def recall(run: Run, memory: Memory | None, place: int) -> None:
     """Let the law's kernels see the internal variables of a place of the step."""
     if memory is None:
@@ -39,7 +39,7 @@ def recall(run: Run, memory: Memory | None, place: int) -> None:
         memory.row[k] = run.step.memory[place, k]
 
 
-@inner_kernel
+@part_kernel
 def recall_start(run: Run, memory: Memory | None) -> None:
     """Let them see the internal variables where the step starts."""
     if memory is None:
@@ -49,7 +49,7 @@ def recall_start(run: Run, memory: Memory | None) -> None:
         memory.row[k] = run.state.memory[k]
 
 
-@inner_kernel
+@part_kernel
 def tell(run: Run, memory: Memory | None) -> None:
     """Tell a rigid law its memory, the length of its step [s], and whether that is of an impact."""
     if memory is None:
@@ -61,7 +61,7 @@ def tell(run: Run, memory: Memory | None) -> None:
         memory.row[state.variables + 1] = 1.0 if state.contact.duration == 0.0 else 0.0
 
 
-@inner_kernel
+@part_kernel
 def guess_memory(run: Run, memory: Memory | None) -> None:
     """Let the internal variables go on from the start at their rates."""
     if memory is None:
@@ -122,10 +122,7 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
 
 
 @inner_kernel
-def memory_at(run: Run, memory: Memory | None, s: float) -> None:
-    """Leave the internal variables at time s of the step BETWEEN, recalled."""
-    if memory is None:
-        return
+def _memory_at(run: Run, memory: Memory, s: float) -> None:
     state, step, rule = run.state, run.step, run.propagator.rule
     if step.kind != COLLOCATED:
         _relax(run, memory, s)
@@ -148,15 +145,15 @@ def memory_at(run: Run, memory: Memory | None, s: float) -> None:
     recall(run, memory, BETWEEN)
 
 
-@inner_kernel
-def take_memory(run: Run, memory: Memory | None, s: float) -> None:
-    """Leave the state's internal variables at time s, where the step has been cut or ends.
+@part_kernel
+def memory_at(run: Run, memory: Memory | None, s: float) -> None:
+    """Leave the internal variables at time s of the step BETWEEN, recalled."""
+    if memory is not None:
+        _memory_at(run, memory, s)
 
-    What an event cuts has been solved through what lies behind it, where a rate may be another: there the
-    flow is solved once more, over what is taken.
-    """
-    if memory is None:
-        return
+
+@inner_kernel
+def _take_memory(run: Run, memory: Memory, s: float) -> None:
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
     memory_at(run, memory, s)
     if step.kind == COLLOCATED and 0.0 < s < state.length:
@@ -172,6 +169,17 @@ def take_memory(run: Run, memory: Memory | None, s: float) -> None:
             step.memory[BETWEEN, k] = step.memory[LAST, k]
     for k in range(state.variables):
         state.memory[k] = step.memory[BETWEEN, k]
+
+
+@part_kernel
+def take_memory(run: Run, memory: Memory | None, s: float) -> None:
+    """Leave the state's internal variables at time s, where the step has been cut or ends.
+
+    What an event cuts has been solved through what lies behind it, where a rate may be another: there the
+    flow is solved once more, over what is taken.
+    """
+    if memory is not None:
+        _take_memory(run, memory, s)
 
 
 @inner_kernel
@@ -196,7 +204,7 @@ def _relax(run: Run, memory: Memory, s: float) -> None:
     _flow_out(run, memory, s)
 
 
-@inner_kernel
+@part_kernel
 def end_at(memory: Memory | None) -> float:
     """Give the gap at which the contact ends with the internal variables that are recalled [m]."""
     if memory is None:
@@ -239,13 +247,7 @@ def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
 
 
 @inner_kernel
-def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
-    """Let the internal variables jump at an event where the step starts; what is stored less is lost.
-
-    What stays stored while apart is that where the next contact would begin.
-    """
-    if memory is None:
-        return
+def _jump(run: Run, law: Law, memory: Memory, event: int) -> None:
     state = run.state
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     slip = 0.0 if state.mode == STICK else slip
@@ -267,15 +269,18 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     state.contact.energy_loss += stored
 
 
-@inner_kernel
-def leave(run: Run, law: Law, memory: Memory | None) -> None:
-    """Set where the next contact begins, after a release or a step of flight.
+@part_kernel
+def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
+    """Let the internal variables jump at an event where the step starts; what is stored less is lost.
 
-    What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
-    then it puts off the next one. What is stored while apart is lost as it goes.
+    What stays stored while apart is that where the next contact would begin.
     """
-    if memory is None:
-        return
+    if memory is not None:
+        _jump(run, law, memory, event)
+
+
+@inner_kernel
+def _leave(run: Run, law: Law, memory: Memory) -> None:
     state, step = run.state, run.step
     if state.variables == 0:
         return
@@ -295,3 +300,14 @@ def leave(run: Run, law: Law, memory: Memory | None) -> None:
     stored = _stored_apart(run, law, memory)
     state.total.contact_loss += state.apart - stored
     state.apart = stored
+
+
+@part_kernel
+def leave(run: Run, law: Law, memory: Memory | None) -> None:
+    """Set where the next contact begins, after a release or a step of flight.
+
+    What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
+    then it puts off the next one. What is stored while apart is lost as it goes.
+    """
+    if memory is not None:
+        _leave(run, law, memory)

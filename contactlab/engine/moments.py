@@ -7,10 +7,10 @@ against the spin thdot - Omega turns tip and rotor against each other.
 
 from math import asin
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_at, tip_motion
-from contactlab.engine.state import START, value_at
+from contactlab.engine.state import START, fit, value_at
 
 
 @inner_kernel
@@ -30,7 +30,7 @@ def moments_at(
     return tilting, spinning, stored
 
 
-@inner_kernel
+@part_kernel
 def first_moments(run: Run, memory: Memory | None, gap: float, normal: float) -> None:
     """Take the moments at the start of a step, whose internal variables are recalled."""
     if memory is None:
@@ -41,7 +41,7 @@ def first_moments(run: Run, memory: Memory | None, gap: float, normal: float) ->
     run.step.first_tilting, run.step.first_spinning = moments[0], moments[1]
 
 
-@inner_kernel
+@part_kernel
 def set_moments(
     run: Run,
     memory: Memory | None,
@@ -60,7 +60,31 @@ def set_moments(
     return float(change / run.plant.geometry.radius)
 
 
-@inner_kernel
+@part_kernel
+def push_moments(run: Run, memory: Memory | None, i: int) -> None:
+    """Add the moments of node i to its generalised forces."""
+    if memory is None:
+        return
+    step, radius = run.step, run.plant.geometry.radius
+    tilting, spinning = step.tilting.node[i], step.spinning.node[i]
+    # What moves the tip along the rotor turns the tangent, too.
+    along = tilting / (radius + step.gap[i])
+    step.push_u.node[i] -= along * step.t_u[i]
+    step.push_th.node[i] += tilting + spinning - along * step.t_th[i]
+    # The rotor's row carries forces at its radius.
+    step.push_r.node[i] += spinning / radius
+
+
+@part_kernel
+def fit_moments(run: Run, memory: Memory | None) -> None:
+    """Lay the polynomials of the moments through their nodes."""
+    if memory is None:
+        return
+    fit(run.propagator.rule, run.step.tilting)
+    fit(run.propagator.rule, run.step.spinning)
+
+
+@part_kernel
 def missed_moments(run: Run, memory: Memory | None) -> float:
     """Give what the moments' polynomials miss of them at the step's start, as a force on the rotor [N]."""
     if memory is None:
@@ -71,7 +95,7 @@ def missed_moments(run: Run, memory: Memory | None) -> float:
     return float(max(tilting, spinning) / run.plant.geometry.radius)
 
 
-@inner_kernel
+@part_kernel
 def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
     """Give the power of the moments at a place of the step, at x = s/h [W]."""
     if memory is None:
