@@ -111,6 +111,7 @@ def test_a_composed_law_runs_with_any_part_and_says_which(command: Command) -> N
     }
 
 
+@pytest.mark.long
 def test_a_sweep_runs_over_parts(command: Command, ending: Callable[[Ending], None]) -> None:
     ending(Ending.COMPLETE)
     status, _, err = command("-m", "law=composed", "law/normal=linear,hertz_point", "hydra.sweep.dir=here")
@@ -193,6 +194,7 @@ def test_experiment_is_a_change_of_the_default_that_arguments_override(
     assert configuration["solver"]["duration"] == 5e-3
 
 
+@pytest.mark.long
 def test_configuration_may_ask_for_a_sweep_itself(command: Command, ending: Callable[[Ending], None]) -> None:
     ending(Ending.COMPLETE)
     status, _, err = command("hydra.mode=MULTIRUN", "contact.clearance=1 um,2 um")

@@ -35,6 +35,7 @@ def test_a_run_is_whole_wherever_its_words_go(words: str, tmp_path: Path) -> Non
     assert ran.returncode == 0
 
 
+@pytest.mark.long
 def test_a_closed_stream_does_not_hide_a_fault(tmp_path: Path) -> None:
     ran = shell("law=nosuch 2>&-", tmp_path)
     assert ran.returncode == 2

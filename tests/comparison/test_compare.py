@@ -137,6 +137,7 @@ def test_a_row_of_impacts_is_one_contact(tmp_path: Path) -> None:
     assert contacts[0].time[-1] == pytest.approx(contacts[1].time[-1], abs=2e-6)
 
 
+@pytest.mark.long
 def test_runs_that_never_touch_or_hardly_record_are_compared(tmp_path: Path) -> None:
     free = leave(tmp_path / "free", "hertz_penalty", contact__clearance=1e-3)
     compare([free], tmp_path / "one", transient=True)
@@ -147,6 +148,7 @@ def test_runs_that_never_touch_or_hardly_record_are_compared(tmp_path: Path) -> 
     assert "Contact law lagrange_slip" in (tmp_path / "two" / "report.html").read_text()
 
 
+@pytest.mark.long
 def test_motors_without_friction_are_compared(tmp_path: Path) -> None:
     """Their rotor stays at rest, without an error that a logarithmic axis could show."""
     smooth = [leave(tmp_path / law, law, contact__friction_coefficient=0.0) for law in LAWS[1:]]

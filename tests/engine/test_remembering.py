@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from support.command_line import cases
 from support.remembering import (
     Cooling,
     FreshDent,
@@ -96,7 +97,7 @@ def test_a_place_that_the_gap_is_not_clear_of_is_met_again_with_its_dent() -> No
     assert made.series["gap"][made.time > starts[0]].max() < 0.0
 
 
-@pytest.mark.parametrize("number", range(12))
+@pytest.mark.parametrize("number", cases(range(36), range(6)))
 def test_a_contact_begins_where_the_law_says_as_safely_as_at_zero(number: int) -> None:
     begin = [-1e-7, 2e-9, 1e-10][number % 3]
     _, flight = random_flight(7, number)

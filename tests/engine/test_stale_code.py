@@ -69,6 +69,7 @@ def edits(elsewhere: Elsewhere) -> list[Callable[[], object]]:
 
 
 @pytest.mark.parametrize("count", cases((1, 2), (1,)))
+@pytest.mark.long
 def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(count: int, elsewhere: Elsewhere) -> None:
     line = ("-m", "law=borrowed,hertz_penalty", "solver.duration=0.2 ms", *QUICK)
 

@@ -81,6 +81,7 @@ def test_the_front_is_beaten_by_nobody_and_beats_the_rest() -> None:
 
 
 @pytest.mark.parametrize("objective", cases(["all", "velocity"], ["all"]))
+@pytest.mark.long
 def test_the_same_seed_is_the_same_search_and_another_is_not(objective: str) -> None:
     first = uninterrupted(objective)
     uninterrupted.cache_clear()

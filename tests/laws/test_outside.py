@@ -192,6 +192,7 @@ def test_its_declarations_are_the_rules_of_its_keys(elsewhere: Elsewhere) -> Non
         ("law.lode=2", "law.lode is not a known key. Did you mean law.load?"),
     ],
 )
+@pytest.mark.long
 def test_it_has_the_keys_that_it_declares_and_no_others(
     elsewhere: Elsewhere, argument: str, sentence: str
 ) -> None:
@@ -200,6 +201,7 @@ def test_it_has_the_keys_that_it_declares_and_no_others(
     assert sentence in err
 
 
+@pytest.mark.long
 def test_a_sweep_runs_over_it_and_the_packages_own(elsewhere: Elsewhere) -> None:
     status, _, err = elsewhere.command(
         "-m", "law=power_law,hertz_penalty", SHORT, "record.picture=false", "hydra.sweep.dir=sweep"
@@ -231,6 +233,7 @@ def test_its_parts_are_listed_with_what_they_remember(listing: str) -> None:
     assert ", stiffening, default hertz_point" in listing
 
 
+@pytest.mark.long
 def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhere: Elsewhere) -> None:
     keys = ("law.friction.distance=0.2 um", "law.normal.depth=2e-6", "record.picture=false")
     status, _, err = elsewhere.command(*PARTS, *keys, SHORT, "hydra.run.dir=parts")
@@ -337,6 +340,7 @@ IDLE = f"{FRICTION} is set, but law=smooth has no friction coefficient of that n
         ["-m", "law=smooth", f"{FRICTION}=0.2", "contact.clearance=0,1e-6", METRICS],
     ],
 )
+@pytest.mark.long
 def test_a_friction_coefficient_on_which_nothing_depends_is_refused(
     elsewhere: Elsewhere, arguments: list[str]
 ) -> None:

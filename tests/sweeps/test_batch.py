@@ -49,6 +49,7 @@ def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> N
 
 
 @pytest.mark.parametrize("workers", [2, 3, 50])
+@pytest.mark.long
 def test_the_number_of_workers_changes_no_bit(workers: int) -> None:
     alone = swept(hertz(), workers=1)
     assert swept(hertz(), workers=workers).identical(alone)

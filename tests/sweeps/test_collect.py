@@ -142,6 +142,7 @@ def test_a_sweep_that_was_extended_is_one_grid_with_the_empty_cells_told(
     assert (found.attrs["runs"], found.attrs["runs_absent"]) == (4, 0)
 
 
+@pytest.mark.long
 def test_values_that_only_some_runs_were_asked_for_are_known_of_all(
     command: Command, simulations: Simulations
 ) -> None:
@@ -153,6 +154,7 @@ def test_values_that_only_some_runs_were_asked_for_are_known_of_all(
     assert found.sizes == {"clearance": 2, "phase": 2}
 
 
+@pytest.mark.long
 def test_points_that_form_no_grid_are_a_list_with_all_parameters(
     command: Command, simulations: Simulations
 ) -> None:
@@ -180,6 +182,7 @@ def test_parameters_of_one_law_are_missing_in_the_others(command: Command, simul
     assert np.isnan(found["stiffness"].where(found["law"] == "lagrange_stick", drop=True)).all()
 
 
+@pytest.mark.long
 def test_parts_and_placements_are_dimensions_and_what_follows_from_them_is_none(
     command: Command, simulations: Simulations
 ) -> None:
@@ -234,6 +237,7 @@ def test_the_same_sweep_gives_the_same_bytes(command: Command, simulations: Simu
     assert len(set(files)) == 1
 
 
+@pytest.mark.long
 def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simulations) -> None:
     simulations.duration = lambda _: 1e-3
     simulations.endings = {2.0: RuntimeError("no luck")}

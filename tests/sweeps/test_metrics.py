@@ -226,6 +226,7 @@ def test_a_folder_that_cannot_be_written_to_is_told(command: Command) -> None:
     assert "Choose another one by hydra.sweep.dir=DIR." in err
 
 
+@pytest.mark.long
 def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
     arguments = ["drive.phase=linspace(-3,3,2000)", "sweep.chunk=20", "hydra.sweep.dir=here", SHORT]
     running = subprocess.Popen(

@@ -64,6 +64,7 @@ def test_a_sweep_with_more_values_runs_those_alone(command: Command, simulations
     assert simulations.seen == [1.0, 2.0, 0.5]
 
 
+@pytest.mark.long
 def test_another_configuration_in_the_same_folder_is_run(
     command: Command, simulations: Simulations, tmp_path: Path
 ) -> None:
@@ -113,6 +114,7 @@ def test_a_dataset_that_is_not_as_the_run_left_it_is_made_anew(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL.")
+@pytest.mark.long
 def test_a_run_that_was_killed_is_run_again(
     command: Command, simulations: Simulations, tmp_path: Path
 ) -> None:

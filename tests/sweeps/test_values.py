@@ -34,6 +34,7 @@ def test_a_range_has_the_values_that_were_typed(text: str) -> None:
         ("sort(range(0,3e-6,1e-6),reverse=true)", [2.0, 1.0, 0.0]),
     ],
 )
+@pytest.mark.long
 def test_sweeps_of_folders_and_of_metrics_take_the_same_values(
     command: Command, simulations: Simulations, text: str, values: list[float]
 ) -> None:

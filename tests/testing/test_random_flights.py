@@ -57,6 +57,7 @@ def test_grazes_are_within_a_nanometre_of_touching() -> None:
     assert min(depths) < 1e-12
 
 
+@pytest.mark.long
 def test_the_figures_do_not_depend_on_the_number_of_workers() -> None:
     pd.testing.assert_frame_equal(script().measure(120, 2, 0), rows().head(120))
 
