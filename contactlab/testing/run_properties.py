@@ -35,7 +35,7 @@ from contactlab.trajectory import Trajectory
 RECORDS = 150
 """Intervals of a run that is cut, or recorded coarsely."""
 
-TOO_SMALL = 1e-6
+TOO_SMALL = 1e-5
 """Relative error of a coarse run of which no order can be told: steps end at events, and little is left."""
 
 STEP_ERROR = 1e-5
