@@ -138,12 +138,15 @@ def class_of(name: str, family: str = "") -> type[Declared]:
             f"The {kind} {name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that package or "
             f"remove it by pip uninstall {origin.package}; other laws run."
         ) from cause
-    return found  # type: ignore[no-any-return]
+    owner: type[Declared] = found
+    return owner
 
 
 def law_class(name: str) -> type[ContactLaw]:
     """Give a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
-    return class_of(name)  # type: ignore[return-value]
+    found: Any = class_of(name)
+    owner: type[ContactLaw] = found
+    return owner
 
 
 def law(name: str, /, **parameters: Any) -> ContactLaw:
@@ -158,7 +161,8 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
     """
     if not isinstance(name, str):
         raise TypeError(f"The name of the law is {name!r}; it must be a text like 'newton'.")
-    return _made("", name, parameters)  # type: ignore[no-any-return]
+    made: ContactLaw = _made("", name, parameters)
+    return made
 
 
 def _made(family: str, name: str, parameters: dict[str, Any]) -> Any:

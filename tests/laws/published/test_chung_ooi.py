@@ -40,7 +40,7 @@ from contactlab.motor.motor import ModalState, Motor
 from contactlab.testing.plants import block, first, run
 from contactlab.trajectory import Trajectory
 
-MEASURED = Path("/work/shared/data/sphere_impacts.csv")
+MEASURED = Path(__file__).resolve().parents[4] / "shared" / "data" / "sphere_impacts.csv"
 HEIGHT = 1e-9  # [m] from which everything falls
 
 
