@@ -43,7 +43,7 @@ def drawn_impacts(count: int, seed: int, *, covariance: bool = False) -> Measure
     delassus = 0.5 * (delassus + delassus.transpose(0, 2, 1))
     before = np.column_stack([-rng.uniform(0.1, 2.0, count), rng.normal(size=count)])
     after = rng.normal((0.5, 0.0), size=(count, 2))
-    after[:, 0] = np.where(np.arange(count) % 4, np.abs(after[:, 0]), after[:, 0])
+    after[:, 0] = np.where(np.arange(count) % 4 < 3, np.abs(after[:, 0]), after[:, 0])
     least = 0.5 * np.einsum("ni,ni->n", before, np.linalg.solve(delassus, before[..., None])[..., 0])
     spread = 1e-4 * roots @ roots.transpose(0, 2, 1)
     return MeasuredImpacts(
