@@ -40,12 +40,11 @@ def assemble(table: Table, title: str) -> MeasuredImpacts:
         notes.append(_ONE_DIRECTION)
     places = reading.places
     check_directions(given.delassus, places)
-    check_approach(given.before[:, 0], given.after[:, 0], places, reading.sign_of_normal)
-    kinetic, outside = _energies(reading, given)
     if given.bodies is not None:
         names, angles = list(reading.angles), list(reading.angles.values())
         notes += check_span(given.bodies, names, angles, keep=keep)
-        kinetic, outside = given.bodies.energy(given.bodies.before), given.bodies.outside()
+    check_approach(given.before[:, 0], given.after[:, 0], places, reading.sign_of_normal)
+    kinetic, outside = _energies(reading, given)
     notes += told_energies(given.before, given.after, given.delassus)
     return MeasuredImpacts(
         given.delassus,
@@ -77,9 +76,9 @@ class _Contact:
 
 
 def _from_bodies(reading: Reading) -> _Contact:
+    before, after = reading.columns(columns.BEFORE), reading.columns(columns.AFTER)
     mass = reading.matrix(reading.columns(columns.MASS), columns.COUPLING)
     check_mass(mass, reading.places)
-    before, after = reading.columns(columns.BEFORE), reading.columns(columns.AFTER)
     normal, covariance = reading.columns(columns.NORMAL), reading.covariance()
     if len(reading.angles) == 1:
         _refuse_slip(reading)
@@ -140,6 +139,8 @@ def _keeps_jacobian(reading: Reading) -> bool:
 
 def _energies(reading: Reading, given: _Contact) -> tuple[Array, Array]:
     """Give the kinetic energy before and the energy outside [J], shape (impact,); refuse what cannot be."""
+    if given.bodies is not None:
+        return given.bodies.energy(given.bodies.before), given.bodies.outside()
     solved = np.linalg.solve(given.delassus, given.before[..., None])[..., 0]
     least = 0.5 * np.einsum("ni,ni->n", given.before, solved)
     kinetic = reading.option(columns.KINETIC_ENERGY)

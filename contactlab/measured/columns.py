@@ -57,9 +57,14 @@ MASS: Final = Column("mass_{}", ("kg", "kg m2"), "mass or moment of inertia of a
 COUPLING: Final = Column(
     "mass_{}_{}", ("kg", "kg m", "kg m2"), "element of the mass matrix off its diagonal; 0 where not given"
 )
-NORMAL: Final = Column("normal_{}", ("1", "m rad-1"), "the gap rate is the sum of normal_NAME times NAME", _BODIES)
+NORMAL: Final = Column(
+    "normal_{}", ("1", "m rad-1"), "the gap rate is the sum of normal_NAME times NAME", _BODIES
+)
 TANGENTIAL: Final = Column(
-    "tangential_{}", ("1", "m rad-1"), "the slip is the sum of tangential_NAME times NAME", f"{_BODIES}, see below"
+    "tangential_{}",
+    ("1", "m rad-1"),
+    "the slip is the sum of tangential_NAME times NAME",
+    f"{_BODIES}, see below",
 )
 DELASSUS: Final = (
     Column("delassus_nn", ("kg-1",), "gap rate that a normal impulse of 1 N s makes", _CONTACT),

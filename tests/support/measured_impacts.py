@@ -26,7 +26,7 @@ def drawn_bodies(count: int, seed: int, noise: float = 0.0, coordinates: int = 3
     delassus = bodies.delassus()
     share = rng.uniform(0.3, 0.9, count)
     impulse_n = -(1.0 + share) * bodies.contact(before)[:, 0] / delassus[:, 0, 0]
-    impulse = np.column_stack([impulse_n, rng.uniform(-0.2, 0.2, count) * impulse_n])
+    impulse = np.column_stack([impulse_n, rng.uniform(-0.6, 0.6, count) * impulse_n])
     # The friction tilts the separation; what is left is still one.
     spare = bodies.contact(before)[:, 0] + np.einsum("nj,nj->n", delassus[:, 0, :], impulse)
     impulse[:, 1] *= np.where(spare > 0.01, 1.0, 0.0)
