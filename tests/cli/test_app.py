@@ -21,7 +21,6 @@ from contactlab.cli import app
 from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
 
-
 NO_PICTURE = "record.picture=false"
 
 
@@ -173,11 +172,7 @@ def test_run_leaves_dataset_picture_and_summary(command: Command) -> None:
 
 def test_sweep_runs_every_combination_in_a_directory_of_its_own(command: Command) -> None:
     status, out, err = command(
-        "solver.duration=0.2 ms",
-        "-m",
-        "law=lagrange_stick,hertz_penalty",
-        "hydra.sweep.dir=here",
-        NO_PICTURE,
+        "solver.duration=0.2 ms", "-m", "law=lagrange_stick,hertz_penalty", "hydra.sweep.dir=here", NO_PICTURE
     )
     assert status == 0, err
     assert "#0 : " in out
@@ -218,8 +213,7 @@ def test_task_can_be_sent_to_another_process() -> None:
 
 
 @pytest.mark.parametrize(
-    "how",
-    cases([Ending.DIVERGED, Ending.CHATTERED, Ending.UNBALANCED, Ending.STALLED], [Ending.UNBALANCED]),
+    "how", cases([Ending.DIVERGED, Ending.CHATTERED, Ending.UNBALANCED, Ending.STALLED], [Ending.UNBALANCED])
 )
 def test_run_that_is_not_complete_is_written_as_such_with_status_1(
     command: Command, ending: Callable[[Ending], None], how: Ending

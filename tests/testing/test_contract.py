@@ -42,7 +42,12 @@ HELD = {
     "hertz_linear_lugre": Composed(damping=LinearDamping(0.7), friction=LuGre(0.4, 1.3)),
 }
 
-LONG = {"lagrange_stick_with_much_friction", "stronge_without_loss", "line_flores_mindlin", "hertz_linear_lugre"}
+LONG = {
+    "lagrange_stick_with_much_friction",
+    "stronge_without_loss",
+    "line_flores_mindlin",
+    "hertz_linear_lugre",
+}
 """Of the same classes as others, at other values or together."""
 
 for _name, _law in HELD.items():
