@@ -9,7 +9,8 @@ import pytest
 from support.configurations import CONF, altered, composed, options
 
 from contactlab.config import ConfigurationError, build, groups, validate
-from contactlab.config.groups import Record, Solver, keys_of_law, known_keys
+from contactlab.config.groups import Record, Solver, keys_of_law
+from contactlab.config.options import known_keys
 from contactlab.config.schema import MOST_RECORDS
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
