@@ -27,16 +27,18 @@ MOST_WORKERS = 8
 """Beyond these the longest modules set the pace, and each worker takes 0.4 GB."""
 
 COMPILATIONS = (["archard"], ["hertz_penalty", "lagrange_stick", "lagrange_ageing"])
-"""Laws whose runs compile all loops of the engine, about as long in each of two processes."""
+"""Laws whose runs and impacts compile all loops of the engine, about as long in each of two processes."""
 
 COMPILATION = """
 import sys
 from contactlab.engine import simulate
+from contactlab.impact import velocities_after
 from contactlab.laws import LAWS
 from contactlab.testing.plants import block
 
 for name in sys.argv[1:]:
     simulate(block(1.0), LAWS[name](), duration=1e-4, record_interval=1e-4)
+    velocities_after(LAWS[name](), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
 """
 """Compiles loops of the engine, or loads their code."""
 
