@@ -14,7 +14,6 @@ from typing import Any, Final
 
 import made_api
 from docutils import nodes
-from made_keys import HEAD
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
@@ -24,6 +23,8 @@ from contactlab.parameter import declared_fields
 
 GOOGLE: Final = Config(napoleon_use_rtype=False, napoleon_use_ivar=True)
 SECTION: Final = re.compile(r"(Args|Attributes|Returns|Raises|Yields|Example|Examples|Note):$")
+HEADS: Final = ["field", "meaning", "default", "range"]
+
 _LITERAL: Final = re.compile(r"`+[^`]+`+")
 _SPECIAL: Final = re.compile(r"([*|\\])|(?<=\w)_(?=\W|$)")
 
@@ -87,15 +88,13 @@ def with_parameters(app: Sphinx, what: str, name: str, one: Any, options: Any, l
     declared = {n: f for n, f in declared_fields(one).items() if f.parameter}
     if not declared:
         return
-    heads = [head.strip() for head in HEAD.splitlines()[0].strip("|").split("|")]
-    lines += ["", ".. list-table::", "   :header-rows: 1", "", *_row(heads)]
+    lines += ["", ".. list-table::", "   :header-rows: 1", "", *_row(HEADS)]
     for key, field in declared.items():
         said = field.parameter
         assert said is not None
-        default = "" if field.default is dataclasses.MISSING else str(field.default)
-        unit = said.unit if field.is_number else ""
-        cells = [f"``{key}``", said.symbol and f"``{said.symbol}``", unit, default, said.range, said.meaning]
-        lines += _row(cells)
+        default = "" if field.default is dataclasses.MISSING else f"{field.default}{said.label}"
+        meaning = f"`{said.symbol}`, {said.meaning}" if said.symbol else said.meaning
+        lines += _row([f"`{key}`", meaning, default, said.range])
     lines.append("")
 
 

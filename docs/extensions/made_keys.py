@@ -12,7 +12,7 @@ from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section, full_keys
 from contactlab.laws import LAWS, PARTS
 from contactlab.parameter import DeclaredField
 
-HEAD = "| key | symbol | unit | default | range | meaning |\n|---|---|---|---|---|---|"
+HEAD = "| key | meaning | default | range |\n|---|---|---|---|"
 
 _KINDS = {bool: "true, false", str: "text", list[str]: "list of texts"}
 
@@ -88,13 +88,11 @@ def _files(group: str) -> list[tuple[str, str]]:
 def _row(key: str, field: DeclaredField) -> str:
     said = field.parameter
     if said is None:
-        return f"| `{key}` | | | {_default(field)} | | |"
-    words = [said.meaning + "."] if said.meaning else []
-    if said.hint:
-        words.append(said.hint)
-    symbol = f"`{said.symbol}`" if said.symbol else ""
-    unit = said.unit if field.is_number and said.units != "1" else "1" if field.is_number else _kinds(field)
-    return f"| `{key}` | {symbol} | {unit} | {_default(field)} | {said.range} | {' '.join(words)} |"
+        return f"| `{key}` | | {_default(field)} | |"
+    words = f"`{said.symbol}`, {said.meaning}" if said.symbol else said.meaning
+    words = f"{words}. {said.hint}" if said.hint else words
+    bounds = said.range or ("" if field.is_number else _kinds(field))
+    return f"| `{key}` | {words} | {_default(field)} | {bounds} |"
 
 
 def _default(field: DeclaredField) -> str:
@@ -102,7 +100,9 @@ def _default(field: DeclaredField) -> str:
         return "must be given"
     if field.default is None:
         return "null"
-    return f"{field.default:.6g}" if type(field.default) is float else str(field.default).lower()
+    if type(field.default) is float and field.parameter is not None:
+        return f"{field.default:.6g}{field.parameter.label}"
+    return str(field.default).lower()
 
 
 def _kinds(field: DeclaredField) -> str:

@@ -12,10 +12,13 @@ from sphinx.application import Sphinx
 
 _TAG: Final = re.compile(r"\s*\\tag\{([^}]*)\}\s*")
 
+# Bars that stand for themselves would be spaced as relations.
+_SIZE: Final = re.compile(r"(?<!left)(?<!right)\|((?:[^|\\]|\\(?!left|right))*)\|")
+
 
 def formula(text: str, display: str) -> str:
     """Give a formula as MathML."""
-    made: str = convert(text.strip(), display=display)
+    made: str = convert(_SIZE.sub(r"\\left|\1\\right|", text.strip()), display=display)
     return made
 
 
