@@ -16,8 +16,15 @@ author = "The contactlab developers"
 copyright = author  # noqa: A001
 version = release = contactlab.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "math_markup", "made_pages", "docstrings"]
-exclude_patterns = ["gallery/**", "extensions/**"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx_gallery.gen_gallery",
+    "math_markup",
+    "made_pages",
+    "docstrings",
+]
+exclude_patterns = ["gallery/**", "extensions/**", "sg_execution_times.rst"]
 # Names of the code stand in single backticks, in docstrings as in Markdown.
 default_role = "code"
 highlight_language = "none"
@@ -30,6 +37,21 @@ autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 # Imported for type checkers alone.
 nitpick_ignore = [("py:class", "Figure")]
+
+# Its scripts run at every build: the code may have changed, if they have not.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "examples",
+    "filename_pattern": "/plot_",
+    "image_scrapers": ("gallery_figures.scraped", "matplotlib"),
+    "reset_modules": ("gallery_figures.styled",),
+    "capture_repr": (),
+    "abort_on_example_error": True,
+    "run_stale_examples": True,
+    "download_all_examples": False,
+    "show_signature": False,
+    "write_computation_times": False,
+}
 
 html_theme = "pydata_sphinx_theme"
 html_title = "contactlab"

@@ -44,7 +44,7 @@ def run_in_shell(block: Block, page: str) -> None:
         env={**os.environ, "PATH": path},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
     )
     assert done.returncode == 0, f"{page}, line {block.line}:\n{block.code}\n{done.stdout}{done.stderr}"
 
