@@ -43,6 +43,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "examples",
     "filename_pattern": "/plot_",
+    "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("gallery_figures.scraped", "matplotlib"),
     "reset_modules": ("gallery_figures.styled",),
     "capture_repr": (),

@@ -30,4 +30,3 @@ def styled(gallery_conf: dict[str, Any], name: str) -> None:
     plt.close("all")
     plt.rcdefaults()
     plt.rcParams.update({**STYLE, "figure.figsize": (6.2, 3.2), "savefig.dpi": DPI, "figure.dpi": DPI})
-    plt.rcParams.update({"figure.constrained_layout.use": True})

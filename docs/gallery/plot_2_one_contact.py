@@ -17,7 +17,7 @@ laws = {
     "spring and dashpot": cl.Composed(cl.Linear(stiffness=2e7), cl.LinearDamping()),
 }
 motor = cl.build().motor
-figure, (above, below) = plt.subplots(2, sharex=True, figsize=(6.2, 4.2))
+figure, (above, below) = plt.subplots(2, sharex=True, figsize=(6.2, 4.2), layout="constrained")
 for name, law in laws.items():
     run = cl.simulate(motor, law, duration=2.4e-4, record_interval=2e-7)
     time = 1e6 * run["time"]

@@ -12,7 +12,7 @@ import numpy as np
 import contactlab as cl
 
 velocities = np.linspace(0.0, -3.0, 7)
-figure, axes = plt.subplots()
+figure, axes = plt.subplots(layout="constrained")
 setup = cl.build(["law=hertz_penalty"])
 torques = [cl.steady(setup, belt=each).torque[0] for each in velocities]
 axes.plot(-velocities, -1e3 * np.array(torques), "o-", label="hertz_penalty")

@@ -2,8 +2,8 @@
 The phase between the tones
 ===========================
 
-The rotor velocity after 2 ms over the phase of the first tone, under a compliant and a rigid law. The sign
-of the phase turns the motor round. It is one sweep over law and phase.
+The rotor velocity after 2 ms over the phase of the first tone, under a compliant and a rigid law. The phase
+decides the sense of rotation, and the laws do not agree where. It is one sweep over law and phase.
 """
 
 import matplotlib.pyplot as plt
@@ -16,7 +16,7 @@ sweep = cl.sweep(
     base=["solver.duration=2e-3"],
     workers=1,
 )
-figure, axes = plt.subplots()
+figure, axes = plt.subplots(layout="constrained")
 for law in sweep["law"].values:
     of_law = sweep["final_rotor_velocity"].sel(law=law)
     axes.plot(of_law["phase"], of_law, ".-", label=str(law))

@@ -16,7 +16,7 @@ setup = cl.build(["solver.duration=0.06", "record.interval=1e-5"])
 found = cl.steady(setup)
 run = cl.simulate(setup)
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(6.6, 3.0), width_ratios=(1, 1.6))
+figure, (left, right) = plt.subplots(1, 2, figsize=(6.6, 3.0), width_ratios=(1, 1.6), layout="constrained")
 angle = np.linspace(0.0, 2.0 * np.pi, 200)
 left.plot(np.cos(angle), np.sin(angle), color="0.7", linewidth=0.8)
 left.plot(found.orbit.multipliers.real, found.orbit.multipliers.imag, "o")
