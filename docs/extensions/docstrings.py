@@ -49,7 +49,7 @@ def translated(lines: list[str]) -> list[str]:
             section, literal = bool(SECTION.match(line)), False
         elif not section and not literal and made and not made[-1]:
             literal = True
-            made += ["::", ""]
+            made += [".. code-block:: pycon" if line.lstrip().startswith(">>>") else "::", ""]
         elif not section and not literal and margin and made and made[-1]:
             # A table or a formula that goes on from its line: it keeps its form.
             made += ["", "::", ""]
