@@ -3,7 +3,9 @@
 import ast
 import inspect
 from functools import cache
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Final
 
 import contactlab
@@ -18,6 +20,11 @@ CHAPTERS: Final = {
     "Parts of a composed law": (),
 }
 """Rooms of the package by what their names are for."""
+
+FURTHER: Final = {
+    "contactlab.metrics": "what is said of a run, from its numbers alone",
+    "contactlab.testing": "the contract of a law, in tests of one's own",
+}
 
 
 @cache
@@ -49,14 +56,35 @@ def front_door() -> str:
     return "\n".join(parts)
 
 
-def _directive(name: str, one: Any) -> list[str]:
+def further() -> str:
+    """Give a chapter for every module beside the front door that scripts and tests import from."""
+    parts = []
+    for name, words in FURTHER.items():
+        module = import_module(name)
+        parts += [f"## `{name}`: {words}\n", "```{eval-rst}"]
+        for each in sorted(getattr(module, "__all__", None) or _taken_in(module)):
+            one = getattr(module, each)
+            if inspect.isclass(one) or inspect.isfunction(one):
+                parts += _directive(each, one, name)
+        parts.append("```\n")
+    return "\n".join(parts)
+
+
+def _taken_in(module: ModuleType) -> list[str]:
+    """Give the names that a package takes in from its modules, to be had from itself."""
+    source = Path(str(module.__file__)).read_text(encoding="utf-8")
+    imports = [node for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)]
+    return [each.name for node in imports if (node.module or "").count(".") > 1 for each in node.names]
+
+
+def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
     if inspect.isclass(one):
-        lines = [f".. autoclass:: contactlab.{name}"]
+        lines = [f".. autoclass:: {module}.{name}"]
         # What a law's kernels are called with stands at its family.
         if not (hasattr(one, "equation") and inspect.getattr_static(one, "name", None)):
             lines.append("   :members:")
     else:
-        lines = [f".. autofunction:: contactlab.{name}"]
+        lines = [f".. autofunction:: {module}.{name}"]
     return [*lines, ""]
 
 

@@ -15,6 +15,7 @@ _MARK: Final = re.compile(r"^<!-- made: (\w+) -->$", re.MULTILINE)
 
 MAKERS: Final[dict[str, Callable[[], str]]] = {
     "front_door": made_api.front_door,
+    "further": made_api.further,
     "keys": made_keys.groups,
     "law_keys": made_keys.laws,
     "verbs": made_verbs.verbs,

@@ -11,7 +11,6 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 
 _TAG: Final = re.compile(r"\s*\\tag\{([^}]*)\}\s*")
-
 # Bars that stand for themselves would be spaced as relations.
 _SIZE: Final = re.compile(r"(?<!left)(?<!right)\|((?:[^|\\]|\\(?!left|right))*)\|")
 
@@ -43,5 +42,4 @@ def visit_display(translator: Any, node: nodes.Element) -> None:
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the renderer."""
     app.add_html_math_renderer("mathml", (visit_inline, None), (visit_display, None))
-    app.config.html_math_renderer = "mathml"  # type: ignore[attr-defined]
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
