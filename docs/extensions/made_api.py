@@ -6,14 +6,16 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import contactlab
+from contactlab.laws.base import Part
 
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
     "Many runs, and what comes of them": ("sweeps", "comparison", "datasheet"),
     "Steady states": ("orbits",),
+    "Impacts and measurements": ("impact", "measured", "fitting", "validation"),
     "Motors": ("motor",),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),
@@ -49,6 +51,8 @@ def front_door() -> str:
     """Give a chapter for every kind of name."""
     parts = []
     for chapter, names in chapters().items():
+        if not names:
+            continue
         parts += [f"## {chapter}\n", "```{eval-rst}"]
         for name in names:
             parts += _directive(name, exported()[name])
@@ -90,7 +94,7 @@ def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
 
 def _chapter_of(one: Any) -> str:
     room = one.__module__.removeprefix("contactlab.")
-    if inspect.isclass(one) and isinstance(getattr(one, "family", None), str) and room != "laws.base":
+    if inspect.isclass(one) and issubclass(one, get_args(Part)) and room != "laws.base":
         return "Parts of a composed law"
     best = {
         max((len(start) for start in rooms if f"{room}.".startswith(f"{start}.")), default=0): chapter
