@@ -6,6 +6,9 @@ Nothing is fetched: formulas are MathML, the theme brings its fonts, and no othe
 import sys
 from pathlib import Path
 
+from pygments.lexers import TextLexer
+from sphinx.application import Sphinx
+
 import contactlab
 
 HERE = Path(__file__).resolve().parent
@@ -73,3 +76,8 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 html_sidebars = {"index": []}
+
+
+def setup(app: Sphinx) -> None:
+    """Let tables of text in pages be called what they are."""
+    app.add_lexer("csv", TextLexer)
