@@ -1,9 +1,23 @@
 """Pages lead where they say, in a repository browser as on the site, and name what there is."""
 
 import re
+from math import log2, log10
 from pathlib import Path
 
 import pytest
+
+from contactlab.engine.collocation import AGREEMENT
+from contactlab.engine.compliant import GROWTH
+from contactlab.engine.oscillator import REACH
+from contactlab.engine.plant import NEARLY_RESONANT
+from contactlab.engine.rootfinding import TIME_DIGIT
+from contactlab.engine.state import NODES
+from contactlab.metrics import METRICS
+from contactlab.metrics.convergence import SLOWEST
+from contactlab.orbits.arrival import FORETOLD
+from contactlab.orbits.bifurcations import LOCATED
+from contactlab.orbits.shooting import CLOSED, STEP
+from contactlab.settling.verdict import SHARE
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -71,3 +85,32 @@ def test_the_rooms_that_the_theory_names_are_there() -> None:
     folders = {f"{path.relative_to(ROOT).as_posix()}/" for path in (ROOT / "contactlab").rglob("*/")}
     for page, room in sorted(named):
         assert any(f"/{each}".endswith(f"/{room}") for each in files | folders), f"{page}: {room}"
+
+
+def power(value: float) -> str:
+    """A power of ten as the pages write it."""
+    return f"10^{{{round(log10(value))}}}"
+
+
+@pytest.mark.parametrize(
+    ("page", "words"),
+    [
+        ("flight.md", f"\\le 1/{round(1.0 / REACH)}$"),
+        ("flight.md", f"< {power(NEARLY_RESONANT)} (k + \\omega^2)"),
+        ("flight.md", f"to ${power(TIME_DIGIT)}$ of the step"),
+        ("compliant.md", f"$0 < c_1 < \\dots < c_{NODES} = 1$"),
+        ("compliant.md", f"of order $2 \\cdot {NODES} - 1 = {2 * NODES - 1}$"),
+        ("compliant.md", f"a relative change of ${power(AGREEMENT)}$"),
+        ("compliant.md", f"$h^{round(log2(GROWTH))}$"),
+        ("energy.md", f"\\le {METRICS['energy_residual'].bound:g}\\,"),
+        ("steady.md", f"\\le {power(CLOSED)} |z|$"),
+        ("steady.md", f"central differences of ${power(STEP)} |z|$"),
+        ("steady.md", f"\\le {FORETOLD:g}\\, \\left| A^m"),
+        ("steady.md", f"\\ {SLOWEST:g} \\right)"),
+        ("steady.md", f"located to ${power(LOCATED)}$"),
+        ("steady.md", f"\\le {SHARE:g} , \\tag"),
+    ],
+)
+def test_the_numbers_of_the_theory_are_those_of_the_code(page: str, words: str) -> None:
+    text = " ".join((DOCS / "theory" / page).read_text(encoding="utf-8").split())
+    assert words in text
