@@ -13,8 +13,14 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import pytest
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = ["tutorial.md", *(f"howto/{path.name}" for path in sorted((DOCS / "howto").glob("*.md")))]
+TESTS = Path(__file__).resolve().parents[1]
+DOCS = TESTS.parent / "docs"
+PAGES = [
+    "tutorial.md",
+    "steady.md",
+    "datasheet.md",
+    *(f"howto/{path.name}" for path in sorted((DOCS / "howto").glob("*.md"))),
+]
 BLOCK = re.compile(r"(<!-- not run: [^>\n]+ -->\n)?^```(bash|python)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 
@@ -68,6 +74,14 @@ def test_every_block_of_a_page_runs_in_order(
 def test_no_page_of_tasks_is_without_a_block_that_runs() -> None:
     without = [page for page in PAGES if not blocks(page)]
     assert set(without) <= {"howto/index.md"}
+
+
+def test_no_block_of_the_documentation_is_without_a_test() -> None:
+    for path in sorted(DOCS.rglob("*.md")):
+        page = path.relative_to(DOCS).as_posix()
+        if page not in PAGES and not page.startswith("examples/") and blocks(page):
+            tests = (test for test in TESTS.rglob("test_*.py") if test != Path(__file__).resolve())
+            assert any(path.name in test.read_text(encoding="utf-8") for test in tests), page
 
 
 def test_every_python_block_can_be_compiled() -> None:
