@@ -8,7 +8,8 @@ from types import NoneType
 from typing import Any, get_args
 
 from contactlab.config.composition import conf_directory
-from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section, full_keys
+from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
+from contactlab.config.options import full_keys
 from contactlab.laws import LAWS, PARTS
 from contactlab.parameter import DeclaredField
 
