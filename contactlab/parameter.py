@@ -16,6 +16,9 @@ from typing import Annotated, Any, Union, final, get_args, get_origin, get_type_
 class Parameter:
     """Annotates a field of a dataclass: `mass: Annotated[float, Parameter("m", "kg", "mass", above=0.0)]`.
 
+        >>> Parameter("m", "kg", "mass", above=0.0).range
+        'greater than 0 kg'
+
     The default stands at the field; one that is annotated `float | None` may be None, and its hint says
     what that stands for; one that is annotated `int` must be whole.
 
@@ -111,7 +114,11 @@ def parameters_of(owner: type) -> dict[str, Parameter]:
 
 
 def from_cf(units: str) -> str:
-    """Write units of the CF conventions, 'N m-1.5', as configurations do: 'N/m^1.5'."""
+    """Write units of the CF conventions as configurations do.
+
+    >>> from_cf("N m-1.5")
+    'N/m^1.5'
+    """
     sides: dict[bool, list[str]] = {False: [], True: []}
     for factor in units.split():
         word = factor.rstrip("-.0123456789") or factor

@@ -138,9 +138,15 @@ def simulate(
 ) -> Solution:
     """Simulate a motor with a contact law.
 
-        simulate(motor, law, duration=5e-3)
-        simulate(build(["law=newton", "contact.clearance=0.5 um"]))
-        simulate(start=solution, duration=5e-3)
+    What moves is a motor with a law, a whole setup, or what another run left:
+
+        >>> import contactlab as cl
+        >>> setup = cl.build(["law=newton", "contact.clearance=0.5 um"])
+        >>> whole = cl.simulate(setup.motor, setup.law, duration=2e-3)
+        >>> first = cl.simulate(setup, duration=1e-3)
+        >>> later = cl.simulate(start=first, duration=1e-3)
+        >>> bool(later["rotor_velocity"][-1] == whole["rotor_velocity"][-1])
+        True
 
     Args:
         motor: what moves, or a whole setup as `contactlab.build` gives it; without one, the setup of `start`.

@@ -83,6 +83,9 @@ def describe(value: object) -> str:
 def to_si(text: str, unit: str) -> float:
     """Give the number of a text, '1e-6' or '1 um', in an SI unit as configurations write it, '1' for none.
 
+        >>> to_si("0.5 um", "m"), to_si("2 mN*m", "N m")
+        (5e-07, 0.002)
+
     Raises:
         UnitError: the text is no such number, or its unit has another dimension.
     """

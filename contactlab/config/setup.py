@@ -72,6 +72,9 @@ class Setup:
 def build(configuration: Values | Sequence[str] = ()) -> Setup:
     """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
+        >>> build(["law=newton", "contact.clearance=0.5 um"]).motor.geometry.clearance
+        5e-07
+
     Args:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
             configuration: a mapping of groups of keys, with numbers in SI or texts with units.

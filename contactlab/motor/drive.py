@@ -74,6 +74,9 @@ class Drive:
 
         U_A = U1 sin(w1 t + phase) + U2 sin(w2 t)
         U_B = U1 sin(w1 t + phase) - U2 sin(w2 t)
+
+        >>> Drive.two_mode(100.0, 100.0, frequency=3210.0).frequency.tolist()
+        [3210.0, 6420.0]
         """
         TwoMode(voltage_1, voltage_2, frequency, frequency_ratio, phase)
         first = -1j * voltage_1 * np.exp(1j * phase)

@@ -38,6 +38,11 @@ def steady(
     motor runs on, and so on. One that has come to no orbit after the longest run has means over as long a
     run again, with their statistical error.
 
+        >>> import contactlab as cl
+        >>> found = cl.steady(cl.build())
+        >>> found.kind, round(found.velocity[0], 6)
+        ('periodic', -2.191106)
+
     Args:
         motor: what moves, or a whole setup.
         law: what acts between tip and rotor; a setup has its own.

@@ -45,7 +45,12 @@ def sweep(
 ) -> xarray.Dataset:
     """Run every combination of values, or every row of a table, and give the metrics of each.
 
-        sweep({"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 50)"}, duration=2e-3)
+        >>> values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
+        >>> dict(sweep(values, duration=1e-3, workers=1).sizes)
+        {'law': 2, 'clearance': 3}
+
+    With a function that makes the motor anything may vary, here the gap of a motor of one's own:
+
         sweep({"gap": gaps}, motor=lambda gap: Motor(..., ContactGeometry(clearance=gap)), law=law, ...)
 
     Every number is that of the run alone to the last bit, whatever the number of workers.

@@ -1,0 +1,166 @@
+"""Docstrings of the code as reStructuredText: what is indented or in backticks is meant to the letter.
+
+In the code they are plain text in Google's form, in which a formula `|F| <= mu N` needs no escapes.
+"""
+
+import builtins
+import dataclasses
+import inspect
+import re
+import sys
+import typing
+from importlib import import_module
+from typing import Any, Final
+
+import made_api
+from docutils import nodes
+from sphinx.addnodes import pending_xref
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.ext.napoleon import Config, GoogleDocstring
+
+from contactlab.parameter import declared_fields
+
+GOOGLE: Final = Config(napoleon_use_rtype=False, napoleon_use_ivar=True)
+SECTION: Final = re.compile(r"(Args|Attributes|Returns|Raises|Yields|Example|Examples|Note):$")
+HEADS: Final = ["field", "meaning", "default", "range"]
+
+_LITERAL: Final = re.compile(r"`+[^`]+`+")
+_SPECIAL: Final = re.compile(r"([*|\\])|(?<=\w)_(?=\W|$)")
+
+
+def as_text(app: Sphinx, what: str, name: str, one: Any, options: Any, lines: list[str]) -> None:
+    """Put the lines of a docstring into reStructuredText, Google's sections among them."""
+    # Of an attribute, what stands before a colon would be taken for its type.
+    kind = "method" if what in ("attribute", "property", "data") else what
+    lines[:] = GoogleDocstring(translated(lines), GOOGLE, app, kind, name, one, options).lines()
+
+
+def translated(lines: list[str]) -> list[str]:
+    """Give a docstring in reStructuredText."""
+    made: list[str] = []
+    section = literal = False
+    for line in lines:
+        margin = len(line) - len(line.lstrip())
+        if not line.strip():
+            made.append("")
+            continue
+        if margin == 0:
+            section, literal = bool(SECTION.match(line)), False
+        elif not section and not literal and made and not made[-1]:
+            literal = True
+            made += [".. code-block:: pycon" if line.lstrip().startswith(">>>") else "::", ""]
+        elif not section and not literal and margin and made and made[-1]:
+            # A table or a formula that goes on from its line: it keeps its form.
+            made += ["", "::", ""]
+            literal = True
+        made.append(line if literal else _escaped(line))
+    return made
+
+
+def _escaped(line: str) -> str:
+    """Escape what is markup by chance; what stands in backticks is code."""
+    margin = line[: len(line) - len(line.lstrip())]
+    parts, at = [], 0
+    text = line.lstrip()
+    bullet = text.startswith("* ")
+    if bullet:
+        at = 2
+    for found in _LITERAL.finditer(text):
+        parts.append(_SPECIAL.sub(_backslash, text[at : found.start()]))
+        parts.append(f"``{found[0].strip('`')}``")
+        at = found.end()
+    parts.append(_SPECIAL.sub(_backslash, text[at:]))
+    return margin + ("* " if bullet else "") + "".join(parts)
+
+
+def _backslash(found: re.Match[str]) -> str:
+    return "\\" + found[0]
+
+
+def with_parameters(app: Sphinx, what: str, name: str, one: Any, options: Any, lines: list[str]) -> None:
+    """Add to a law, or whatever declares its numbers, what is declared of them."""
+    if what != "class" or not dataclasses.is_dataclass(one):
+        return
+    equation = getattr(one, "equation", "")
+    if isinstance(equation, str) and equation:
+        lines += ["", "::", "", *[f"    {line}" for line in equation.splitlines()], ""]
+    declared = {n: f for n, f in declared_fields(one).items() if f.parameter}
+    if not declared:
+        return
+    lines += ["", ".. list-table::", "   :header-rows: 1", "", *_row(HEADS)]
+    for key, field in declared.items():
+        said = field.parameter
+        assert said is not None
+        default = "" if field.default is dataclasses.MISSING else f"{field.default}{said.label}"
+        meaning = f"`{said.symbol}`, {said.meaning}" if said.symbol else said.meaning
+        lines += _row([f"`{key}`", meaning, default, said.range])
+    lines.append("")
+
+
+def _row(cells: list[str]) -> list[str]:
+    return [f"   {'*' if i == 0 else ' '} - {_escaped(cell)}" for i, cell in enumerate(cells)]
+
+
+def short_signature(
+    app: Sphinx, what: str, name: str, one: Any, options: Any, signature: str, returned: str
+) -> tuple[str, str] | None:
+    """Leave the declarations out of the signature of a dataclass: they stand in its table."""
+    if what != "class" or not dataclasses.is_dataclass(one):
+        return None
+    parameters = [
+        each.replace(annotation=inspect.Parameter.empty)
+        for each in inspect.signature(one).parameters.values()
+    ]
+    shown = [
+        f"{each.name}=..." if "factory" in repr(each.default) or len(repr(each.default)) > 40 else str(each)
+        for each in parameters
+    ]
+    return f"({', '.join(shown)})", ""
+
+
+def without_fields(app: Sphinx, what: str, name: str, one: Any, skip: bool, options: Any) -> bool | None:
+    """Leave out what is said already: fields, as arguments of their class, and what everything has."""
+    plain = getattr(one, "__doc__", None)
+    return True if what == "class" and not callable(one) and not plain else None
+
+
+def elsewhere(
+    app: Sphinx, env: BuildEnvironment, node: pending_xref, shown: nodes.Element
+) -> nodes.Element | None:
+    """Lead a name to where the front door has it; one that is there and not explained is plain text.
+
+    A name that is nowhere stays missing, and the build says so.
+    """
+    if node.get("refdomain") != "py":
+        return None
+    target = str(node.get("reftarget", ""))
+    last = target.rpartition(".")[2]
+    found = _found(target)
+    if found is not None and made_api.exported().get(last) is found:
+        domain = env.domains["py"]
+        kind = "class" if inspect.isclass(found) else "func"
+        return domain.resolve_xref(env, node["refdoc"], app.builder, kind, f"contactlab.{last}", node, shown)
+    return shown if found is not None else None
+
+
+def _found(target: str) -> Any:
+    """Give what a name stands for; None for nothing. One without a module is looked for in ours."""
+    module, _, last = target.rpartition(".")
+    if not module:
+        ours = [sys.modules[name] for name in sorted(sys.modules) if name.startswith("contactlab.")]
+        return next((getattr(m, last) for m in (builtins, typing, *ours) if hasattr(m, last)), None)
+    try:
+        return getattr(import_module(module), last)
+    except (ImportError, AttributeError):
+        return getattr(_found(module), last, None) if "." in module else None
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register the translation, and what is added to what it makes."""
+    app.connect("autodoc-process-docstring", as_text, priority=400)
+    app.connect("autodoc-process-docstring", with_parameters, priority=600)
+    app.connect("autodoc-process-signature", short_signature)
+    app.connect("autodoc-skip-member", without_fields)
+    app.connect("missing-reference", elsewhere)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

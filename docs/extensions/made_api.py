@@ -1,0 +1,105 @@
+"""The reference of the front door: every name that `contactlab` exports, by what it is for."""
+
+import ast
+import inspect
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Final, get_args
+
+import contactlab
+from contactlab.laws.base import Part
+
+CHAPTERS: Final = {
+    "Runs": ("simulation", "config", "trajectory"),
+    "Many runs, and what comes of them": ("sweeps", "comparison", "datasheet"),
+    "Steady states": ("orbits",),
+    "Impacts and measurements": ("impact", "measured", "fitting", "validation"),
+    "Motors": ("motor",),
+    "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
+    "Laws": ("laws",),
+    "Parts of a composed law": (),
+}
+"""Rooms of the package by what their names are for."""
+
+FURTHER: Final = {
+    "contactlab.metrics": "what is said of a run, from its numbers alone",
+    "contactlab.testing": "the contract of a law, in tests of one's own",
+}
+
+
+@cache
+def exported() -> dict[str, Any]:
+    """Give what the front door exports, `from ... import NAME as NAME`, by name."""
+    source = Path(str(contactlab.__file__)).read_text(encoding="utf-8")
+    imports = [node for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)]
+    names = [each.name for node in imports for each in node.names if each.asname == each.name]
+    return {name: getattr(contactlab, name) for name in names}
+
+
+@cache
+def chapters() -> dict[str, list[str]]:
+    """Give the exported names by chapter, none left out."""
+    found: dict[str, list[str]] = {chapter: [] for chapter in CHAPTERS}
+    for name, one in exported().items():
+        found[_chapter_of(one)].append(name)
+    return found
+
+
+def front_door() -> str:
+    """Give a chapter for every kind of name."""
+    parts = []
+    for chapter, names in chapters().items():
+        if not names:
+            continue
+        parts += [f"## {chapter}\n", "```{eval-rst}"]
+        for name in names:
+            parts += _directive(name, exported()[name])
+        parts.append("```\n")
+    return "\n".join(parts)
+
+
+def further() -> str:
+    """Give a chapter for every module beside the front door that scripts and tests import from."""
+    parts = []
+    for name, words in FURTHER.items():
+        module = import_module(name)
+        parts += [f"## `{name}`: {words}\n", "```{eval-rst}"]
+        for each in sorted(getattr(module, "__all__", None) or _taken_in(module)):
+            one = getattr(module, each)
+            if inspect.isclass(one) or inspect.isfunction(one):
+                parts += _directive(each, one, name)
+        parts.append("```\n")
+    return "\n".join(parts)
+
+
+def _taken_in(module: ModuleType) -> list[str]:
+    """Give the names that a package takes in from its modules, to be had from itself."""
+    source = Path(str(module.__file__)).read_text(encoding="utf-8")
+    imports = [node for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)]
+    return [each.name for node in imports if (node.module or "").count(".") > 1 for each in node.names]
+
+
+def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
+    if inspect.isclass(one):
+        lines = [f".. autoclass:: {module}.{name}"]
+        # What a law's kernels are called with stands at its family.
+        if not (hasattr(one, "equation") and inspect.getattr_static(one, "name", None)):
+            lines.append("   :members:")
+    else:
+        lines = [f".. autofunction:: {module}.{name}"]
+    return [*lines, ""]
+
+
+def _chapter_of(one: Any) -> str:
+    room = one.__module__.removeprefix("contactlab.")
+    if inspect.isclass(one) and issubclass(one, get_args(Part)) and room != "laws.base":
+        return "Parts of a composed law"
+    best = {
+        max((len(start) for start in rooms if f"{room}.".startswith(f"{start}.")), default=0): chapter
+        for chapter, rooms in CHAPTERS.items()
+    }
+    if not max(best):
+        raise ValueError(f"{room} is a room of no chapter; give it one in made_api.CHAPTERS.")
+    return best[max(best)]

@@ -1,0 +1,45 @@
+r"""Formulas as MathML, which browsers set themselves: no script, no font and no network.
+
+An equation's number is its own `\tag{...}`, the same in a repository browser; `#equation-N` leads to it.
+"""
+
+import re
+from typing import Any, Final
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+
+_TAG: Final = re.compile(r"\s*\\tag\{([^}]*)\}\s*")
+# Bars that stand for themselves would be spaced as relations.
+_SIZE: Final = re.compile(r"(?<!left)(?<!right)\|((?:[^|\\]|\\(?!left|right))*)\|")
+
+
+def formula(text: str, display: str) -> str:
+    """Give a formula as MathML."""
+    made: str = convert(_SIZE.sub(r"\\left|\1\\right|", text.strip()), display=display)
+    return made
+
+
+def visit_inline(translator: Any, node: nodes.Element) -> None:
+    """Write a formula in a line."""
+    translator.body.append(formula(node.astext(), "inline"))
+    raise nodes.SkipNode
+
+
+def visit_display(translator: Any, node: nodes.Element) -> None:
+    """Write a formula of its own, with its number."""
+    text, number = node.astext(), ""
+    if found := _TAG.search(text):
+        text, number = _TAG.sub(" ", text), found[1]
+    anchor = f' id="equation-{number}"' if number else ""
+    label = f'<span class="number"><a href="#equation-{number}">({number})</a></span>' if number else ""
+    made = formula(text, "block")
+    translator.body.append(f'<div class="formula"{anchor}><span>{made}</span>{label}</div>\n')
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register the renderer."""
+    app.add_html_math_renderer("mathml", (visit_inline, None), (visit_display, None))
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

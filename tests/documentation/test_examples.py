@@ -1,0 +1,35 @@
+"""The examples in the docstrings of the package give what they say."""
+
+from doctest import DocTest, DocTestFinder, DocTestRunner
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import contactlab
+
+PACKAGE = Path(str(contactlab.__file__)).parent
+
+
+def examples() -> list[DocTest]:
+    """The docstrings that have examples."""
+    found: list[DocTest] = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        # Importing every module would take longer than all examples.
+        if "    >>> " in path.read_text(encoding="utf-8"):
+            parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+            module = import_module(".".join(parts))
+            found += [each for each in DocTestFinder().find(module) if each.examples]
+    return found
+
+
+def test_the_front_door_has_examples() -> None:
+    having = {each.name.rpartition(".")[2] for each in examples()}
+    assert having >= {"simulate", "build", "sweep", "steady", "Parameter", "two_mode"}
+
+
+@pytest.mark.parametrize("example", examples(), ids=lambda each: each.name)
+def test_an_example_gives_what_it_says(example: DocTest) -> None:
+    said: list[str] = []
+    outcome = DocTestRunner(verbose=False).run(example, out=said.append)
+    assert outcome.failed == 0, "".join(said)
