@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
 from functools import cache, partial
+from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
@@ -229,6 +230,12 @@ FAMILIES: Final = {family: Section(_OfFamily(family), "name") for family in PART
 
 LAW: Final = Section(_OfFamily(), "name")
 """The laws."""
+
+
+def conf_directory() -> Path:
+    """Give the folder of the configuration files: inside the package in a wheel, beside it in a checkout."""
+    inside = Path(__file__).resolve().parents[1] / "conf"
+    return inside if inside.is_dir() else inside.parents[1] / "conf"
 
 
 def groups() -> dict[str, list[str]]:

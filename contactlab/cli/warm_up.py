@@ -1,0 +1,47 @@
+"""`contactlab warm-up`: the engine compiled ahead, for laws of every kind."""
+
+from time import perf_counter
+from typing import Final
+
+from contactlab.cli.arguments import Parser
+from contactlab.cli.terminal import COMPLETE
+
+LAWS: Final = {
+    "advance_compliant": ["law=hertz_penalty"],
+    "advance_rigid": ["law=lagrange_stick"],
+    "advance_compliant_with_memory": ["law=composed", "law/normal=walton_braun"],
+    "advance_rigid_with_memory": ["law=lagrange_ageing"],
+}
+"""A law that takes each of the engine's loops."""
+
+DURATION: Final = 2e-6
+"""Of the run that loads a loop [s]."""
+
+
+def main(arguments: list[str]) -> int:
+    """Compile or load every loop, and say of each what was there and how long it took."""
+    parser = Parser(
+        "warm-up",
+        ". A run compiles what it needs by itself, once for an installation; this does it for all at once, "
+        "in a minute or two, before a class, a sweep or jobs on a cluster.",
+    )
+    parser.read(arguments)
+    # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.compilation import telling
+    from contactlab.compiled import INTERPRETED, code_folder
+    from contactlab.config import build
+    from contactlab.engine.loop import KINDS
+
+    if INTERPRETED:
+        print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")
+        return COMPLETE
+    width, whole = max(len(words) for words, _ in KINDS.values()), perf_counter()
+    for loop, overrides in LAWS.items():
+        began = perf_counter()
+        with telling() as compiled:
+            build(overrides).run(duration=DURATION, record_interval=DURATION)
+        done = "compiled" if loop in compiled.functions else "was there, loaded"
+        print(f"{KINDS[loop][0]:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
+    seconds = perf_counter() - whole
+    print(f"The engine is ready after {seconds:.0f} s; its code is kept in {code_folder()}.")
+    return COMPLETE
