@@ -58,6 +58,18 @@ def test_every_python_that_is_promised_is_tried(project: dict[str, Any]) -> None
     assert f"for version in {' '.join(promised)}; do" in read(".ci/run")
 
 
+def test_the_paper_cites_what_it_lists_and_lists_what_it_cites(project: dict[str, Any]) -> None:
+    head, text = read("paper/paper.md").removeprefix("---\n").split("\n---\n", 1)
+    listed = re.findall(r"^@\w+\{(\w+),$", read("paper/paper.bib"), re.M)
+    assert len(listed) == len(set(listed))
+    assert set(re.findall(r"@(\w+)", text)) == set(listed)
+    assert [author["name"] for author in yaml.safe_load(head)["authors"]] == [
+        author["name"] for author in project["authors"]
+    ]
+    for figure in re.findall(r"\]\((\S+?)\)", text):
+        assert (ROOT / "paper" / figure).is_file()
+
+
 def test_the_forms_for_issues_are_whole() -> None:
     forms = [path for path in (ROOT / ".github/ISSUE_TEMPLATE").glob("*.yml") if path.stem != "config"]
     assert len(forms) >= 3
