@@ -178,9 +178,11 @@ def _argument_for(option: str, arguments: Sequence[str], *, near: bool = False) 
     """Give the argument of a run that an option stands for, with the value behind it; empty for none."""
     # Imported here: it brings Hydra, which --help does not need.
     from contactlab.config.slips import argument_for
+    from contactlab.metrics import METRICS
 
+    names = {"sweep.metrics": METRICS}
     behind = "".join(arguments[arguments.index(option) + 1 :][:1]) if option in arguments else ""
-    return argument_for(option, "" if re.match("-|.*=", behind) else behind, near=near)
+    return argument_for(option, "" if re.match("-|.*=", behind) else behind, near=near, names=names)
 
 
 def _near(option: str, arguments: Sequence[str]) -> str:
