@@ -26,7 +26,7 @@ from contactlab.cli.jobs import perform
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
 from contactlab.config import ConfigurationError, build
 from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences
-from contactlab.config.groups import conf_directory
+from contactlab.config.options import conf_directory
 from contactlab.results.provenance import versions
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 

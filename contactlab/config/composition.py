@@ -18,8 +18,8 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
-from contactlab.config.groups import conf_directory, content, groups, help_on_keys, known_keys
 from contactlab.config.nesting import flat
+from contactlab.config.options import conf_directory, content, groups, help_on_keys, known_keys
 from contactlab.config.slips import argument_for
 from contactlab.suggestion import suggestion
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Final
 
 from contactlab.config.faults import keys_near
-from contactlab.config.groups import conf_directory, groups, known_keys
+from contactlab.config.options import conf_directory, groups, known_keys
 from contactlab.suggestion import nearest
 
 NOTHING: Final[Mapping[str, Iterable[str]]] = MappingProxyType({})

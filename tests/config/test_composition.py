@@ -12,7 +12,7 @@ from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
 from contactlab.config.composition import started
-from contactlab.config.groups import conf_directory
+from contactlab.config.options import conf_directory
 from contactlab.laws import law_class
 
 
