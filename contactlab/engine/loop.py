@@ -73,7 +73,9 @@ def loop_for(law: ContactLaw, run: Run) -> Any:
     rows = (row,) if plain else (row, row.copy(readonly=False))
     memory = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
     given = numba.typeof(run), *map(numba.typeof, memory), *rows, numba.types.int64
-    with telling(KINDS[loop.__name__][0], _usual_time(loop.__name__)):
+    name = loop.__name__
+    # A loop of another module goes by its name.
+    with telling(KINDS[name][0] if name in KINDS else name, _usual_time(name)):
         loop.disable_compile(False)
         loop.compile((*given, *kernels))
         loop.disable_compile()
@@ -86,7 +88,8 @@ def _usual_time(name: str) -> float:
     remembers = name.endswith("with_memory")
     there = [each for each in KINDS if is_compiled(each)]
     lacks_memory = remembers and not any(each.endswith("with_memory") for each in there)
-    return KINDS[name][1] + (not there) * SHARED + lacks_memory * SHARED_WITH_MEMORY
+    own = KINDS[name][1] if name in KINDS else SHARED
+    return own + (not there) * SHARED + lacks_memory * SHARED_WITH_MEMORY
 
 
 @inner_kernel
