@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 from tqdm import tqdm
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import Parser
+from contactlab.cli.arguments import Parser, number_in
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.metrics import read_run
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ def _animate(wanted: Namespace) -> None:
     output = source.with_suffix(".gif") if wanted.output is None else Path(wanted.output)
     if fault := _fault_of(output, source):
         raise RefusalError(f"--output is '{output}', {fault}.")
-    fps = _number("--fps", wanted.fps, "1")
+    fps = number_in("1", wanted.fps, "--fps")
     if not SLOWEST <= fps <= FASTEST:
         raise RefusalError(
             f"--fps is {wanted.fps}, it must be between {SLOWEST:g} and {FASTEST:g} frames a second; "
@@ -121,19 +120,11 @@ def _fault_of(output: Path, source: Path) -> str:
     return ""
 
 
-def _number(option: str, text: str, unit: str) -> float:
-    try:
-        return to_si(text, unit)
-    except UnitError as fault:
-        example = "25" if unit == "1" else "4e-3 or '4 ms'"
-        raise RefusalError(f"{option} is '{text}', {fault}; write it like {example}.") from fault
-
-
 def _window(run: "Recording", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
     """Start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
-    start = None if start_text is None else _number("--start", start_text, "s")
+    start = None if start_text is None else number_in("s", start_text, "--start")
     if start is not None and not first <= start <= last - shortest * (1.0 - 1e-9):
         raise RefusalError(
             f"--start is {start_text}, but the run lasts from {first:g} to {last:g} s; it must be at least "
@@ -143,7 +134,7 @@ def _window(run: "Recording", start_text: str | None, duration_text: str | None)
     longest = last - (first if start is None else start)
     duration = min(PERIODS * run.period, longest)
     if duration_text is not None:
-        duration = _number("--duration", duration_text, "s")
+        duration = number_in("s", duration_text, "--duration")
         if not shortest * (1.0 - 1e-9) <= duration <= longest * (1.0 + 1e-9):
             raise RefusalError(
                 f"--duration is {duration_text}, it must be at least {shortest:g} s, a record interval, "

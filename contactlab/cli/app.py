@@ -6,8 +6,10 @@ ours, `contactlab.cli.checking`, and sweeps by our sweeper: a faulty one leaves 
 
 import os
 import re
+import shlex
 import sys
 import warnings
+from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
 
@@ -21,9 +23,10 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
 from contactlab.cli.checking import typed
 from contactlab.cli.jobs import perform
-from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
 from contactlab.config import ConfigurationError, build
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, conf_directory, resolved, sentences
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences
+from contactlab.config.options import conf_directory
 from contactlab.results.provenance import versions
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 
@@ -50,7 +53,7 @@ def main() -> int:
             # Hydra warns of a folder of options that there is not, and goes on without.
             warnings.filterwarnings("error", ".* is not available", UserWarning)
             command(run)()
-    except (BrokenPipeError, UnicodeEncodeError):
+    except (BrokenPipeError, UnicodeEncodeError, RefusalError):
         raise
     # Whatever a job raises is told by the job: this is of Hydra, whose exceptions have many kinds.
     except Exception as error:
@@ -82,9 +85,23 @@ def run(settings: DictConfig) -> int:
             return COMPLETE
         with terminal.ending_at_once():
             status = COMPLETE if perform(setup, directory, job) else INCOMPLETE
+        if status == COMPLETE and not swept:
+            terminal.tell(next_step(directory, job.overrides), sys.stdout)
     if status and not swept:
         sys.exit(status)
     return status
+
+
+def next_step(directory: Path, overrides: Sequence[str]) -> str:
+    """Say in a line what can be done after a run: with its folder, and with the motor that was asked for."""
+    here = Path.cwd()
+    folder = directory.relative_to(here) if directory.is_relative_to(here) else directory
+    of_motor = [line for line in overrides if not line.lstrip("+~").startswith(("hydra", "sweep", "record"))]
+    steady = shlex.join(["contactlab", "steady", *of_motor])
+    if len(steady) > MOST_CHARACTERS:
+        steady = "contactlab steady with these arguments"
+    watch = shlex.join(["contactlab", "animate", str(folder)])
+    return f"Next: `{watch}` shows it in slow motion, `{steady}` finds the settled motor."
 
 
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:

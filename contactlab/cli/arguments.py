@@ -1,12 +1,13 @@
 """What stands behind the name of the command: the arguments of a verb, and those that Hydra reads."""
 
 import re
+import shlex
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from contactlab.cli.terminal import REFUSED
+from contactlab.cli.terminal import REFUSED, RefusalError
 from contactlab.suggestion import suggestion
 
 VERBS = {
@@ -19,8 +20,26 @@ VERBS = {
     "laws": "list every installed law and part, with all that it declares",
     "steady": "find what the motor does once it has settled: velocity, torque, stability",
     "verify": "print what is claimed of the engine and the laws, and what is found",
+    "warm-up": "compile the engine ahead, for laws of every kind, so that no run has to wait for it",
 }
-"""What each verb does. Its work is `main(arguments)` in the module of its name beside this one."""
+"""What each verb does. Its work is `main(arguments)` in the module beside this one of its name, - as _."""
+
+INSTEAD = {
+    "compile": "warm-up",
+    "config": "--cfg job",
+    "datasheet": "characterise",
+    "list": "laws",
+    "ls": "laws",
+    "multirun": "-m",
+    "plot": "animate",
+    "run": "",
+    "show": "animate",
+    "simulate": "",
+    "start": "",
+    "sweep": "-m",
+    "version": "--version",
+}
+"""What others call a verb, and what stands behind `contactlab` for it: a run has no verb."""
 
 _VALUED = {
     "--cfg",
@@ -49,6 +68,12 @@ _LONG_FLAGS = {
     "--multirun",
     "--shell-completion",
 }
+
+LONGEST_SHORT = 3
+"""Letters of the longest of Hydra's short flags, its dash among them."""
+
+NO_TEXT = re.compile("[\0\ud800-\udfff]")
+"""What the bytes of an argument become that are no UTF-8."""
 
 _LISTED = re.compile(r"(?P<key>[^=]+)=\s*'?(?P<value>(?P<name>linspace|geomspace|range)\(.*\))'?\s*")
 _NUMBER_WITH_UNIT = re.compile(r"[\d.]\s*(?![eE][-+\d])[^\W\d_]")
@@ -81,16 +106,38 @@ class Parser(ArgumentParser):
             self.error("an argument is empty, as of a shell variable that is not set")
         found, unknown = self.parse_known_intermixed_args(arguments)
         if unknown:
-            options = [one.partition("=")[0] for one in unknown if one.startswith("-")]
-            known = re.findall(r"--[\w-]+", self.format_usage())
-            hint = suggestion(options[0], known) if options else ""
+            options = [one for one in unknown if one.startswith("-")]
+            hint = self._meant(options[0], arguments) if options else ""
             self.error(f"{' '.join(unknown)} is not understood", hint)
         return found
+
+    def _meant(self, option: str, arguments: Sequence[str]) -> str:
+        """Ask what an unknown option may stand for: an argument of a run, where the verb takes any."""
+        usage = self.format_usage()
+        if "KEY=VALUE" in usage and (meant := _argument_for(option, arguments)):
+            return f"Did you mean {meant}, without dashes?"
+        return suggestion(option.partition("=")[0], re.findall(r"--[\w-]+", usage))
 
     def error(self, message: str, hint: str = "") -> NoReturn:
         """Refuse the arguments in a sentence."""
         way_out = hint or f"{self.prog} --help tells what it takes."
         self.exit(REFUSED, f"{self.prog}: {message}. {way_out}\n")
+
+
+def number_in(unit: str, text: str, name: str) -> float:
+    """Give a number in an SI unit, "1" for none, that stands in an option or in a part of one.
+
+    Raises:
+        RefusalError: it is none, or its unit is of another dimension; the sentence begins with the name.
+    """
+    # Imported here: it brings Hydra, which --help does not need.
+    from contactlab.config.quantity import UnitError, example_in, to_si
+
+    try:
+        return to_si(text.strip(), unit)
+    except UnitError as error:
+        expected = f"in {unit}, or a text with a unit such as {example_in(unit)}" if unit != "1" else "alone"
+        raise RefusalError(f"{name} is '{text}', {error}; it must be a number {expected}.") from error
 
 
 def for_hydra(arguments: Sequence[str]) -> list[str]:
@@ -99,21 +146,48 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
     Hydra loses arguments that stand behind a flag.
 
     Raises:
-        ValueError: with a sentence on what can be no argument.
+        RefusalError: with a sentence on what can be no argument.
     """
+    # Imported here: it brings Hydra, which no verb's --help needs.
+    from contactlab.config.composition import as_choice
+
     overrides: list[str] = []
     flags: list[str] = []
     for argument in arguments:
-        if re.search("[\0\ud800-\udfff]", argument):
-            raise ValueError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
-        if argument.startswith("--") and argument.partition("=")[0] not in _LONG_FLAGS:
-            hint = suggestion(argument, sorted(_LONG_FLAGS), "contactlab --help lists what there is.")
-            raise ValueError(f"unrecognized arguments: {argument}. {hint}")
+        if NO_TEXT.search(argument):
+            raise RefusalError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
+        name = argument.partition("=")[0]
+        if name not in _LONG_FLAGS and name.startswith("-") and len(name) > LONGEST_SHORT:
+            if meant := _argument_for(argument, arguments):
+                words = f"{argument} is no option; arguments of a run have no dashes."
+                raise RefusalError(f"{words} Did you mean {meant}?")
+            if name.startswith("--"):
+                hint = suggestion(argument, sorted(_LONG_FLAGS), _near(argument, arguments))
+                raise RefusalError(f"unrecognized arguments: {argument}. {hint}")
         if argument.startswith("="):
-            raise ValueError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
+            raise RefusalError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
+        if argument in VERBS and not (flags and flags[-1] in _VALUED):
+            rest = shlex.join(each for each in arguments if each != argument)
+            raise RefusalError(f"{argument} is a verb; it stands first: contactlab {argument} {rest}")
         is_value = bool(flags) and flags[-1] in _VALUED and "=" not in argument
         (flags if argument.startswith("-") or is_value else overrides).append(argument)
-    return [*map(_quoted, overrides), *flags]
+    return [*(_quoted(as_choice(override)) for override in overrides), *flags]
+
+
+def _argument_for(option: str, arguments: Sequence[str], *, near: bool = False) -> str:
+    """Give the argument of a run that an option stands for, with the value behind it; empty for none."""
+    # Imported here: it brings Hydra, which --help does not need.
+    from contactlab.config.slips import argument_for
+    from contactlab.metrics import METRICS
+
+    names = {"sweep.metrics": METRICS}
+    behind = "".join(arguments[arguments.index(option) + 1 :][:1]) if option in arguments else ""
+    return argument_for(option, "" if re.match("-|.*=", behind) else behind, near=near, names=names)
+
+
+def _near(option: str, arguments: Sequence[str]) -> str:
+    meant = _argument_for(option, arguments, near=True)
+    return f"Did you mean {meant}?" if meant else "contactlab --help lists what there is."
 
 
 def gives_several(override: str) -> bool:

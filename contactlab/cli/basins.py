@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import Parser
+from contactlab.cli.arguments import Parser, number_in
 from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError
 from contactlab.results.files import whole_file, whole_netcdf
@@ -79,7 +79,6 @@ def main(arguments: list[str]) -> int:
 
 def _axes(setup: "Setup", over: list[str] | None, count: int) -> "dict[str, Array]":
     """Give the values of both coordinates."""
-    from contactlab.config.quantity import UnitError, to_si
     from contactlab.orbits.basins import COORDINATES, default_axes
     from contactlab.parameter import from_cf
 
@@ -93,11 +92,10 @@ def _axes(setup: "Setup", over: list[str] | None, count: int) -> "dict[str, Arra
                 f"--over has {word}; it must be NAME=START..END with one of {', '.join(COORDINATES)} as the "
                 "name, as in rotor_velocity=-3..3."
             )
-        try:
-            unit = from_cf(COORDINATES[found["name"]][0])
-            start, end = (to_si(found[side].strip(), unit) for side in ("start", "end"))
-        except UnitError as error:
-            raise RefusalError(f"--over has {word}, an end of {error}.") from error
+        unit = from_cf(COORDINATES[found["name"]][0])
+        start, end = (
+            number_in(unit, found[side], f"The {side} of --over {found['name']}") for side in ("start", "end")
+        )
         # The end of a turn is its start.
         whole = found["name"] == "drive_phase" and end - start == 1.0
         axes[found["name"]] = np.linspace(start, end, count, endpoint=not whole)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import Parser
+from contactlab.cli.arguments import Parser, number_in
 from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError
 from contactlab.results.files import whole_file, whole_netcdf
@@ -50,7 +50,6 @@ def main(arguments: list[str]) -> int:
     check_output(given.output)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError, build
-    from contactlab.config.quantity import UnitError, to_si
     from contactlab.orbits import BrokenOffError, NoPeriodError, NotSettledError
     from contactlab.orbits.branches import NoBranchError, branch, unit_of
 
@@ -58,12 +57,10 @@ def main(arguments: list[str]) -> int:
     try:
         setup = build(rest)
         key, unit = span["key"], unit_of(setup, span["key"])
-        start, end = (to_si(span[side].strip(), unit) for side in ("start", "end"))
-        belt = None if given.belt is None else to_si(given.belt, "rad/s")
+        start, end = (number_in(unit, span[side], f"The {side} of {key}") for side in ("start", "end"))
+        belt = None if given.belt is None else number_in("rad/s", given.belt, "--belt")
         with terminal.raising():
             found = branch(setup, key, start, end, belt=belt, step=given.step)
-    except UnitError as error:
-        raise RefusalError(f"{span.string} has an end {error}; write it like 'KEY=1 um..4 um'.") from error
     except (ConfigurationError, NoBranchError, NoPeriodError) as error:
         raise RefusalError(str(error)) from error
     except (BrokenOffError, NotSettledError) as error:

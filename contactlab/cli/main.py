@@ -1,12 +1,14 @@
 """The entry point: a verb, or without one a run or a sweep by Hydra."""
 
 import os
+import shlex
 import sys
 from importlib import import_module
 from io import TextIOWrapper
+from pathlib import Path
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import VERBS
+from contactlab.cli.arguments import INSTEAD, NO_TEXT, VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.suggestion import suggestion
 
@@ -33,9 +35,13 @@ def _status(verb: str = "", *arguments: str) -> int:
     """Do what is asked for, and give its exit status however it ends."""
     try:
         with terminal.ending_at_once():
+            if verb == "help":
+                verb, arguments = (*arguments[:1], "")[0], ("--help",)
+                sys.argv[1:] = [verb, *arguments] if verb else arguments
             if verb in VERBS:
-                return int(import_module(f"contactlab.cli.{verb}").main(list(arguments)))
-            _refuse_what_is_no_verb(verb)
+                module = verb.replace("-", "_")
+                return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
+            _refuse_what_is_no_verb(verb, *arguments)
             # Imported here: it brings Hydra, which no verb needs.
             from contactlab.cli import app
 
@@ -60,11 +66,34 @@ def _status(verb: str = "", *arguments: str) -> int:
         )
 
 
-def _refuse_what_is_no_verb(word: str) -> None:
+def _refuse_what_is_no_verb(word: str, *arguments: str) -> None:
+    """Refuse a first word that is neither a verb nor an argument of a run, with what it may stand for."""
+    if not word or "=" in word or word.startswith(("-", "~")) or NO_TEXT.search(word):
+        return
     if word == "map":
         raise RefusalError(
             "There is no verb 'map' any more; sweeps run without it: contactlab -m KEY=VALUES ... "
             "sweep.keep=metrics keeps numbers alone."
         )
-    if word.isalpha() and (hint := suggestion(word, VERBS)):
-        raise RefusalError(f"There is no verb '{word}'; it must be one of {', '.join(VERBS)}. {hint}")
+    said = f"There is no verb '{word}'"
+    if word.lower() in INSTEAD:
+        instead = INSTEAD[word.lower()]
+        rest = shlex.join(arguments) if instead in ("", "-m") else ""
+        line = " ".join(filter(None, ("contactlab", instead, rest)))
+        if not instead:
+            raise RefusalError(f"{said}; a run has none. Did you mean {line}, without a verb?")
+        raise RefusalError(f"{said}. Did you mean {line}? contactlab --help lists what there is.")
+    said = f"{said}; it must be one of {', '.join(VERBS)}."
+    if Path(word).exists():
+        line = f"contactlab verify {shlex.quote(word)}"
+        raise RefusalError(f"{said} It stands before a run or a folder of runs, as in {line}.")
+    # Imported here: it brings Hydra, which no verb's --help needs.
+    from contactlab.config.slips import argument_for
+
+    if meant := argument_for(word):
+        raise RefusalError(f"{said} Did you mean contactlab {meant}?")
+    if hint := suggestion(word, VERBS):
+        raise RefusalError(f"{said} {hint}")
+    near = argument_for(word, near=True)
+    hint = f"Did you mean contactlab {near}?" if near else "contactlab --help lists both."
+    raise RefusalError(f"{said} An argument of a run has the form KEY=VALUE or GROUP=OPTION. {hint}")

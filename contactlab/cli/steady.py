@@ -3,14 +3,13 @@
 import sys
 from pathlib import Path
 
-from contactlab.cli.arguments import Parser
+from contactlab.cli.arguments import Parser, number_in
 from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
 from contactlab.config import ConfigurationError, build
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.orbits.search import LONGEST
 
-UNITS = {"belt": "rad/s", "load": "N*m", "brake": "N*m"}
+UNITS = {"belt": "rad/s", "load": "N m", "brake": "N m"}
 """Of the options that hold or load the rotor."""
 
 
@@ -53,7 +52,11 @@ def main(arguments: list[str]) -> int:
         "--no-refine", action="store_true", help="one step or tolerance alone: no numerical error"
     )
     given = parser.read(arguments)
-    held = {name: _number(name, getattr(given, name)) for name in UNITS if getattr(given, name) is not None}
+    held = {
+        name: number_in(unit, text, f"--{name}")
+        for name, unit in UNITS.items()
+        if (text := getattr(given, name)) is not None
+    }
     try:
         setup = build(_of_a_motor(given.overrides))
     except ConfigurationError as error:
@@ -90,17 +93,6 @@ def _incomplete(reason: str) -> int:
     """Say why there is no steady state."""
     tell(reason, sys.stderr)
     return INCOMPLETE
-
-
-def _number(name: str, text: str) -> float:
-    """Give the number in SI of an option."""
-    try:
-        return to_si(text, UNITS[name])
-    except UnitError as error:
-        raise RefusalError(
-            f"--{name} is '{text}', {error}; it must be a number in {UNITS[name].replace('*', ' ')}, or a "
-            "text with a unit."
-        ) from error
 
 
 def _of_a_motor(overrides: list[str]) -> list[str]:

@@ -7,6 +7,7 @@ runs leave their folders, a job a chunk where they leave their metrics alone.
 
 import os
 import platform
+import shlex
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -105,6 +106,11 @@ class Sweeping:
             return self._metrics(store, settings.workers)
         status = self._folders(store, arguments)
         collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
+        if status == COMPLETE and any(axis.key == "law" for axis in plan.axes):
+            tell(
+                f"Next: `contactlab compare {shlex.quote(str(folder))}` sets the laws side by side.",
+                sys.stdout,
+            )
         return status
 
     def _folders(self, store: Store, arguments: Arguments) -> int:

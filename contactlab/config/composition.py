@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, Final, final
 
 import hydra
@@ -20,12 +19,15 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
-from contactlab.config.options import content, groups, help_on_keys, known_keys
+from contactlab.config.options import conf_directory, content, groups, help_on_keys, known_keys
+from contactlab.config.slips import argument_for
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
 VERSION_BASE: Final = "1.3"
 SCHEME: Final = "contactlab"
+EXPERIMENT: Final = "experiment"
+"""The group whose options are files alone: named sets of changes to the default run."""
 
 SEVERAL: Final = (
     "{} gives several values; a single run takes one. Add -m to run every combination; "
@@ -34,21 +36,34 @@ SEVERAL: Final = (
 """What is wrong with an override that is swept."""
 
 
-def conf_directory() -> Path:
-    """Give the folder of the configuration files: inside the package in a wheel, beside it in a checkout."""
-    inside = Path(__file__).resolve().parents[1] / "conf"
-    return inside if inside.is_dir() else inside.parents[1] / "conf"
+_IN_OUR_WORDS: Final = {
+    r"An item is already at '([^']+)'": (
+        "+{0} would add a key that there is; it must be set, {0}=VALUE. Leave out the +."
+    ),
+    r"(?:argument|parameters) '(.+?)'(?: requires --multirun)?$": SEVERAL,
+}
+"""What Hydra says of an override, and what is said instead."""
 
 
 def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
     """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
     try:
         with started():
-            composed = hydra.compose(CONFIG_NAME, overrides=list(overrides))
+            composed = hydra.compose(CONFIG_NAME, overrides=[*map(as_choice, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
         raise ConfigurationError(sentences(error, overrides)) from error
     return resolved(composed)
+
+
+def as_choice(override: str) -> str:
+    """Give an override without its plus where it chooses from a group: every group has a choice already.
+
+    So `+experiment=case_a` can only mean `experiment=case_a`.
+    """
+    plain = override.lstrip("+")
+    group, sign, _ = plain.partition("=")
+    return plain if plain != override and sign and group in {*groups(), EXPERIMENT} else override
 
 
 def resolved(config: DictConfig) -> dict[str, Any]:
@@ -67,11 +82,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
         case ConfigurationError():
             return error.faults
         case errors.OverrideParseException():
-            return [
-                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or "
-                "GROUP=OPTION. Quote it if the value has a space, 'KEY=1 um', and the value "
-                "too if it has special characters, \"KEY='1 µm'\". A verb stands first."
-            ]
+            return [_unreadable(str(error.override))]
         case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
             hint = suggestion(option, error.options, "Choose one of them.")
@@ -84,8 +95,8 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     # What Hydra says of a key that is not there; the schema does not get to see it.
     if unknown := re.search(r"Could not override '([^']+)'", said):
         return [unknown_override(unknown[1], lines)]
-    if several := re.search(r"(?:argument|parameters) '(.+?)'( requires --multirun)?$", said, re.M):
-        return [SEVERAL.format(several[1])]
+    if ours := _in_our_words(said):
+        return [ours]
     if said.startswith("Config group override must be"):
         choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
         return [
@@ -95,6 +106,25 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     if isinstance(error, errors.HydraException | OmegaConfBaseException | UserWarning):
         return [one_line(error)]
     return [f"The run could not be started: {one_line(error)}"]
+
+
+def _in_our_words(said: str) -> str:
+    for pattern, words in _IN_OUR_WORDS.items():
+        if found := re.search(pattern, said, re.M):
+            return words.format(found[1])
+    return ""
+
+
+def _unreadable(override: str) -> str:
+    """Say that an argument is none, and what it may stand for."""
+    meant = "=" not in override and argument_for(override, near=True)
+    way_out = (
+        "Quote it if the value has a space, 'KEY=1 um', and the value too if it has special "
+        "characters, \"KEY='1 µm'\". A verb stands first."
+    )
+    if meant:
+        way_out = f"Did you mean {meant}?"
+    return f"{override} cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION. {way_out}"
 
 
 def unknown_override(key: str, lines: Iterable[str] = ()) -> str:

@@ -26,7 +26,7 @@ def one_line(error: BaseException) -> str:
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
     """Say that a key is none of those that there are, or none of the kind that is chosen of its group."""
-    parent, _, leaf = key.rpartition(".")
+    parent = key.rpartition(".")[0]
     if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
         group = parent.replace(".", "/")
         return (
@@ -34,17 +34,19 @@ def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
             f"Leave it out or choose another {group}."
         )
     top = ("law", *GROUPS)
-    # Whoever names the last part alone, or under another group, means the key that ends so.
-    endings = get_close_matches(leaf, {name.rpartition(".")[2] for name in known}, 1, 0.8)
-    near = (
-        get_close_matches(key, known, 1, 0.8)
-        or [name for name in known if name.rpartition(".")[2] in endings]
-        or get_close_matches(key, known if parent else top, 1)
-    )
-    if near:
+    if near := keys_near(key, known) or get_close_matches(key, known if parent else top, 1):
         return f"{key} is not a known key. Did you mean {' or '.join(near)}?"
     siblings = [name for name in known if parent and name.startswith(f"{parent}.")]
     return (
         f"{key} is not a known key; it must be one of {', '.join(siblings or top)}. "
         "See contactlab --cfg job for all keys with their values."
     )
+
+
+def keys_near(key: str, known: Sequence[str]) -> list[str]:
+    """Give the known key that is near one, or those whose last part is near its last part."""
+    # Whoever names the last part alone, or under another group, means the key that ends so.
+    endings = get_close_matches(key.rpartition(".")[2], {name.rpartition(".")[2] for name in known}, 1, 0.8)
+    return get_close_matches(key, known, 1, 0.8) or [
+        name for name in known if name.rpartition(".")[2] in endings
+    ]

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import MISSING
 from functools import cache
+from pathlib import Path
 from types import NoneType
 from typing import Any
 
@@ -13,6 +14,12 @@ from contactlab.config.nesting import nested
 from contactlab.laws.declaration import family_of, members_of
 from contactlab.laws.registry import class_of
 from contactlab.parameter import DeclaredField
+
+
+def conf_directory() -> Path:
+    """Give the folder of the configuration files: inside the package in a wheel, beside it in a checkout."""
+    inside = Path(__file__).resolve().parents[1] / "conf"
+    return inside if inside.is_dir() else inside.parents[1] / "conf"
 
 
 def groups() -> dict[str, list[str]]:

@@ -28,6 +28,10 @@ _NUMBER_AND_UNIT = re.compile(
 _CF = re.compile(r"\s*[^\W\d_]+(-?\d+(\.\d+)?)?(\s+[^\W\d_]+(-?\d+(\.\d+)?)?)*\s*")
 """Units of the CF conventions: 'm2 s-2'."""
 
+_FORCE_TIMES = re.compile(r"(?<![^\W\d_])([npuµμmkM]?N)((?:[uµμmck]?m)?)(s?)(?![^\W\d_])")
+"""Newtons with metres or seconds as they are written on data sheets, 'mNm' and 'Ns': read letter by letter
+they are other units, or none."""
+
 
 class UnitError(ValueError):
     """What is wrong with a value, in a sentence that lacks its subject."""
@@ -62,11 +66,17 @@ def number_of(field: DeclaredField, value: object) -> float | None:
         else:
             raise UnitError(f"is {shown}; it must be {said.range}. {field.hint}".rstrip())
     bounds = f" that is {said.range}" if said.range else f" in {said.unit}" if said.label else ""
-    # No prefix goes before a kilogram or a number.
-    scaled = f"g{said.unit[2:]}" if said.unit.startswith("kg") else f"m{said.unit}"
-    example = f", for example '2 {scaled}'" if said.unit[0] != "1" else ""
-    expected = f"a{' whole' if whole else ''} number{bounds}{example}"
+    example = example_in(said.unit)
+    expected = f"a{' whole' if whole else ''} number{bounds}{example and ', for example ' + example}"
     raise UnitError(f"is {wrong}; it must be {expected}. {field.hint}".rstrip())
+
+
+def example_in(unit: str) -> str:
+    """Give a text with a unit that converts to this one, in quotes; empty for a pure number."""
+    if unit[0] == "1":
+        return ""
+    # No prefix goes before a kilogram.
+    return f"'2 g{unit[2:]}'" if unit.startswith("kg") else f"'2 m{unit}'"
 
 
 def describe(value: object) -> str:
@@ -140,8 +150,9 @@ def _root(unit: str) -> "tuple[Decimal, pint.Unit] | None":
 
 def _parsed(unit: str) -> "tuple[Decimal, pint.Unit] | None":
     registry = _registry()
+    apart = _FORCE_TIMES.sub(lambda word: "*".join(filter(None, word.groups())), unit)
     try:
-        quantity = registry.Quantity(Decimal(1), registry.parse_units("" if unit == "1" else unit))
+        quantity = registry.Quantity(Decimal(1), registry.parse_units("" if unit == "1" else apart))
         root = quantity.to_root_units()
     # pint lets the errors of its tokenizer and parser through, among them AssertionError.
     except Exception:

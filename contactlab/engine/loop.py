@@ -4,13 +4,13 @@ There is a loop for each family of laws, so that a run compiles only what it nee
 address, as first-class functions of one type, and is so compiled once for all laws.
 """
 
-import sys
 from typing import Any
 
 import numba
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.compilation import telling
 from contactlab.compiled import INTERPRETED, inner_kernel, is_compiled, kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.context import Law, Memory, Records, Run
@@ -42,6 +42,21 @@ from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
+KINDS = {
+    "advance_compliant": ("the engine for compliant laws", 15.0),
+    "advance_rigid": ("the engine for rigid laws", 7.0),
+    "advance_compliant_with_memory": ("the engine for compliant laws that remember", 26.0),
+    "advance_rigid_with_memory": ("the engine for rigid laws that remember", 14.0),
+    "strike_compliant": ("impacts under compliant laws", 13.0),
+    "strike_rigid": ("impacts under rigid laws", 1.0),
+    "strike_compliant_with_memory": ("impacts under compliant laws that remember", 24.0),
+    "strike_rigid_with_memory": ("impacts under rigid laws that remember", 1.0),
+}
+"""The loops in words, and what each takes to compile [s] beyond what it shares with others."""
+
+SHARED, SHARED_WITH_MEMORY = 12.0, 20.0
+"""What an idle processor takes [s] for what all loops have in common, and those of laws that remember."""
+
 _compiled: set[object] = set()
 """Loops with the rooms for coordinates and tones that they are compiled for."""
 
@@ -66,22 +81,25 @@ def compiled_for(law: ContactLaw, loops: Any, run: Run, given: tuple[Any, ...], 
     room = loop, run.plant["phasors"].shape
     if INTERPRETED or room in _compiled:
         return loop
-    if not is_compiled(loop.__name__):
-        what = "the engine" if plain else "the engine for laws that remember"
-        print(
-            f"contactlab: compiling {what}; this happens once for an installation and takes up to a minute.",
-            file=sys.stderr,
-            flush=True,
-        )
     # Left to itself the compiler would take each law for a type of its own.
     kernels = [*map(numba.types.FunctionType, SIGNATURES.values())][: OF_PLAIN if plain else None]
     row = SIGNATURES["force"].args[-1]
     rows = (row,) if plain else (row, row.copy(readonly=False))
-    loop.disable_compile(False)
-    loop.compile((*map(numba.typeof, given), *rows, *numbers, *kernels))
-    loop.disable_compile()
+    name = loop.__name__
+    with telling(KINDS[name][0], _usual_time(name)):
+        loop.disable_compile(False)
+        loop.compile((*map(numba.typeof, given), *rows, *numbers, *kernels))
+        loop.disable_compile()
     _compiled.add(room)
     return loop
+
+
+def _usual_time(name: str) -> float:
+    """Give what an idle processor usually takes to compile a loop with all that is not there yet [s]."""
+    remembers = name.endswith("with_memory")
+    there = [each for each in KINDS if is_compiled(each)]
+    lacks_memory = remembers and not any(each.endswith("with_memory") for each in there)
+    return KINDS[name][1] + (not there) * SHARED + lacks_memory * SHARED_WITH_MEMORY
 
 
 @inner_kernel

@@ -26,5 +26,5 @@ def help_of(verb: str) -> str:
     # Colours are for terminals.
     told = patch.dict(os.environ, {"COLUMNS": str(WIDTH), "NO_COLOR": "1"})
     with told, redirect_stdout(printed), suppress(SystemExit):
-        import_module(f"contactlab.cli.{verb}").main(["--help"])
+        import_module(f"contactlab.cli.{verb.replace('-', '_')}").main(["--help"])
     return printed.getvalue().strip()

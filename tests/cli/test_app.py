@@ -276,7 +276,9 @@ def test_disk_that_fails_is_told_in_a_sentence(
     assert "No space left on device" in err
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send.")
+@pytest.mark.skipif(
+    sys.platform == "win32", reason="Windows has no SIGINT to send; run the tests on Linux or macOS."
+)
 def test_ctrl_c_ends_the_real_command_with_status_130(tmp_path: Path) -> None:
     long_run = ["solver.duration=1e4", "record.interval=1e-2", "hydra.run.dir=here"]
     process = subprocess.Popen(

@@ -16,7 +16,6 @@ from support.command_line import Command, cases, left_behind
         (["solver=5"], "solver=5 names no option"),
         (["contactstep=1"], "contactstep is not a known key. Did you mean solver.contact_step?"),
         (["+drive.gain=2"], "drive.gain is not a known key"),
-        (["+drive.phase=2"], "An item is already at 'drive.phase'. Either remove + prefix"),
         (["~drive.phase"], "drive.phase is missing"),
         (["law/foo=bar"], "law.foo is not a known key"),
         (["law=lagrange_slip", "law.stiffness=1"], "law.stiffness does not belong to lagrange_slip"),

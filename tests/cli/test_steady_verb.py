@@ -42,7 +42,7 @@ def test_a_brake_that_holds_is_told(command: Command) -> None:
         (["foo=1"], "foo is not a known key"),
         (["hydra.run.dir=x"], "--output DIR says where its files go"),
         (["--brake", "-1"], "it must be positive"),
-        (["--load", "3 kg"], "--load is '3 kg', whose unit 'kg' cannot be converted to N*m"),
+        (["--load", "3 kg"], "--load is '3 kg', whose unit 'kg' cannot be converted to N m"),
         (["--belt", "1", "--load", "1"], "belt and load are given"),
         (["--bel", "1"], "Did you mean --belt?"),
         (["drive.frequency_ratio=1.4142"], "do not repeat themselves"),

@@ -11,7 +11,9 @@ from support.command_line import cases
 
 from contactlab.metrics import read_run
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="The shell's words for closed streams.")
+pytestmark = pytest.mark.skipif(
+    os.name != "posix", reason="A POSIX shell alone closes streams so; run the tests on Linux or macOS."
+)
 
 RUN = "solver.duration=0.2 ms"
 STREAMS = ("2>&-", ">&-", "<&- >&- 2>&-", "> /dev/full", "| true")
@@ -25,7 +27,7 @@ def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("words", cases(STREAMS, ("<&- >&- 2>&-", "> /dev/full")), ids=str)
 def test_a_run_is_whole_wherever_its_words_go(words: str, tmp_path: Path) -> None:
     if "/dev/full" in words and not Path("/dev/full").exists():
-        pytest.skip("No device that is always full.")
+        pytest.skip("There is no /dev/full, a device that takes nothing; run the tests on Linux.")
     ran = shell(words, tmp_path)
     assert json.loads((tmp_path / "run/state.json").read_text())["state"] == "complete"
     tree = read_run(tmp_path / "run" / "run.nc")

@@ -11,7 +11,8 @@ from support.command_line import Command
 from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
-from contactlab.config.composition import conf_directory, started
+from contactlab.config.composition import started
+from contactlab.config.options import conf_directory
 from contactlab.laws import law_class
 
 

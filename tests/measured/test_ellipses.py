@@ -13,7 +13,8 @@ from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 
 pytestmark = pytest.mark.skipif(
-    not ELLIPSES.is_file(), reason="the published impacts of ellipses are not here"
+    not ELLIPSES.is_file(),
+    reason=f"The published impacts of ellipses are not here; put them into {ELLIPSES}.",
 )
 
 

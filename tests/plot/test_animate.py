@@ -220,7 +220,7 @@ def test_too_few_frames_to_see_the_vibration_are_told(command: Command) -> None:
 
 
 @pytest.mark.skipif(
-    not HAS_ENCODER, reason="There is no encoder of mp4; pip install imageio-ffmpeg brings one."
+    not HAS_ENCODER, reason="There is no encoder of mp4; pip install 'contactlab[video]' brings one."
 )
 @pytest.mark.usefixtures("_short", "run_file")
 def test_the_command_writes_an_mp4(command: Command) -> None:
@@ -242,7 +242,9 @@ def test_without_an_encoder_an_mp4_is_refused_with_the_way_out(
     assert left_behind() == [Path("run.nc")]
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="a script stands for the encoder")
+@pytest.mark.skipif(
+    sys.platform == "win32", reason="A script stands for the encoder; run the tests on Linux or macOS."
+)
 @pytest.mark.usefixtures("_short", "run_file")
 def test_an_encoder_that_fails_leaves_nothing(
     command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory

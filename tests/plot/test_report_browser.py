@@ -37,7 +37,7 @@ def browser() -> str:
     found = next((path for name in NAMES if (path := shutil.which(name))), None)
     if found is None:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(
-            "There is no Chromium to open the report in; install one (Debian: chromium)."
+            "There is no Chromium to open the report in; on Debian, apt-get install chromium brings one."
         )
     return found
 

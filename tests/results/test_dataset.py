@@ -251,7 +251,9 @@ def test_a_writing_that_stops_half_way_leaves_nothing(
 def test_a_file_that_cannot_grow_raises_a_sentence_and_leaves_nothing(
     tmp_path: Path, trajectory: Trajectory
 ) -> None:
-    resource = pytest.importorskip("resource")
+    resource = pytest.importorskip(
+        "resource", reason="This system bounds no file; run the tests on Linux or macOS."
+    )
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, hard))
     try:

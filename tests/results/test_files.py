@@ -187,7 +187,9 @@ def test_a_fresh_file_takes_the_place_of_no_other(tmp_path: Path) -> None:
 
 def test_a_netcdf_file_that_cannot_be_written_tells_the_cause_of_the_system(tmp_path: Path) -> None:
     """Whatever the library says: a little more cannot be written either, and the system knows why."""
-    resource = pytest.importorskip("resource")
+    resource = pytest.importorskip(
+        "resource", reason="This system bounds no file; run the tests on Linux or macOS."
+    )
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def write() -> None:

@@ -13,7 +13,9 @@ from contactlab.comparison import compare
 from contactlab.sweeps import collect
 from contactlab.sweeps.store import CHUNKS
 
-resource = pytest.importorskip("resource")
+resource = pytest.importorskip(
+    "resource", reason="This system bounds no file; run the tests on Linux or macOS."
+)
 
 CAUSE = "File too large"
 

@@ -26,6 +26,9 @@ NODES = ("node1", "node2")
 PATIENCE = 60.0
 """Seconds that a start or a command may take; usually it is two or less."""
 
+MEND = "On Debian, apt-get install slurm-wlm munge brings all that it needs."
+"""What to do where a SLURM does not come up."""
+
 PROGRAMS = ("munged", "slurmctld", "slurmd", "srun", "sbatch", "squeue", "sinfo")
 
 CONFIGURATION = """\
@@ -130,9 +133,9 @@ class Cluster:
                 check=True,
             ).stdout
         except subprocess.CalledProcessError as error:
-            raise ClusterError(f"{program} failed: {error.stderr.strip()}") from error
+            raise ClusterError(f"{program} failed: {error.stderr.strip()} {MEND}") from error
         except subprocess.TimeoutExpired as error:
-            raise ClusterError(f"{program} took more than {PATIENCE:g} s.") from error
+            raise ClusterError(f"{program} took more than {PATIENCE:g} s. {MEND}") from error
 
     def jobs(self) -> list[Job]:
         """Every job since the start, those that are over too."""
@@ -194,7 +197,7 @@ class Cluster:
         while not ready():
             if self._daemons[name].poll() is not None or time.monotonic() > patience:
                 words = (self._folder / f"{name}.out").read_text().strip().splitlines()[-3:]
-                raise ClusterError(f"{name} does not come up: {' '.join(words)}")
+                raise ClusterError(f"{name} does not come up: {' '.join(words)} {MEND}")
             time.sleep(0.1)
 
     def _end_all(self) -> None:

@@ -28,7 +28,9 @@ ENDLESS = ("contact.clearance=1e-6,2e-6", "solver.duration=1e4", "record.interva
 PATIENCE = 120.0
 """Seconds for what takes ten, because the engine may have to be compiled first."""
 
-needs_signals = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals.")
+needs_signals = pytest.mark.skipif(
+    sys.platform == "win32", reason="Windows has no such signals; run the tests on Linux or macOS."
+)
 
 
 @contextmanager

@@ -113,7 +113,9 @@ def test_a_dataset_that_is_not_as_the_run_left_it_is_made_anew(
             assert root.attrs["complete"] == 1
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL.")
+@pytest.mark.skipif(
+    sys.platform == "win32", reason="Windows has no SIGKILL; run the tests on Linux or macOS."
+)
 @pytest.mark.long
 def test_a_run_that_was_killed_is_run_again(
     command: Command, simulations: Simulations, tmp_path: Path

@@ -176,7 +176,10 @@ ERRORS = {"rebound_angle_deg": 1.1, "spin_rad_per_s": 72.0, "tangential_restitut
 """Of a model of one spring against the measurements, at the worst: that of the restitution at 4 degrees."""
 
 
-@pytest.mark.skipif(not MEASURED.is_file(), reason="the digitised impacts of Kharaz et al. are not here")
+@pytest.mark.skipif(
+    not MEASURED.is_file(),
+    reason=f"The digitised impacts of Kharaz et al. are not here; put them into {MEASURED}.",
+)
 def test_4_spheres_on_glass_rebound_as_measured_within_what_one_spring_can_say() -> None:
     """From 9 degrees on the restitution is good to 0.05; its dip below 5/7 is there."""
     lines = [line for line in MEASURED.read_text().splitlines() if not line.startswith("#")]

@@ -1,0 +1,53 @@
+"""`contactlab warm-up`: the engine compiled ahead, for laws of every kind."""
+
+from time import perf_counter
+from typing import Final
+
+from contactlab.cli.arguments import Parser
+from contactlab.cli.terminal import COMPLETE
+
+LAWS: Final = {
+    "compliant": ["law=hertz_penalty"],
+    "rigid": ["law=lagrange_stick"],
+    "compliant_with_memory": ["law=composed", "law/normal=walton_braun"],
+    "rigid_with_memory": ["law=lagrange_ageing"],
+}
+"""A law of each kind, which takes a loop of the engine for its runs and one for its impacts."""
+
+DURATION: Final = 2e-6
+"""Of the run that loads a loop [s]."""
+
+
+def main(arguments: list[str]) -> int:
+    """Compile or load every loop, and say of each what was there and how long it took."""
+    parser = Parser(
+        "warm-up",
+        ". A run compiles what it needs by itself, once for an installation; this does it for all at once, "
+        "in a minute or two, before a class, a sweep or jobs on a cluster.",
+    )
+    parser.read(arguments)
+    # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.compilation import telling
+    from contactlab.compiled import INTERPRETED, code_folder
+    from contactlab.config import build
+    from contactlab.engine.loop import KINDS
+    from contactlab.impact import velocities_after
+
+    if INTERPRETED:
+        print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")
+        return COMPLETE
+    width, whole = max(len(words) for words, _ in KINDS.values()), perf_counter()
+    for kind, overrides in LAWS.items():
+        setup = build(overrides)
+        for loop in (f"advance_{kind}", f"strike_{kind}"):
+            began = perf_counter()
+            with telling() as compiled:
+                if loop.startswith("strike"):
+                    velocities_after(setup.law, [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
+                else:
+                    setup.run(duration=DURATION, record_interval=DURATION)
+            done = "compiled" if loop in compiled.functions else "was there, loaded"
+            print(f"{KINDS[loop][0]:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
+    seconds = perf_counter() - whole
+    print(f"The engine is ready after {seconds:.0f} s; its code is kept in {code_folder()}.")
+    return COMPLETE

@@ -1,0 +1,77 @@
+"""What the compiler is at, told while one waits: what is compiled, how long it has taken and will take."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter, process_time
+from typing import Never, final
+
+from numba.core import event
+from tqdm import tqdm
+
+SURE = 1.0
+"""Time of a processor from which the pace is known [s]."""
+
+_BAR = "{percentage:3.0f} %|{bar}| {n:.0f} of about {total:.0f} s{postfix}"
+
+
+@final
+class Compiled(event.Listener):
+    """Counts the functions that the compiler makes, loaded ones left out, and tells of them.
+
+    Args:
+        what: is compiled; empty to tell nothing.
+        usual: time of an idle processor that all of it usually takes [s].
+
+    Attributes:
+        functions: the names of those that there are so far.
+    """
+
+    def __init__(self, what: str = "", usual: float = 0.0) -> None:
+        self.functions: list[str] = []
+        self._what, self._usual = what, usual
+        self._began: tuple[float, float] | None = None
+        self._bar: tqdm[Never] | None = None
+
+    def on_start(self, _: event.Event) -> None:
+        """Announce the first function, which is the sign that not all is there."""
+        if self._began is not None or not self._what:
+            return
+        self._began = perf_counter(), process_time()
+        _say(f"compiling {self._what}, once for an installation: about {self._usual:.0f} s.")
+        self._bar = tqdm(total=self._usual, bar_format=_BAR, leave=False, disable=None)
+
+    def on_end(self, made: event.Event) -> None:
+        """Count a function, and show how far it is at the pace that there was so far."""
+        self.functions.append(made.data["dispatcher"].__name__)
+        if self._began is None or self._bar is None:
+            return
+        spent = self._elapsed
+        # Whoever shares the processor waits longer.
+        pace = spent / max(process_time() - self._began[1], SURE)
+        self._bar.total = max(self._usual * max(pace, 1.0), spent)
+        self._bar.n = spent
+        self._bar.set_postfix_str(self.functions[-1])
+
+    def close(self) -> None:
+        """Say how long it took."""
+        if self._bar is not None:
+            self._bar.close()
+            _say(f"compiled {len(self.functions)} functions in {self._elapsed:.0f} s.")
+
+    @property
+    def _elapsed(self) -> float:
+        return perf_counter() - self._began[0] if self._began else 0.0
+
+
+@contextmanager
+def telling(what: str = "", usual: float = 0.0) -> Iterator[Compiled]:
+    """Tell on standard error what the compiler makes meanwhile; arguments are those of `Compiled`."""
+    compiled = Compiled(what, usual)
+    with event.install_listener("numba:compile", compiled):
+        yield compiled
+    compiled.close()
+
+
+def _say(sentence: str) -> None:
+    print(f"contactlab: {sentence}", file=sys.stderr, flush=True)

@@ -1,0 +1,37 @@
+"""What `.ci/run` does, step by step and in environments of its own: `nox -l` lists the sessions."""
+
+import nox
+
+PYTHONS = ("3.11", "3.12", "3.13")
+
+nox.options.sessions = ("lint", "tests")
+nox.options.reuse_existing_virtualenvs = True
+
+
+@nox.session(python=PYTHONS)
+def tests(session: nox.Session) -> None:
+    """Run the suite, or what is named: `nox -s tests-3.12 -- tests/laws`."""
+    session.install("-e", ".[test]")
+    session.run("pytest", *session.posargs)
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Check style, format, types and import contracts."""
+    session.install("-e", ".[test]")
+    for command in (("ruff", "check"), ("ruff", "format", "--check"), ("mypy",), ("lint-imports",)):
+        session.run(*command)
+
+
+@nox.session
+def docs(session: nox.Session) -> None:
+    """Build the documentation into build/site; a warning is a failure."""
+    session.install("-e", ".[docs]")
+    session.run("python", "-m", "sphinx", "-W", "-n", "--keep-going", "docs", "build/site", *session.posargs)
+
+
+@nox.session
+def paper(session: nox.Session) -> None:
+    """Make the figure of the paper."""
+    session.install("-e", ".")
+    session.run("python", "paper/figures.py")
