@@ -68,7 +68,10 @@ def outcome_of(
             "error": ("impact", error),
             "predicted_velocity": (("impact", "direction"), predicted),
             "value": (("fold", "parameter"), values),
-            "range": (("parameter", "end"), np.array([(one.low, one.high) for one in model.free]).reshape(-1, 2)),
+            "range": (
+                ("parameter", "end"),
+                np.array([(one.low, one.high) for one in model.free]).reshape(-1, 2),
+            ),
             "units": ("parameter", np.array(units, dtype=object)),
             "hits": ("fold", np.array([fit.hits for fit in fits])),
             "fitted_on": ("fold", np.array([one.fitted_on for one in held])),
