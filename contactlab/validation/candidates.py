@@ -1,6 +1,6 @@
 """The laws that are judged where none is named, and which of their numbers a fit can change anything with."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Final, final
@@ -13,7 +13,6 @@ from contactlab.laws import (
     Composed,
     ContactLaw,
     Flores,
-    Friction,
     HertzPoint,
     HuntCrossley,
     LuGre,
@@ -28,7 +27,10 @@ from contactlab.laws.registry import class_of, law, law_names
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.validation.models import TOLERANCE, LawModel, Model
 
-FREE_OF: Final[Mapping[str, tuple[str, ...]]] = {"johnson": ("friction_coefficient", "yield_strength")}
+Ranges = dict[str, tuple[float, float] | None]
+"""What is free, each in a range or in its own."""
+
+FREE_OF: Final[dict[str, tuple[str, ...]]] = {"johnson": ("friction_coefficient", "yield_strength")}
 """Laws whose numbers act through a product of them: which ones are free."""
 
 _PROBED: Final = 12
@@ -45,7 +47,7 @@ _EXACT: Final = 1e-9
 def usual_laws() -> list[LawModel]:
     """Give the models of every rigid law that is installed and of compliant ones composed of common parts."""
     rigid = [name for name in law_names() if issubclass(class_of(name), MultiplierLaw)]
-    return [*map(usual_law, rigid), *(LawModel.of(one, dict.fromkeys(free)) for one, free in _composed())]
+    return [*map(usual_law, rigid), *(LawModel.of(one, free) for one, free in _composed())]
 
 
 def usual_law(name: str) -> LawModel:
@@ -54,28 +56,33 @@ def usual_law(name: str) -> LawModel:
     Raises:
         ValueError: there is no such law.
     """
-    chosen = dict.fromkeys(FREE_OF[name]) if name in FREE_OF else None
+    chosen: Ranges | None = dict.fromkeys(FREE_OF[name]) if name in FREE_OF else None
     return LawModel.of(law(name), chosen)
 
 
-def _composed() -> list[tuple[ContactLaw, tuple[str, ...]]]:
+def _composed() -> list[tuple[ContactLaw, Ranges]]:
     """Give composed laws and what is free of them: the absolute stiffness of a spring changes no impulse."""
-    cone, loss = "friction.friction_coefficient", "damping.restitution"
-    frictions: list[tuple[Friction, tuple[str, ...]]] = [
-        (Mindlin(), ("friction.stiffness_ratio",)),
-        (Regularised(), ("friction.creep_velocity",)),
-        (LuGre(), ("friction.bristle_stiffness",)),
-        (Stribeck(), ("friction.static_ratio", "friction.stribeck_velocity")),
-    ]
-    yielding = WaltonBraun(), ("normal.unloading_stiffness",)
+    cone: Ranges = {"friction.friction_coefficient": None}
+    lossy: Ranges = {"damping.restitution": None, **cone}
+    # What Hunt and Crossley's loss can reach at its speed.
+    slowing: Ranges = {"damping.restitution": (0.4, 1.0), **cone}
+    yielding: Ranges = {"normal.unloading_stiffness": (1e7, 1e9), **cone}
+    elastic, dent = HertzPoint(), WaltonBraun(loading_stiffness=1e7, unloading_stiffness=3e7)
+    ratio: Ranges = {"friction.stiffness_ratio": None}
     return [
-        (law("hertz_penalty"), ("friction_coefficient",)),
-        (Composed(HertzPoint(), Flores()), (loss, cone)),
-        (Composed(HertzPoint(), HuntCrossley(impact_speed=1.0)), (loss, cone)),
-        (Composed(Thornton()), ("normal.yield_pressure", cone)),
-        (Composed(yielding[0]), (*yielding[1], cone)),
-        *((Composed(HertzPoint(), Flores(), part), (loss, cone, *free)) for part, free in frictions),
-        (Composed(yielding[0], friction=Mindlin()), (*yielding[1], cone, "friction.stiffness_ratio")),
+        (law("hertz_penalty"), {"friction_coefficient": None}),
+        (Composed(elastic, Flores()), lossy),
+        (Composed(elastic, HuntCrossley(0.8, impact_speed=1.0)), slowing),
+        (Composed(Thornton()), {"normal.yield_pressure": None, **cone}),
+        (Composed(dent), yielding),
+        (Composed(elastic, Flores(), Mindlin()), lossy | ratio),
+        (Composed(elastic, Flores(), Regularised()), lossy | {"friction.creep_velocity": (1e-2, 3.0)}),
+        (Composed(elastic, Flores(), LuGre()), lossy | {"friction.bristle_stiffness": (1e3, 1e7)}),
+        (
+            Composed(elastic, Flores(), Stribeck()),
+            lossy | {"friction.static_ratio": (1.0, 4.0), "friction.stribeck_velocity": (3e-2, 3.0)},
+        ),
+        (Composed(dent, friction=Mindlin()), yielding | ratio),
     ]
 
 

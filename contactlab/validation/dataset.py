@@ -14,17 +14,18 @@ Laws are in the order of their errors, those of the kinds rigid and compliant fi
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab.fitting.resampling import LEVEL, RESAMPLES, Resampled, resampled
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.validation.noise import noise_of, unexplained
 from contactlab.validation.outcome import BASELINE, COMPLIANT, END, FLOOR, RIGID, digest_of
 from contactlab.validation.ranking import groups_of, sentences
-from contactlab.validation.resampling import LEVEL, RESAMPLES, Resampled, resampled
 
 JUDGED = (RIGID, COMPLIANT)
 _TEXTS = ("cannot_tell", "at_end")
@@ -81,7 +82,7 @@ def floors_in(data: xarray.Dataset) -> xarray.Dataset:
     return data.isel(law=data["kind"].values == FLOOR)
 
 
-def _united(texts: Sequence[str]) -> str:
+def _united(texts: NDArray[Any]) -> str:
     """Give the names that any fold has, in their order."""
     return ", ".join(dict.fromkeys(name for text in texts for name in str(text).split(", ") if name))
 

@@ -68,9 +68,9 @@ def study(
     """
     asked = usual_laws() if models is None else list(models)
     every = [*asked, frictionless(), ConstantImpulse.of(impacts)]
-    _check(impacts, every, folds)
+    _check(every, folds)
     known = [probed(model, impacts) for model in every]
-    _check(impacts, [one.model for one in known], folds)
+    _check_count(impacts, [one.model for one in known], folds)
     paths = [_place(keep, one, impacts, folds, seed) for one in known]
     found = {at: kept for at, path in enumerate(paths) if path and (kept := outcome.read(path)) is not None}
     if found:
@@ -99,8 +99,8 @@ def study(
     return assembled([found[at] for at in range(len(known))], floors, impacts, fold, seed)
 
 
-def _check(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) -> None:
-    """Refuse what cannot be studied."""
+def _check(models: Sequence[Model], folds: int) -> None:
+    """Refuse what cannot be studied, whatever was measured."""
     if folds < 2:
         raise ValidationError(f"folds is {folds}; it must be at least 2.")
     if not any(isinstance(model, LawModel) and not model.baseline for model in models):
@@ -108,6 +108,10 @@ def _check(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) -> Non
     labels = [model.label for model in models]
     if twice := sorted({label for label in labels if labels.count(label) > 1}):
         raise ValidationError(f"{', '.join(twice)} is there twice; every law must be one of its own.")
+
+
+def _check_count(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) -> None:
+    """Refuse too few impacts."""
     most = max(models, key=lambda model: len(model.free))
     least = folds * max(len(most.free), 1)
     if len(impacts) < least:
@@ -123,7 +127,7 @@ def _place(keep: Path | None, one: Probed, impacts: MeasuredImpacts, folds: int,
 
 
 def _weight(one: Probed, impacts: int, folds: int) -> float:
-    """Estimate what a fold of a model costs [s]: evaluations of the starts' points and of some twenty steps."""
+    """Estimate what a fold of a model costs [s]: the points that are looked at and a dozen steps a start."""
     costly = one.model.costly
     size = len(one.model.free)
     used = impacts * (folds - 1) / folds
