@@ -25,7 +25,7 @@ from contactlab.laws import (
 )
 from contactlab.laws.registry import class_of, law, law_names
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.validation.models import TOLERANCE, LawModel, Model
+from contactlab.validation.models import TOLERANCE, LawModel, Model, label_of
 
 Ranges = dict[str, tuple[float, float] | None]
 """What is free, each in a range or in its own."""
@@ -47,17 +47,25 @@ _EXACT: Final = 1e-9
 def usual_laws() -> list[LawModel]:
     """Give the models of every rigid law that is installed and of compliant ones composed of common parts."""
     rigid = [name for name in law_names() if issubclass(class_of(name), MultiplierLaw)]
-    return [*map(usual_law, rigid), *(LawModel.of(one, free) for one, free in _composed())]
+    return [*(usual_law(name) for name in rigid), *(LawModel.of(one, free) for one, free in _composed())]
 
 
-def usual_law(name: str) -> LawModel:
-    """Give the model of a law by its name, its defaults where nothing is free.
+def usual_law(name: str, **parts: str) -> LawModel:
+    """Give the model of a law by its name and those of its parts: as among the usual ones if it is of them.
+
+    Of any other all numbers are free.
 
     Raises:
-        ValueError: there is no such law.
+        ValueError: there is no such law or part.
+        TypeError: the law has no such part.
     """
-    chosen: Ranges | None = dict.fromkeys(FREE_OF[name]) if name in FREE_OF else None
-    return LawModel.of(law(name), chosen)
+    made = law(name, **parts)
+    label = label_of(made)
+    if not isinstance(made, MultiplierLaw):
+        for one, free in _composed():
+            if label_of(one) == label:
+                return LawModel.of(one, free)
+    return LawModel.of(made, dict.fromkeys(FREE_OF[name]) if name in FREE_OF else None)
 
 
 def _composed() -> list[tuple[ContactLaw, Ranges]]:

@@ -5,12 +5,12 @@
 | error | law, impact | ||v+ - v+_predicted|| / ||v-|| in the norm of the kinetic energy |
 | predicted_velocity | law, impact, direction | gap rate and slip [m/s] |
 | prediction_error, prediction_error_interval | law (, end) | mean of the errors, 95 % interval |
-| kind, rank, group, unanswered, fitted_on, held, unmoved, cannot_tell, at_end | law | |
-| value, range, units | law, fold, parameter | of the fit without that fold; NaN where a law has no such number |
+| kind, group, unanswered, fitted_on, held, unmoved, cannot_tell, at_end | law | |
+| value, range, units | law, fold_number, parameter | of the fit without that fold; NaN for no such number |
 | difference, difference_interval | law, other (, end) | of the mean errors, law less other, by pairs |
 | velocity_before, velocity_after, fold, noise_bound, unexplained | impact | as measured, and see `noise` |
 
-Laws are in the order of their errors, those of the kinds rigid and compliant first; then baselines and floors.
+Laws are in the order of their errors, those of the kinds rigid and compliant first; then baselines, floors.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What became of one model: its predictions of impacts it has not seen, its parameters, as a small dataset."""
+"""What became of one model: its predictions of impacts it has not seen, and its parameters, as a dataset."""
 
 from collections.abc import Sequence
 from hashlib import sha256

@@ -1,4 +1,4 @@
-"""Laws against measured impacts: cross-validated, weighed against each other, against baselines and floors."""
+"""Laws against measured impacts: cross-validated, weighed against each other, baselines and floors."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
