@@ -1,7 +1,7 @@
 """The laws that are judged where none is named, and which of their numbers a fit can change anything with."""
 
 from dataclasses import dataclass, replace
-from time import perf_counter
+from time import process_time
 from typing import Final, final
 
 import numpy as np
@@ -120,9 +120,9 @@ def probed(model: Model, impacts: MeasuredImpacts) -> Probed:
     # What is compiled at the first call is no time of the law.
     middle = from_cube(model.free, np.full(len(model.free), 0.5))
     model.after(middle, some)
-    began = perf_counter()
+    began = process_time()
     model.after(middle, some)
-    seconds = (perf_counter() - began) / len(some)
+    seconds = (process_time() - began) / len(some)
     if not isinstance(model, LawModel):
         return Probed(model, (), seconds)
     acting = [place for place in range(len(model.free)) if _acts(model, place, some)]
