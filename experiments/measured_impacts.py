@@ -36,7 +36,7 @@ PREFIX = "ellipses_"
 
 
 class Weighed(NamedTuple):
-    """What the seeds say of a pair of laws: in how many the first beats the second, and the other way round."""
+    """What the seeds say of two laws: in how many the first beats the second, and the other way round."""
 
     first: str
     second: str

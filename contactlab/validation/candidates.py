@@ -39,7 +39,7 @@ _SHARES: Final = (0.1, 0.5, 0.9)
 """Places in its range at which a number is probed."""
 
 _POINTS: Final = 8
-"""Of the others meanwhile, of a Latin hypercube: where friction is large all contacts stick, whatever else."""
+"""Of the others meanwhile, of a Latin hypercube: with large friction all contacts stick, whatever else."""
 
 _EXACT: Final = 1e-9
 """Relative change of a velocity of a rigid law that is one."""

@@ -16,21 +16,26 @@ SMOOTH: Final = 0.01
 """Error [1] below which the loss is a parabola and above which it is the error itself: less than any camera
 sees, so that what is fitted is what is judged."""
 
-STARTS: Final = 8
-COSTLY_STARTS: Final = 3
+STARTS: Final = 4
+COSTLY_STARTS: Final = 2
 """Starts of a fit; those of a law that integrates every impact."""
+
+LOOKED: Final = 16
+COSTLY_LOOKED: Final = 12
+"""Points that are looked at for each of them."""
 
 ACCURACY: Final = 1e-6
 COSTLY_ACCURACY: Final = 1e-3
 """Relative change of the loss at which a start has ended: of a law that is integrated its error is larger."""
 
-SEARCH: Final = 120
+SEARCH: Final = 100
 SUBSET: Final = 400
 """Impacts among which the optimum of a costly law is searched for, and those on which it is fitted then: with
 so many its parameters are known well enough that a law loses less than a thousandth by it."""
 
 
 class _Settings(TypedDict):
+    looks: int
     step: float | None
     accuracy: float
 
@@ -83,8 +88,9 @@ def fitted(model: Model, impacts: MeasuredImpacts, seed: int) -> Fit:
     costly model is searched for with the first `SEARCH` of the impacts.
     """
     if not model.costly:
-        return best_fit(_residuals_of(model, impacts), model.free, STARTS, seed, accuracy=ACCURACY)
-    settings = _Settings(step=model.step, accuracy=COSTLY_ACCURACY)
+        plain = _Settings(looks=LOOKED, step=model.step, accuracy=ACCURACY)
+        return best_fit(_residuals_of(model, impacts), model.free, STARTS, seed, **plain)
+    settings = _Settings(looks=COSTLY_LOOKED, step=model.step, accuracy=COSTLY_ACCURACY)
     few = impacts.part(np.arange(min(SEARCH, len(impacts))))
     found = best_fit(_residuals_of(model, few), model.free, COSTLY_STARTS, seed, **settings)
     if len(few) == len(impacts) or not model.free:

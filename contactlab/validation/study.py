@@ -6,7 +6,6 @@ from typing import Final
 
 import xarray
 
-from contactlab.fitting.least_squares import LOOKS
 from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.processes import processors
@@ -15,7 +14,15 @@ from contactlab.validation.candidates import Probed, probed, usual_laws
 from contactlab.validation.dataset import assembled
 from contactlab.validation.folds import folds_of
 from contactlab.validation.models import ConstantImpulse, LawModel, Model, frictionless
-from contactlab.validation.prediction import COSTLY_STARTS, SEARCH, STARTS, SUBSET, Held
+from contactlab.validation.prediction import (
+    COSTLY_LOOKED,
+    COSTLY_STARTS,
+    LOOKED,
+    SEARCH,
+    STARTS,
+    SUBSET,
+    Held,
+)
 from contactlab.validation.work import perform
 
 FOLDS: Final = 5
@@ -134,7 +141,7 @@ def _weight(one: Probed, impacts: int, folds: int) -> float:
     """Estimate what a fold of a model costs [s]: the points that are looked at and a dozen steps a start."""
     around = 1 + len(one.model.free)
     if not one.model.costly:
-        return OVERHEAD * STARTS * (LOOKS + 12 * around)
+        return OVERHEAD * STARTS * (LOOKED + 12 * around)
     used = impacts - impacts // folds
-    searched = COSTLY_STARTS * (LOOKS + 8 * around) * min(used, SEARCH)
+    searched = COSTLY_STARTS * (COSTLY_LOOKED + 8 * around) * min(used, SEARCH)
     return one.seconds * (searched + 4 * around * min(used, SUBSET) + impacts / folds)
