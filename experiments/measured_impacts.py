@@ -25,6 +25,7 @@ from contactlab.results.files import whole_file
 from contactlab.validation import tables
 from contactlab.validation.dataset import laws_in
 from contactlab.validation.report import write
+from contactlab.validation.residuals import abscissas, binned, residuals_of
 from contactlab.validation.study import study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -110,6 +111,19 @@ def parameter_table(first: xarray.Dataset) -> Iterator[str]:
         )
 
 
+def restitution_table(first: xarray.Dataset) -> Iterator[str]:
+    """Give the measured ratio of the gap rates over the slip, and what the best law misses, in Markdown."""
+    yield "| slip before (m/s) | gap rate after over before | quartiles | missed by the best law (m/s) |"
+    yield "|---|---|---|---|"
+    best = str(first["law"].values[0])
+    ratio = -first["velocity_after"].values[:, 0] / first["velocity_before"].values[:, 0]
+    slip = abscissas(first)["slip (m/s)"]
+    seen = binned(slip, ratio)
+    missed = binned(slip, residuals_of(first, best)["gap rate missed (m/s)"])
+    for at, middle, low, high, left in zip(*seen[:4], missed.median, strict=True):
+        yield f"| {at:.2f} | {middle:.3f} | {low:.2f} to {high:.2f} | {left:+.3f} |"
+
+
 def finding(studies: Sequence[xarray.Dataset]) -> list[str]:
     """Say whether the order of the laws is the same under every seed, where intervals part them."""
     every = weighed(studies)
@@ -157,7 +171,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         write(data, folder)
         studies.append(data)
     said = finding(studies)
-    lines = [*said, "", *table(studies), "", *parameter_table(studies[0])]
+    lines = [*said, "", *table(studies), "", *parameter_table(studies[0]), "", *restitution_table(studies[0])]
     with whole_file(given.output / "table.md") as partial:
         partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(lines))
@@ -171,19 +185,11 @@ def _into_docs(studies: Sequence[xarray.Dataset], said: Sequence[str], folder: P
     text = PAGE.read_text(encoding="utf-8")
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
-    odd = tables.unexplained(studies[0])
-    block = [
-        BEGIN,
-        "",
-        *table(studies),
-        "",
-        *said,
-        "",
-        f"Under seed 0: {odd}",
-        "",
-        *parameter_table(studies[0]),
-        "",
-    ]
+    first = studies[0]
+    odd = f"Under seed 0: {tables.unexplained(first)}"
+    block = [BEGIN, ""]
+    for part in (table(studies), said, [odd], parameter_table(first), restitution_table(first)):
+        block += [*part, ""]
     with whole_file(PAGE) as partial:
         partial.write_text(before + "\n".join(block) + END + after, encoding="utf-8")
     pictures = PAGE.with_suffix("")
