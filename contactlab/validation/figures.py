@@ -56,7 +56,7 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         reach = np.abs([errors - low, high - errors])
         bars = {"linestyle": "", "marker": mark, "color": colour, "label": kind, "capsize": 2.0}
         if places.size:
-            axes.errorbar(errors, places, xerr=reach, markersize=3.5, elinewidth=0.9, **bars)
+            axes.errorbar(errors, places, xerr=reach, markersize=2.5, elinewidth=0.9, **bars)
     for floor in floors_in(data).transpose("law", ...)["law"].values:
         here = data.sel(law=floor)
         axes.axvspan(*here["prediction_error_interval"].values, color="0.85", zorder=0)
@@ -75,7 +75,10 @@ def draw_errors(data: xarray.Dataset) -> Figure:
 
 
 def draw_differences(data: xarray.Dataset) -> Figure:
-    """Draw by how much the law of a row is worse than that of a column; white where the data cannot tell."""
+    """Draw by how much the law of a row is worse than that of a column; white where the data cannot tell.
+
+    What is above the diagonal is the same with the other sign, and left out.
+    """
     laws = laws_in(data)
     labels = [str(label) for label in laws["law"].values]
     apart = laws["difference"].sel(other=labels).values
@@ -84,21 +87,21 @@ def draw_differences(data: xarray.Dataset) -> Figure:
     size = max(1.9, 0.21 * len(labels))
     figure = Figure(figsize=(WIDTH, size + 1.3), layout="constrained")
     axes = figure.subplots()
-    scale = np.nanmax(np.abs(np.where(parted, apart, 0.0)), initial=1e-9)
+    below = np.tri(len(labels), k=-1, dtype=bool)
+    scale = np.max(np.abs(apart[below & parted]), initial=1e-9)
     # Of differences that span decades all are to be seen.
-    colour = np.where(parted, np.sign(apart) * np.sqrt(np.abs(apart) / scale), np.nan)
-    axes.imshow(colour, cmap="RdBu_r", vmin=-1.6, vmax=1.6, aspect="auto")
-    for i, j in np.ndindex(*apart.shape):
-        if i != j:
-            text = f"{1e3 * apart[i, j]:.0f}" if abs(apart[i, j]) >= 0.01 else f"{1e3 * apart[i, j]:.1f}"
-            shade = "black" if parted[i, j] else "0.6"
-            axes.text(j, i, text.replace("-", "\u2212"), ha="center", va="center", fontsize=5, color=shade)
+    colour = np.where(below & parted, np.sqrt(np.abs(apart) / scale), np.nan)
+    axes.imshow(colour, cmap="Reds", vmin=0.0, vmax=1.6, aspect="auto")
+    for i, j in zip(*np.nonzero(below), strict=True):
+        text = f"{1e3 * apart[i, j]:.0f}" if apart[i, j] >= 0.01 else f"{1e3 * apart[i, j]:.1f}"
+        shade = "black" if parted[i, j] else "0.6"
+        axes.text(j, i, text, ha="center", va="center", fontsize=5, color=shade)
     axes.set_xticks(range(len(labels)), labels, rotation=90)
     axes.set_yticks(range(len(labels)), labels)
     axes.tick_params(length=0.0)
     for side in axes.spines.values():
         side.set_visible(False)
-    axes.set_title("error of the row less that of the column, in thousandths; grey: cannot tell")
+    axes.set_title("error of the row less that of the column, in thousandths; grey: cannot tell", loc="right")
     return figure
 
 

@@ -16,15 +16,20 @@ SMOOTH: Final = 0.01
 """Error [1] below which the loss is a parabola and above which it is the error itself: less than any camera
 sees, so that what is fitted is what is judged."""
 
-STARTS: Final = 4
+STARTS: Final = 16
 COSTLY_STARTS: Final = 2
-"""Starts of a fit; those of a law that integrates every impact."""
+"""Starts of a fit; those of a law that integrates every impact, which are twice as many where it has many
+free parameters."""
 
-LOOKED: Final = 16
+LOOKED: Final = 2
 COSTLY_LOOKED: Final = 12
-"""Points that are looked at for each of them."""
+"""Points that are looked at for each of them. Where most are on a plateau, as of contacts that all stick, the
+best of many are there too, and more starts from fewer points find more valleys."""
 
-ACCURACY: Final = 1e-6
+MANY: Final = 3
+"""Free parameters up to which a costly law is searched for with so few starts."""
+
+ACCURACY: Final = 1e-5
 COSTLY_ACCURACY: Final = 1e-3
 """Relative change of the loss at which a start has ended: of a law that is integrated its error is larger."""
 
@@ -92,7 +97,8 @@ def fitted(model: Model, impacts: MeasuredImpacts, seed: int) -> Fit:
         return best_fit(_residuals_of(model, impacts), model.free, STARTS, seed, **plain)
     settings = _Settings(looks=COSTLY_LOOKED, step=model.step, accuracy=COSTLY_ACCURACY)
     few = impacts.part(np.arange(min(SEARCH, len(impacts))))
-    found = best_fit(_residuals_of(model, few), model.free, COSTLY_STARTS, seed, **settings)
+    starts = COSTLY_STARTS if len(model.free) <= MANY else 2 * COSTLY_STARTS
+    found = best_fit(_residuals_of(model, few), model.free, starts, seed, **settings)
     if len(few) == len(impacts) or not model.free:
         return found
     best = best_fit(_residuals_of(model, impacts), model.free, 1, seed, begin=found.values, **settings)
