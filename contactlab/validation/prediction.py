@@ -17,21 +17,18 @@ SMOOTH: Final = 0.01
 sees, so that what is fitted is what is judged."""
 
 STARTS: Final = 16
-COSTLY_STARTS: Final = 2
-"""Starts of a fit; those of a law that integrates every impact, which are twice as many where it has many
-free parameters."""
+COSTLY_STARTS: Final = 8
+"""Starts of a fit; those of a law that integrates every impact."""
 
 LOOKED: Final = 2
-COSTLY_LOOKED: Final = 12
 """Points that are looked at for each of them. Where most are on a plateau, as of contacts that all stick, the
 best of many are there too, and more starts from fewer points find more valleys."""
 
-MANY: Final = 3
-"""Free parameters up to which a costly law is searched for with so few starts."""
-
 ACCURACY: Final = 1e-5
+ROUGH: Final = 1e-2
 COSTLY_ACCURACY: Final = 1e-3
-"""Relative change of the loss at which a start has ended: of a law that is integrated its error is larger."""
+"""Relative change of the loss at which a start has ended: of a law that is integrated, whose error is larger,
+first of all starts and then of the best alone."""
 
 SEARCH: Final = 100
 SUBSET: Final = 400
@@ -95,13 +92,13 @@ def fitted(model: Model, impacts: MeasuredImpacts, seed: int) -> Fit:
     if not model.costly:
         plain = _Settings(looks=LOOKED, step=model.step, accuracy=ACCURACY)
         return best_fit(_residuals_of(model, impacts), model.free, STARTS, seed, **plain)
-    settings = _Settings(looks=COSTLY_LOOKED, step=model.step, accuracy=COSTLY_ACCURACY)
+    rough = _Settings(looks=LOOKED, step=model.step, accuracy=ROUGH)
     few = impacts.part(np.arange(min(SEARCH, len(impacts))))
-    starts = COSTLY_STARTS if len(model.free) <= MANY else 2 * COSTLY_STARTS
-    found = best_fit(_residuals_of(model, few), model.free, starts, seed, **settings)
-    if len(few) == len(impacts) or not model.free:
-        return found
-    best = best_fit(_residuals_of(model, impacts), model.free, 1, seed, begin=found.values, **settings)
+    found = best_fit(_residuals_of(model, few), model.free, COSTLY_STARTS, seed, **rough)
+    best = found
+    for part in (few, impacts):
+        fine = _Settings(looks=1, step=model.step, accuracy=COSTLY_ACCURACY)
+        best = best_fit(_residuals_of(model, part), model.free, 1, seed, begin=best.values, **fine)
     return replace(best, hits=found.hits)
 
 

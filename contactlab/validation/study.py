@@ -14,15 +14,7 @@ from contactlab.validation.candidates import Probed, probed, usual_laws
 from contactlab.validation.dataset import assembled
 from contactlab.validation.folds import folds_of
 from contactlab.validation.models import ConstantImpulse, LawModel, Model, frictionless
-from contactlab.validation.prediction import (
-    COSTLY_LOOKED,
-    COSTLY_STARTS,
-    LOOKED,
-    SEARCH,
-    STARTS,
-    SUBSET,
-    Held,
-)
+from contactlab.validation.prediction import COSTLY_STARTS, LOOKED, SEARCH, STARTS, SUBSET, Held
 from contactlab.validation.work import perform
 
 FOLDS: Final = 5
@@ -143,5 +135,5 @@ def _weight(one: Probed, impacts: int, folds: int) -> float:
     if not one.model.costly:
         return OVERHEAD * STARTS * (LOOKED + 12 * around)
     used = impacts - impacts // folds
-    searched = COSTLY_STARTS * (COSTLY_LOOKED + 8 * around) * min(used, SEARCH)
+    searched = COSTLY_STARTS * (LOOKED + 3 * around) * min(used, SEARCH)
     return one.seconds * (searched + 4 * around * min(used, SUBSET) + impacts / folds)
