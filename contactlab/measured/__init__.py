@@ -1,0 +1,1 @@
+"""What was measured: impacts and series of others, read from their files and checked."""

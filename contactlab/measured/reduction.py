@@ -1,0 +1,76 @@
+"""From the velocities of bodies to those of their contact: what a contact law is asked, and what it is not.
+
+With the mass matrix M and the contact Jacobian G, whose rows are the normal and the tangential one,
+
+    u = G v,    D = G M^-1 G',    v+ - v- = M^-1 G' p + r,    G r = 0
+
+so that r is the part of the jump that no impulse p at the contact makes: an error of the measurement, or of
+the model that has one contact and rigid bodies.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from contactlab.arrays import Array
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class BodyImpacts:
+    """Impacts in generalized coordinates, in units that are coherent: SI, or radians beside metres.
+
+    Args:
+        before, after: velocities of the coordinates, shape (impact, coordinate).
+        mass: mass matrix, shape (impact, coordinate, coordinate).
+        normal, tangential: rows of the contact Jacobian, shape (impact, coordinate): gap rate and slip are
+            their products with the velocities.
+        covariance: of the error of the jump, shape (impact, coordinate, coordinate), or None.
+    """
+
+    before: Array
+    after: Array
+    mass: Array
+    normal: Array
+    tangential: Array
+    covariance: Array | None = None
+
+    @property
+    def jacobian(self) -> Array:
+        """G, shape (impact, 2, coordinate)."""
+        return np.stack([self.normal, self.tangential], axis=1)
+
+    def delassus(self) -> Array:
+        """Give D = G M^-1 G', shape (impact, 2, 2); symmetric to the last bit."""
+        jacobian = self.jacobian
+        given = jacobian @ np.linalg.solve(self.mass, jacobian.transpose(0, 2, 1))
+        return np.asarray(0.5 * (given + given.transpose(0, 2, 1)))
+
+    def contact(self, velocities: Array) -> Array:
+        """Give the contact's velocities from those of the coordinates, shape (impact, 2)."""
+        return np.asarray(np.einsum("ndc,nc->nd", self.jacobian, velocities))
+
+    def energy(self, velocities: Array) -> Array:
+        """Give v'Mv/2 of velocities of the coordinates [J], shape (impact,)."""
+        return np.asarray(0.5 * np.einsum("ni,nij,nj->n", velocities, self.mass, velocities))
+
+    def outside(self) -> Array:
+        """Give r'Mr/2 of the part of the jump that no impulse makes [J], shape (impact,)."""
+        jump, jacobian = self.after - self.before, self.jacobian
+        impulse = np.linalg.solve(self.delassus(), self.contact(jump)[..., None])
+        reached = np.linalg.solve(self.mass, jacobian.transpose(0, 2, 1) @ impulse)[..., 0]
+        return self.energy(jump - reached)
+
+    def outside_share(self) -> float:
+        """Give the median over the impacts of the share of the jump's energy that lies outside [1]."""
+        jump = self.energy(self.after - self.before)
+        moved = jump > 0.0
+        return float(np.median(self.outside()[moved] / jump[moved])) if moved.any() else 0.0
+
+    def contact_covariance(self) -> Array | None:
+        """Give the covariance of the contact's velocities G C G' [m^2/s^2], shape (impact, 2, 2), or None."""
+        if self.covariance is None:
+            return None
+        given = self.jacobian @ self.covariance @ self.jacobian.transpose(0, 2, 1)
+        return np.asarray(0.5 * (given + given.transpose(0, 2, 1)))
