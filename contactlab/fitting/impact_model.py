@@ -1,5 +1,6 @@
 """Measured impacts under one law: what it answers to each approach, compared with what was measured."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import final
 
@@ -89,22 +90,18 @@ class ImpactModel:
             size = self.covariance + LOWEST**2 * size
         return np.linalg.solve(np.linalg.cholesky(size), missed[..., None]).ravel()
 
-    def terms(self, values: Array) -> dict[str, Array] | None:
+    def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Give the log density of each impact."""
-        found = self.predicted(values)
-        if found is None:
-            return None
-        missed = self.measured.velocity_after - found["velocity_after"]
+        missed = self.measured.velocity_after - predicted["velocity_after"]
         spread = float(values[-1]) if self.spread else 0.0
         terms = impact_terms(missed, self.covariance, self.measured.delassus, self.scale, spread)
         return {"velocity_after": terms}
 
-    def replicated(self, values: Array, draws: np.random.Generator) -> dict[str, Array] | None:
+    def replicated(
+        self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
+    ) -> dict[str, Array]:
         """Give velocities after the impacts with error and noise, as drawn."""
-        found = self.predicted(values)
-        if found is None:
-            return None
         spread = float(values[-1]) if self.spread else 0.0
         size = self.covariance + spread**2 * self.scale[:, None, None] * self.measured.delassus
         noise = np.linalg.cholesky(size) @ draws.standard_normal((len(self.measured), 2, 1))
-        return {"velocity_after": found["velocity_after"] + noise[..., 0]}
+        return {"velocity_after": predicted["velocity_after"] + noise[..., 0]}

@@ -1,5 +1,6 @@
 """What a fit asks of measurements and a law: predictions, residuals, and how likely the measurements are."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol, final
 
@@ -69,19 +70,21 @@ class Model(Protocol):
         The values are those of law and motor alone.
         """
 
-    def terms(self, values: Array) -> dict[str, Array] | None:
+    def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Give the log density of each datum given those before it, by name; the sum is the likelihood's."""
 
-    def replicated(self, values: Array, draws: np.random.Generator) -> dict[str, Array] | None:
+    def replicated(
+        self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
+    ) -> dict[str, Array]:
         """Give data as the model draws them: prediction, discrepancy and noise."""
 
 
 def log_likelihood(model: Model, values: Array) -> float:
     """Give the log likelihood; `IMPOSSIBLE` where the law predicts nothing."""
-    terms = model.terms(values)
-    if terms is None:
+    predicted = model.predicted(values)
+    if predicted is None:
         return IMPOSSIBLE
-    total = float(sum(float(each.sum()) for each in terms.values()))
+    total = sum(float(each.sum()) for each in model.terms(predicted, values).values())
     return total if total > IMPOSSIBLE else IMPOSSIBLE
 
 

@@ -126,27 +126,23 @@ class SeriesModel:
             ]
         )
 
-    def terms(self, values: Array) -> dict[str, Array] | None:
+    def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Give the log density of each datum given those before it, by name."""
-        found = self.predicted(values)
-        if found is None:
-            return None
         noise, time = self._noise(values), self.measured.time
         terms = {}
         for one in self.data:
             white, amplitude = noise[one.name]
-            missed = one.values - found[one.name]
+            missed = one.values - predicted[one.name]
             terms[one.name] = series_terms(missed, time, white, amplitude, self.correlation or 1.0)
         return terms
 
-    def replicated(self, values: Array, draws: np.random.Generator) -> dict[str, Array] | None:
+    def replicated(
+        self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
+    ) -> dict[str, Array]:
         """Give prediction, discrepancy and noise, as drawn."""
-        found = self.predicted(values)
-        if found is None:
-            return None
         noise, time = self._noise(values), self.measured.time
         made = {}
-        for name, series in found.items():
+        for name, series in predicted.items():
             white, amplitude = noise[name]
             made[name] = series + white * draws.standard_normal(time.size)
             if amplitude > 0.0:
@@ -191,7 +187,7 @@ def series_model(
         raise ConfigurationError([words])
     period = period_told(configuration)
     if discrepancy and not period > 0.0:
-        words = "The drive has no period, which is the discrepancy's correlation time. Leave --discrepancy out."
+        words = "The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."
         raise ConfigurationError([words])
     duration = max(float(measured.time[-1]), interval)
     times = {"solver.duration": duration, "solver.until": "duration", "record.interval": interval}
