@@ -12,7 +12,7 @@ from numbers import Real
 from types import NoneType
 from typing import TYPE_CHECKING
 
-from contactlab.parameter import DeclaredField
+from contactlab.parameter import DeclaredField, from_cf
 
 if TYPE_CHECKING:
     import pint
@@ -23,6 +23,10 @@ MISSING = "???"
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>[^\W\d_°%][\w\s*/^().-]*|[°%])\s*"
 )
+
+
+_CF = re.compile(r"\s*[^\W\d_]+(-?\d+(\.\d+)?)?(\s+[^\W\d_]+(-?\d+(\.\d+)?)?)*\s*")
+"""Units of the CF conventions: 'm2 s-2'."""
 
 
 class UnitError(ValueError):
@@ -87,20 +91,32 @@ def to_si(text: str, unit: str) -> float:
     parts = _NUMBER_AND_UNIT.fullmatch(text)
     if parts is None:
         raise UnitError("which is not a number")
-    given, wanted = _root(parts["unit"]), _root(unit)
-    if given is None:
-        raise UnitError(f"whose unit '{parts['unit'].strip()}' is unknown")
+    try:
+        return float(Decimal(parts["number"]) * factor(parts["unit"], unit))
+    except ArithmeticError:
+        raise UnitError("which is too large") from None
+
+
+@cache
+def factor(given: str, unit: str) -> Decimal:
+    """Give what a number in a given unit is multiplied by to be one in an SI unit, '1' for none.
+
+    Both may be written as configurations do, 'N/m^1.5', or as CF does, 'N m-1.5'.
+
+    Raises:
+        UnitError: the given unit is unknown or has another dimension.
+    """
+    have, wanted = _root(given), _root(unit)
+    if have is None:
+        raise UnitError(f"whose unit '{given.strip()}' is unknown")
     if wanted is None:
         raise UnitError(f"which cannot be converted to the declared unit {unit}: that is unknown")
     # A damper's N m s per rad is usually written without the rad.
     without_angle = _root(unit.removesuffix("/rad")) or wanted
-    if given[1] not in (wanted[1], without_angle[1]):
+    if have[1] not in (wanted[1], without_angle[1]):
         expected = "a pure number" if unit == "1" else unit
-        raise UnitError(f"whose unit '{parts['unit'].strip()}' cannot be converted to {expected}")
-    try:
-        return float(Decimal(parts["number"]) * given[0] / wanted[0])
-    except ArithmeticError:
-        raise UnitError("which is too large") from None
+        raise UnitError(f"whose unit '{given.strip()}' cannot be converted to {expected}")
+    return have[0] / wanted[0]
 
 
 @cache
@@ -115,6 +131,11 @@ def _registry() -> "pint.UnitRegistry[Decimal]":
 @cache
 def _root(unit: str) -> "tuple[Decimal, pint.Unit] | None":
     """Factor and units in base units with angles kept, or None for an unknown unit."""
+    found = _parsed(unit)
+    return _parsed(from_cf(unit)) if found is None and _CF.fullmatch(unit) else found
+
+
+def _parsed(unit: str) -> "tuple[Decimal, pint.Unit] | None":
     registry = _registry()
     try:
         quantity = registry.Quantity(Decimal(1), registry.parse_units("" if unit == "1" else unit))

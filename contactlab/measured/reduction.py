@@ -55,18 +55,35 @@ class BodyImpacts:
         """Give v'Mv/2 of velocities of the coordinates [J], shape (impact,)."""
         return np.asarray(0.5 * np.einsum("ni,nij,nj->n", velocities, self.mass, velocities))
 
-    def outside(self) -> Array:
-        """Give r'Mr/2 of the part of the jump that no impulse makes [J], shape (impact,)."""
-        jump, jacobian = self.after - self.before, self.jacobian
+    def outside_of(self, jump: Array) -> Array:
+        """Give the part of a jump of the velocities that no impulse makes, shape (impact, coordinate)."""
+        jacobian = self.jacobian
         impulse = np.linalg.solve(self.delassus(), self.contact(jump)[..., None])
         reached = np.linalg.solve(self.mass, jacobian.transpose(0, 2, 1) @ impulse)[..., 0]
-        return self.energy(jump - reached)
+        return np.asarray(jump - reached)
+
+    def outside(self) -> Array:
+        """Give the energy r'Mr/2 of the part of the jump that no impulse makes [J], shape (impact,)."""
+        return self.energy(self.outside_of(self.after - self.before))
 
     def outside_share(self) -> float:
         """Give the median over the impacts of the share of the jump's energy that lies outside [1]."""
+        return self._share(self.outside())
+
+    def share_of_errors(self) -> float | None:
+        """Give the same of what errors of the stated covariance would leave there; None without one."""
+        if self.covariance is None:
+            return None
+        # The energy of the columns of a root of the covariance is that of the errors, on the average.
+        values, vectors = np.linalg.eigh(self.covariance)
+        roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+        parts = [self.energy(self.outside_of(roots[:, :, place])) for place in range(roots.shape[2])]
+        return self._share(np.sum(parts, axis=0))
+
+    def _share(self, energy: Array) -> float:
         jump = self.energy(self.after - self.before)
         moved = jump > 0.0
-        return float(np.median(self.outside()[moved] / jump[moved])) if moved.any() else 0.0
+        return float(np.median(energy[moved] / jump[moved])) if moved.any() else 0.0
 
     def contact_covariance(self) -> Array | None:
         """Give the covariance of the contact's velocities G C G' [m^2/s^2], shape (impact, 2, 2), or None."""

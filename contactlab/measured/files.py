@@ -1,0 +1,103 @@
+"""Files of measured impacts: CSV and netCDF as docs/measured_data.md has them, and one published MATLAB file.
+
+What a file is its content tells, not its name.
+"""
+
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from contactlab.measured import columns
+from contactlab.measured.assembly import assemble
+from contactlab.measured.columns import CONTACT, known_names
+from contactlab.measured.csv_files import read_csv, write_csv
+from contactlab.measured.ellipses import read_ellipses
+from contactlab.measured.faults import MeasurementError
+from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.netcdf_files import read_netcdf, write_netcdf
+from contactlab.measured.table import Table
+from contactlab.parameter import from_cf
+from contactlab.results.files import whole_file, whole_netcdf
+
+_MATLAB: Final = b"MATLAB"
+_NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
+
+
+def read_impacts(path: Path) -> MeasuredImpacts:
+    """Read measured impacts from a CSV or netCDF file, or from the published MATLAB file of ellipses.
+
+    Raises:
+        OSError: it cannot be read.
+        MeasurementError: a ValueError with a sentence that names the file, the column and the row.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as stream:
+            start = stream.read(16)
+        if start.startswith(_MATLAB):
+            return read_ellipses(path)
+        table = read_netcdf(path) if start.startswith(_NETCDF) else _read_text(path)
+        return assemble(table, path.stem)
+    except MeasurementError as error:
+        raise MeasurementError(f"'{path}': {error}") from error
+
+
+def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:
+    """Write measured impacts, whole or not at all: netCDF where the name ends in .nc, CSV where in .csv.
+
+    They are written as velocities of the contact; read again, they are the same to the last bit.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+        ValueError: the name ends otherwise.
+    """
+    path = Path(path)
+    if path.suffix not in (".csv", ".nc"):
+        raise ValueError(f"'{path}' ends in '{path.suffix}'; it must end in .csv or .nc.")
+    values = _columns(impacts)
+    units = {**known_names(dict.fromkeys(CONTACT, False), contact=True)}
+    said = {"title": impacts.title, "source": impacts.source, "licence": impacts.licence}
+    words = {name: text for name, text in (said | {"note": "\n".join(impacts.notes)}).items() if text}
+    if path.suffix == ".nc":
+        with whole_netcdf(path) as partial:
+            write_netcdf(values, units, words, partial)
+    else:
+        with whole_file(path) as partial:
+            write_csv(values, {name: from_cf(unit) for name, unit in units.items()}, words, partial)
+
+
+def _columns(impacts: MeasuredImpacts) -> dict[str, np.ndarray]:
+    """Give what is written, by name."""
+    found: dict[str, np.ndarray] = {columns.IMPACT.form: impacts.number}
+    for at, name in enumerate(CONTACT):
+        found[columns.BEFORE.form.format(name)] = impacts.velocity_before[:, at]
+        found[columns.AFTER.form.format(name)] = impacts.velocity_after[:, at]
+    pairs = ((0, 0), (0, 1), (1, 1))
+    for column, (i, j) in zip(columns.DELASSUS, pairs, strict=True):
+        found[column.form] = impacts.delassus[:, i, j]
+    found[columns.KINETIC_ENERGY.form] = impacts.kinetic_energy
+    found[columns.OUTSIDE.form] = impacts.outside
+    if impacts.covariance is not None:
+        for i, j in pairs:
+            name = columns.COVARIANCE_AFTER.form.format(CONTACT[i], CONTACT[j])
+            found[name] = impacts.covariance[:, i, j]
+    found[columns.LEFT_OUT.form] = np.array(impacts.left_out)
+    return found
+
+
+def _read_text(path: Path) -> Table:
+    content = path.read_bytes()
+    if b"\0" in content:
+        raise MeasurementError(
+            "it is none of the files that are known; it must be CSV in UTF-8, netCDF, or the published "
+            "MATLAB file. Save a spreadsheet as CSV."
+        )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise MeasurementError(
+            f"line {line} has a character that is not UTF-8; the file must be UTF-8. Save it as that."
+        ) from error
+    return read_csv(text)

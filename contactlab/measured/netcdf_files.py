@@ -1,0 +1,72 @@
+"""Tables of measurements as netCDF: a variable a column, with its unit as the attribute `units`."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray
+
+from contactlab.measured.columns import IMPACT, WORDS
+from contactlab.measured.faults import MeasurementError
+from contactlab.measured.table import Table
+
+_COMPRESSED = {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None}
+
+
+def read_netcdf(path: Path) -> Table:
+    """Read a table from a netCDF file.
+
+    Raises:
+        MeasurementError: it cannot be read, or a variable has more dimensions than one, or another one.
+    """
+    try:
+        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
+            dataset.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise MeasurementError(f"it cannot be read as netCDF: {error}.") from error
+    along = {str(dimension) for variable in dataset.variables.values() for dimension in variable.dims}
+    values, units = {}, {}
+    for key, variable in dataset.variables.items():
+        name = str(key)
+        if variable.ndim > 1 or (variable.ndim and len(along) > 1):
+            raise MeasurementError(
+                f"{name} has the dimensions ({', '.join(map(str, variable.dims))}); every variable must be a "
+                "number, or one number an impact, along one dimension. Write a variable for each coordinate: "
+                "before_x, before_y."
+            )
+        # What numbers the dimension numbers the impacts, whatever it is called.
+        name = IMPACT.form if name in along else name
+        values[name] = np.asarray(variable.values)
+        units[name] = None if "units" not in variable.attrs else str(variable.attrs["units"])
+    count = dataset.sizes[along.pop()] if along else 1
+    return Table(
+        values,
+        units,
+        tuple(f"impact {at} of the file, counted from 1," for at in range(1, count + 1)),
+        _words(dataset),
+        "the attribute units = '{unit}' at the variable {name}",
+    )
+
+
+def write_netcdf(
+    columns: Mapping[str, np.ndarray], units: Mapping[str, str], words: Mapping[str, str], path: Path
+) -> None:
+    """Write columns, shape (row,) or (), with their units."""
+    variables = {
+        name: xarray.Variable((IMPACT.form,) if values.ndim else (), values, {"units": units[name]})
+        for name, values in columns.items()
+    }
+    encoding = {
+        name: _COMPRESSED if values.ndim else {"_FillValue": None} for name, values in columns.items()
+    }
+    xarray.Dataset(variables, attrs=dict(words)).to_netcdf(path, engine="netcdf4", encoding=encoding)
+
+
+def _words(dataset: xarray.Dataset) -> dict[str, str]:
+    """Give the words among the attributes; what else the tools of others have put there is theirs."""
+    found = {}
+    for key, value in dataset.attrs.items():
+        name = str(key).lower().replace("license", "licence")
+        if name in WORDS:
+            found[name] = str(value)
+    return found
