@@ -10,7 +10,7 @@ from contactlab.arrays import Array
 from contactlab.fitting.model import LARGEST, LOWEST, Measured
 from contactlab.fitting.noise import approach_scale, impact_terms
 from contactlab.fitting.parameters import Free, with_values
-from contactlab.impact import velocities_after
+from contactlab.impact import velocities_after as predictions_of
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.parameter import positive
@@ -76,7 +76,7 @@ class ImpactModel:
         # Values that are sound one by one need not be so together.
         except ValueError:
             return None
-        found = velocities_after(law, self.measured.delassus, self.measured.velocity_before)
+        found = predictions_of(law, self.measured.delassus, self.measured.velocity_before)
         return {"velocity_after": found} if np.isfinite(found).all() else None
 
     def residuals(self, values: Array) -> Array:
