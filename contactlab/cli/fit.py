@@ -35,9 +35,9 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser(
         "fit",
-        ". Numbers with a range, KEY=LOW..HIGH, are free; without one all numbers of the law are. Least squares "
-        "with many starts, then posterior and evidence by nested sampling. A fit that is stopped goes on when it "
-        "is asked for again.",
+        ". Numbers with a range, KEY=LOW..HIGH, are free; without one all numbers of the law are. Least "
+        "squares with many starts, then posterior and evidence by nested sampling. A fit that is stopped goes "
+        "on when it is asked for again.",
     )
     parser.add_argument(
         "words",
@@ -49,15 +49,16 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--noise",
         metavar="SHARE",
-        help="standard deviation of the noise, over the root mean square of each series, or over the approach of "
-        "an impact in the norm of the kinetic energy; 'free' finds it; default: as the data state it, else free",
+        help="standard deviation of the noise, over the root mean square of each series, or over the approach "
+        "of an impact in the norm of the kinetic energy; 'free' finds it; default: as the data state it, else "
+        "free",
     )
     parser.add_argument(
         "--discrepancy",
         choices=("off", "on", "both"),
         default="off",
-        help="whether the laws may be wrong, by an amount that is found; both says by the evidence whether that "
-        "is needed; default: %(default)s",
+        help="whether the laws may be wrong, by an amount that is found; both says by the evidence whether "
+        "that is needed; default: %(default)s",
     )
     parser.add_argument("--series", metavar="A,B", help="which series of the data; default: all")
     parser.add_argument(
@@ -97,23 +98,33 @@ def _check(parser: Parser, given: Namespace) -> None:
     for name, least in {"points": 25, "starts": 1, "seed": 0}.items():
         if getattr(given, name) < least:
             parser.error(f"--{name} is {getattr(given, name)}, it must be at least {least}")
-    if given.impacts is not None and not given.synthetic:
-        parser.error("--impacts is for data that are made; it must come with --synthetic")
-    if given.impacts is not None and given.series:
-        parser.error("--impacts and --series are both given, and made data are one of them; leave one out")
-    if given.impacts is not None and given.impacts < 1:
-        parser.error(f"--impacts is {given.impacts}, it must be at least 1")
+    if given.impacts is not None:
+        if not given.synthetic:
+            parser.error("--impacts is for data that are made; it must come with --synthetic")
+        if given.series:
+            parser.error(
+                "--impacts and --series are both given, and made data are one of them; leave one out"
+            )
+        if given.impacts < 1:
+            parser.error(f"--impacts is {given.impacts}, it must be at least 1")
+    _check_kind(parser, given)
+
+
+def _check_kind(parser: Parser, given: Namespace) -> None:
+    """Refuse what does not belong to a fit, or to data that are made."""
     if given.synthetic and given.discrepancy != "off":
         parser.error("--discrepancy is of a fit, and --synthetic makes data; leave one out")
     if not given.synthetic and (not given.words or "=" in given.words[0]):
         parser.error("there is no file; the first word must be one, of series or of impacts")
-    if given.noise is not None and given.noise != "free":
-        try:
-            noise = float(given.noise)
-        except ValueError:
-            noise = float("nan")
-        if not 0.0 < noise <= 1.0:
-            parser.error(f"--noise is {given.noise}, it must be greater than 0 and at most 1, or 'free'")
+    if given.noise not in (None, "free") and not 0.0 < _number(given.noise) <= 1.0:
+        parser.error(f"--noise is {given.noise}, it must be greater than 0 and at most 1, or 'free'")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
 
 
 def _fit(given: Namespace) -> int:
@@ -130,7 +141,9 @@ def _fit(given: Namespace) -> int:
         words = f"'{path}' cannot be read ({error.strerror or error}); it must be a file of measurements."
         raise RefusalError(words) from error
     digest = digest_told(data, path)
-    questions = pose(_chosen(data, given), sorted_words(given.words[1:]), given.discrepancy, path.name, digest)
+    questions = pose(
+        _chosen(data, given), sorted_words(given.words[1:]), given.discrepancy, path.name, digest
+    )
     try:
         output.mkdir(parents=True, exist_ok=True)
         for left in left_of_others(output, questions, given.points, given.seed):

@@ -22,8 +22,8 @@ SHARES: Final = (0.9, 0.5)  # of the posterior inside its lines
 METADATA: Final[Any] = {"pdf": {"CreationDate": None}, "png": {"Software": None}}
 """Without dates and versions the same fit gives the same bytes."""
 
-_BAND: Final = {"color": COLOURS["stick"], "alpha": 0.3, "linewidth": 0.0}
-_TRUTH: Final = {"color": COLOURS["fault"], "linewidth": 0.9}
+_BAND: Final[Any] = {"color": COLOURS["stick"], "alpha": 0.3, "linewidth": 0.0}
+_TRUTH: Final[Any] = {"color": COLOURS["fault"], "linewidth": 0.9}
 
 
 def save(answer: Answer, folder: Path, ending: str) -> list[Path]:
@@ -54,7 +54,7 @@ def corner(answer: Answer) -> Figure:
                 axes.set_axis_off()
                 continue
             if i == j:
-                axes.hist(columns[i], BINS, spans[i], weights=weights, color="0.75")
+                axes.hist(columns[i], bins=BINS, range=spans[i], weights=weights, color="0.75")
                 axes.set_yticks([])
                 axes.spines["left"].set_visible(False)
             else:

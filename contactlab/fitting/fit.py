@@ -55,7 +55,7 @@ class Question:
     origin: dict[str, str]
 
     def key(self, points: int, seed: int) -> str:
-        """Tell this question from all others, code included: what was begun of another is not gone on with."""
+        """Tell this question from all others, code included: only what was begun of it is gone on with."""
         try:
             sampler = version("dynesty")
         except PackageNotFoundError:
@@ -116,9 +116,7 @@ def pose(data: Data, words: Words, discrepancy: Discrepancy, name: str, digest: 
     return [replace(one, label=one.model.law) for one in questions]
 
 
-def _question(
-    data: Data, setup: Setup, words: Words, name: str, digest: str, *, may_err: bool
-) -> Question:
+def _question(data: Data, setup: Setup, words: Words, name: str, digest: str, *, may_err: bool) -> Question:
     """Pose one question."""
     keys, fields = free_keys(setup, words)
     model: Model
@@ -150,8 +148,8 @@ def _refuse_impacts(data: MeasuredImpacts, words: Words, discrepancy: Discrepanc
         faults.append(f"There are {len(data)} impacts; there must be {LEAST} at the least to fit a law to.")
     if data.covariance is None and discrepancy != "off":
         faults.append(
-            "The data state no error of their velocities, so that noise and discrepancy cannot be told apart: "
-            "one level of both is fitted anyway. Leave --discrepancy out, or state the error by --noise."
+            "The data state no error of their velocities, so that noise and discrepancy cannot be told "
+            "apart: one level of both is fitted anyway. Leave --discrepancy out, or state the error by --noise."
         )
     if not words.laws:
         faults.append("The data tell no law; name one, law=newton, or several, law=newton,poisson.")
@@ -189,7 +187,9 @@ def fit(
             advance(number + min(share, 1.0))
 
         found = sample(one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell)
-        answers.append(Answer(one.label, one.model, _optimum(one, starts, seed), found, one.truth, one.origin))
+        answers.append(
+            Answer(one.label, one.model, _optimum(one, starts, seed), found, one.truth, one.origin)
+        )
     return answers
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from math import log
 from pathlib import Path
 from time import perf_counter
@@ -135,10 +136,9 @@ def sample(
     Raises:
         NoSamplerError: dynesty is not installed.
     """
-    try:
-        from dynesty import NestedSampler
-    except ImportError as fault:
-        raise NoSamplerError(MISSING) from fault
+    available()
+    from dynesty import NestedSampler
+
     _CURRENT[:] = [model]
     with _pool(model, workers) as pool:
         sampler = _restored(checkpoint, pool)
@@ -177,6 +177,12 @@ def sample(
         points,
         seed,
     )
+
+
+def available() -> None:
+    """Refuse to go on, by a NoSamplerError, where dynesty or ArviZ is not installed."""
+    if any(find_spec(name) is None for name in ("dynesty", "arviz")):
+        raise NoSamplerError(MISSING)
 
 
 def _log_likelihood(values: Array) -> float:

@@ -16,8 +16,8 @@ from contactlab.results.provenance import checkout_state, versions
 PAGE: Final = Path(__file__).with_name("fit.html")  # the page without its words
 
 CAPTIONS: Final = {
-    "corner": "Posterior of each parameter and of each pair: half of it lies in the dark area, 90 % in the light "
-    "one. A red line is the truth, where it is known.",
+    "corner": "Posterior of each parameter and of each pair: half of it lies in the dark area, 90 % in the "
+    "light one. A red line is the truth, where it is known.",
     "predictions": "What was measured, and the 90 % band of what the posterior predicts, noise included.",
 }
 
@@ -89,7 +89,11 @@ def _answer(answer: Answer, pictures: Iterable[Path]) -> str:
 def _evidence(answers: Sequence[Answer]) -> str:
     best, *_ = ordered = ranked([one.evidence for one in answers])
     rows = [
-        [one.label, f"{one.log_evidence:.2f} ± {one.error:.2f}", f"{one.log_evidence - best.log_evidence:.2f}"]
+        [
+            one.label,
+            f"{one.log_evidence:.2f} ± {one.error:.2f}",
+            f"{one.log_evidence - best.log_evidence:.2f}",
+        ]
         for one in ordered
     ]
     return "<h2>Evidence</h2>" + _table(["", "ln Z", "less the largest"], rows)

@@ -11,8 +11,8 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.datasheet.electrodes import currents
-from contactlab.fitting.impact_model import predictions_of
 from contactlab.fitting.noise import approach_scale
+from contactlab.impact import velocities_after
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import CURRENTS, MeasuredSeries
@@ -26,9 +26,7 @@ SPEEDS: Final = (0.2, 1.5)  # [m/s] of approach
 STEEPEST: Final = 70.0  # [deg] of the approach to the normal
 
 
-def made_series(
-    setup: Setup, names: Sequence[str], noise: float, seed: int
-) -> MeasuredSeries:
+def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> MeasuredSeries:
     """Run a motor and measure series of it with white noise.
 
     Args:
@@ -65,8 +63,8 @@ def made_impacts(
 ) -> MeasuredImpacts:
     """Let an ellipse hit a plate under a law, and measure it with noise.
 
-    Angle of the body, speed and direction of the approach are drawn evenly. The noise is isotropic in the norm
-    of the kinetic energy, relative to the approach.
+    Angle of the body, speed and direction of the approach are drawn evenly. The noise is isotropic in the
+    norm of the kinetic energy, relative to the approach.
 
     Args:
         law: the truth.
@@ -80,7 +78,7 @@ def made_impacts(
     """
     draws = np.random.default_rng(seed)
     delassus, before = _approaches(draws, count)
-    after = predictions_of(law, delassus, before)
+    after = velocities_after(law, delassus, before)
     if not np.isfinite(after).all():
         raise ValueError(f"The law {law.name} has no answer to some of the impacts; choose other values.")
     scale = approach_scale(delassus, before)
@@ -149,14 +147,10 @@ def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries
     return replace(measured, covariance=None)
 
 
-def with_noise(
-    measured: MeasuredSeries | MeasuredImpacts, noise: float
-) -> MeasuredSeries | MeasuredImpacts:
+def with_noise(measured: MeasuredSeries | MeasuredImpacts, noise: float) -> MeasuredSeries | MeasuredImpacts:
     """Give the data with this noise, over the root mean square of series, over the approach of impacts."""
     if isinstance(measured, MeasuredSeries):
-        sizes = {
-            name: noise * (float(np.sqrt(np.mean(x**2))) or 1.0) for name, x in measured.values.items()
-        }
+        sizes = {name: noise * (float(np.sqrt(np.mean(x**2))) or 1.0) for name, x in measured.values.items()}
         return replace(measured, errors={k: np.full(measured.time.size, x) for k, x in sizes.items()})
     scale = approach_scale(measured.delassus, measured.velocity_before)
     return replace(measured, covariance=noise**2 * scale[:, None, None] * measured.delassus)
