@@ -35,9 +35,9 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser(
         "fit",
-        ". Numbers with a range, KEY=LOW..HIGH, are free; without one all numbers of the law are. Least "
-        "squares with many starts, then posterior and evidence by nested sampling. A fit that is stopped goes "
-        "on when it is asked for again.",
+        ". Numbers with a range, KEY=LOW..HIGH, are free; without one all of the law are. Least squares "
+        "with many starts, then posterior and evidence by nested sampling. A fit that is stopped goes on "
+        "when it is asked for again.",
     )
     parser.add_argument(
         "words",
@@ -49,9 +49,9 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--noise",
         metavar="SHARE",
-        help="standard deviation of the noise, over the root mean square of each series, or over the approach "
-        "of an impact in the norm of the kinetic energy; 'free' finds it; default: as the data state it, else "
-        "free",
+        help="standard deviation of the noise, over the root mean square of each series, or over the "
+        "approach of an impact in the norm of the kinetic energy; 'free' finds it; default: as the data "
+        "state it, else free",
     )
     parser.add_argument(
         "--discrepancy",

@@ -134,7 +134,7 @@ def _question(data: Data, setup: Setup, words: Words, name: str, digest: str, *,
     if not model.free:
         words_of = f"Nothing is free under law={setup.law.name}; give a range, KEY=LOW..HIGH."
         raise ConfigurationError([words_of])
-    known = truth_in(data)
+    known = truth_in(data, setup.law.name)
     said = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
     origin = {"data": name, "digest": digest, "configuration": said}
     label = f"{setup.law.name} + discrepancy" if may_err else setup.law.name
@@ -149,7 +149,7 @@ def _refuse_impacts(data: MeasuredImpacts, words: Words, discrepancy: Discrepanc
     if data.covariance is None and discrepancy != "off":
         faults.append(
             "The data state no error of their velocities, so that noise and discrepancy cannot be told "
-            "apart: one level of both is fitted anyway. Leave --discrepancy out, or state the error by --noise."
+            "apart: one level of both is fitted anyway. Leave --discrepancy out, or state it by --noise."
         )
     if not words.laws:
         faults.append("The data tell no law; name one, law=newton, or several, law=newton,poisson.")

@@ -20,6 +20,9 @@ from contactlab.measured.series import CURRENTS, MeasuredSeries
 TRUTH: Final = "truth"
 """Attribute that holds the numbers that made the data, by key, as JSON; of impacts a note begins so."""
 
+LAW: Final = "law.name"
+"""Key of the law that made them."""
+
 MASS: Final = 0.036  # [kg] of the body that hits, an ellipse like those that were published
 HALF_AXES: Final = (0.035, 0.025)  # [m]
 SPEEDS: Final = (0.2, 1.5)  # [m/s] of approach
@@ -116,17 +119,18 @@ def _approaches(draws: np.random.Generator, count: int) -> tuple[Array, Array]:
     return delassus, np.column_stack([-speed * np.cos(way), speed * np.sin(way)])
 
 
-def truth_of(configuration: Mapping[str, Any]) -> dict[str, float]:
-    """Give the numbers of a configuration by key."""
-    return {
+def truth_of(configuration: Mapping[str, Any]) -> dict[str, float | str]:
+    """Give the numbers of a configuration by key, and its law."""
+    values = flat(configuration)
+    return {LAW: str(values.get(LAW, ""))} | {
         key: float(value)
-        for key, value in flat(configuration).items()
+        for key, value in values.items()
         if isinstance(value, int | float) and not isinstance(value, bool)
     }
 
 
-def truth_in(measured: MeasuredSeries | MeasuredImpacts) -> dict[str, float]:
-    """Give the truth that data tell; empty for those of the world."""
+def truth_in(measured: MeasuredSeries | MeasuredImpacts, law: str) -> dict[str, float]:
+    """Give the truth that data tell, by key; empty for those of the world, and where another law made them."""
     if isinstance(measured, MeasuredSeries):
         text = measured.attributes.get(TRUTH, "{}")
     else:
@@ -137,7 +141,9 @@ def truth_in(measured: MeasuredSeries | MeasuredImpacts) -> dict[str, float]:
     # Somebody else's note of that name may be anything.
     except ValueError:
         return {}
-    return {str(k): float(x) for k, x in found.items()} if isinstance(found, dict) else {}
+    if not isinstance(found, dict) or found.get(LAW) != law:
+        return {}
+    return {str(key): float(x) for key, x in found.items() if isinstance(x, int | float)}
 
 
 def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries | MeasuredImpacts:
