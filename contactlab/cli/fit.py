@@ -13,7 +13,7 @@ from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 if TYPE_CHECKING:
     from contactlab.fitting.fit import Data
 
-POINTS = 250
+POINTS = 150
 STARTS = 16
 IMPACTS = 200
 """Of made data, where their number is not given."""
