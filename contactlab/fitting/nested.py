@@ -138,7 +138,7 @@ def sample(
         checkpoint: file in which a run that is stopped leaves how far it has come; one that is there is gone
             on with.
         workers: processes at work; None is one a processor where that pays.
-        one_mode: draw proposals from one ellipsoid, not from several: quicker where no posterior has two modes.
+        one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
         advance: told the share that is done.
 
     Raises:
@@ -228,7 +228,11 @@ def _pool(model: Model, workers: int | None) -> Iterator[Any]:
     if count < 2 or START_METHOD is None:
         yield _Here()
         return
-    with multiprocessing.get_context(START_METHOD).Pool(count, begin_worker) as pool:
+    # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have.
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "This process", DeprecationWarning)
+        pool = multiprocessing.get_context(START_METHOD).Pool(count, begin_worker)
+    with pool:
         yield pool
 
 
