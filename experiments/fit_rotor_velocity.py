@@ -2,9 +2,9 @@
 
     python experiments/fit_rotor_velocity.py [--output DIR]
 
-The data are made by `contactlab fit --synthetic`, 2 ms of the default motor at 100 kHz. The fit is the command as
-anybody gives it, its start, least squares, nested sampling, pictures and page included; what is timed is the
-whole process.
+The data are made by `contactlab fit --synthetic`, 2 ms of the default motor at 100 kHz. The fit is the command
+as anybody gives it, its start, least squares, nested sampling, pictures and page included; what is timed is
+the whole process.
 """
 
 import argparse
@@ -41,8 +41,8 @@ def main() -> int:
     seconds = timed(str(folder / "data.nc"), *FREE, "--output", str(folder))
     word = "under" if seconds < LONGEST else "OVER"
     print(
-        f"\n{seconds:.1f} s for the whole process, {word} {LONGEST:.0f} s, on {processors()} processors with a "
-        f"load of {getloadavg()[0]:.1f}."
+        f"\n{seconds:.1f} s for the whole process, {word} {LONGEST:.0f} s, on {processors()} processors with "
+        f"a load of {getloadavg()[0]:.1f}."
     )
     return int(seconds >= LONGEST)
 
