@@ -2,9 +2,9 @@
 
     python experiments/fit_rotor_velocity.py [--output DIR]
 
-The data are made by `contactlab fit --synthetic`, 2 ms of the default motor at 100 kHz. The fit is the command
-as anybody gives it, its start, least squares, nested sampling, pictures and page included; what is timed is
-the whole process.
+The data are made by `contactlab fit --synthetic`, 2 ms of the default motor at 100 kHz. The fit is the
+command as anybody gives it, its start, least squares, nested sampling, pictures and page included; what is
+timed is the whole process.
 """
 
 import argparse
