@@ -4,6 +4,7 @@ import json
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final, NamedTuple, final
 
@@ -253,6 +254,7 @@ class Answer:
             "findings": "\n".join(self.sentences()),
             **self.origin,
             **versions(),
+            "dynesty_version": version("dynesty"),
             "git_revision": revision,
             "git_dirty": dirty,
         }
