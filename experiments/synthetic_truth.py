@@ -37,6 +37,7 @@ from contactlab.fitting.nested import sample
 from contactlab.fitting.parameters import Free, free_parameters, with_values
 from contactlab.fitting.series_model import series_model
 from contactlab.fitting.synthetic import made_impacts, made_series, without_errors
+from contactlab.processes import begin_worker
 
 POINTS = 50
 """Live points: ln Z is known to 0.45."""
@@ -173,7 +174,7 @@ def contest(count: int, case: int) -> dict[str, Any]:
 
 def mapped(work: Any, count: int, workers: int, what: str) -> Iterator[dict[str, Any]]:
     """Do some work for so many seeds, by several processes."""
-    with ProcessPoolExecutor(workers, mp_context=get_context("fork")) as pool:
+    with ProcessPoolExecutor(workers, get_context("fork"), begin_worker) as pool:
         yield from tqdm(pool.map(work, range(count)), total=count, desc=what, disable=None)
 
 

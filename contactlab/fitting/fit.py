@@ -178,6 +178,7 @@ def fit(
 
     Raises:
         contactlab.fitting.nested.NoSamplerError: dynesty is not installed.
+        ValueError: a law predicts nothing anywhere in the ranges.
     """
     answers = []
     for number, one in enumerate(questions):
@@ -186,24 +187,25 @@ def fit(
         def tell(share: float, number: int = number) -> None:
             advance(number + min(share, 1.0))
 
+        best = _optimum(one, starts, seed)
         found = sample(one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell)
-        answers.append(
-            Answer(one.label, one.model, _optimum(one, starts, seed), found, one.truth, one.origin)
-        )
+        answers.append(Answer(one.label, one.model, best, found, one.truth, one.origin))
     return answers
 
 
 def _optimum(question: Question, starts: int, seed: int) -> Fit | None:
-    """Give the least squares of what is free of law and motor; None where nothing is, or nothing is found."""
+    """Give the least squares of what is free of law and motor; None where nothing is.
+
+    A ValueError tells that the law predicts nothing at any of the starts: there is nothing to sample either.
+    """
     model = question.model
     physical = model.free[: model.physical]
     if not physical:
         return None
     try:
         return best_fit(model.residuals, physical, starts, seed, step=question.step)
-    # The law predicts nothing at any of the starts.
-    except ValueError:
-        return None
+    except ValueError as error:
+        raise ValueError(f"{question.label}: {error}") from error
 
 
 def checkpoint_of(folder: Path, question: Question, points: int, seed: int) -> Path:

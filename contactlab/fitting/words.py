@@ -74,10 +74,14 @@ def setups_of(words: Words, told: Mapping[str, Any]) -> list[Setup]:
     """
     lines: list[tuple[str, ...]] = [(f"law={name}",) for name in words.laws] or [()]
     setups, faults = [], []
-    several = len(words.laws) > 1
-    for law in lines:
+    kept = [_of_law(words, law) if len(lines) > 1 else [*words.overrides] for law in lines]
+    for word in words.overrides:
+        if not any(word in each for each in kept):
+            # The first law says what is wrong with it.
+            kept[0].append(word)
+    for law, own in zip(lines, kept, strict=True):
         try:
-            setups.append(build(_configuration([*law, *_of_law(words, law, several)], told)))
+            setups.append(build(_configuration([*law, *own], told)))
         except ConfigurationError as error:
             faults += error.faults
     if faults:
@@ -85,10 +89,8 @@ def setups_of(words: Words, told: Mapping[str, Any]) -> list[Setup]:
     return setups
 
 
-def _of_law(words: Words, law: tuple[str, ...], several: bool) -> list[str]:
-    """Give the overrides but, where there are several laws, those of a law that has no such key."""
-    if not several:
-        return list(words.overrides)
+def _of_law(words: Words, law: tuple[str, ...]) -> list[str]:
+    """Give the overrides without the keys of laws that this one has not."""
     known = flat(compose([*law]))
     return [
         word for word in words.overrides if not word.startswith("law.") or word.partition("=")[0] in known
