@@ -100,5 +100,6 @@ def _law_values(groups: Mapping[str, str], rng: np.random.Generator) -> dict[str
             else:
                 value = member.default * 10.0 ** rng.uniform(-1.0, 1.0)
                 value = max(value, low if said.admits(low) else value)
-            values[f"{key}.{name}"] = float(value)
+            # A number of elements is a whole one.
+            values[f"{key}.{name}"] = float(value) if float in member.kinds else round(value)
     return values

@@ -26,14 +26,19 @@ settings.load_profile("repeatable")
 MOST_WORKERS = 8
 """Beyond these the longest modules set the pace, and each worker takes 0.4 GB."""
 
+COMPILATIONS = (["archard"], ["hertz_penalty", "lagrange_stick", "lagrange_ageing"])
+"""Laws whose runs compile all loops of the engine, about as long in each of two processes."""
+
 COMPILATION = """
+import sys
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty
+from contactlab.laws import LAWS
 from contactlab.testing.plants import block
 
-simulate(block(1.0), HertzPenalty(0.3), duration=1e-4, record_interval=1e-4)
+for name in sys.argv[1:]:
+    simulate(block(1.0), LAWS[name](), duration=1e-4, record_interval=1e-4)
 """
-"""Compiles the engine, or loads its code."""
+"""Compiles loops of the engine, or loads their code."""
 
 
 def pytest_configure() -> None:
@@ -56,7 +61,9 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the engine once, before the workers and the processes of the tests all do so at once."""
     if session.config.getoption("numprocesses") and not session.config.getoption("collectonly"):
-        subprocess.run([sys.executable, "-c", COMPILATION], check=False)
+        compiling = [subprocess.Popen([sys.executable, "-c", COMPILATION, *laws]) for laws in COMPILATIONS]
+        for process in compiling:
+            process.wait()
 
 
 @pytest.fixture

@@ -23,8 +23,8 @@ from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import ConfigurationError, build
 from contactlab.config.composition import SEVERAL, resolved, unknown_override
 from contactlab.config.faults import one_line
-from contactlab.config.groups import group_told_by
 from contactlab.config.nesting import flat
+from contactlab.config.options import group_told_by
 from contactlab.config.schema import BYTES_A_RECORD, FRICTION, idle_friction
 from contactlab.results.files import STATE
 from contactlab.sweeps import state

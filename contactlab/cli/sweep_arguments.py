@@ -73,6 +73,14 @@ class Arguments:
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Give the configuration with these options, all else as it is set."""
+        options = tuple(chosen.values())
+        if options not in self._composed:
+            self._composed[options] = self._placed(chosen)
+        everything: dict[str, Any] = OmegaConf.to_container(self._composed[options])  # type: ignore[assignment]
+        return {key: value for key, value in everything.items() if key not in ("hydra", "sweep")}
+
+    def _placed(self, chosen: Mapping[str, Value]) -> DictConfig:
+        """Compose with these options, and with the folder told as it is before Hydra knows the job."""
         lines = [*self.fixed, *(f"{group}={option}" for group, option in chosen.items())]
         try:
             composed = self._loader.load_sweep_config(self._config, lines)
@@ -81,11 +89,10 @@ class Arguments:
             raise ConfigurationError(sentences(error, lines)) from error
         everything: dict[str, Any] = OmegaConf.to_container(composed, resolve=False)  # type: ignore[assignment]
         sweep = everything["hydra"]["sweep"]
-        # The folder is told before Hydra knows the job.
         sweep["subdir"] = str(sweep["subdir"]).replace("${hydra:", "${hydra.")
-        place = self._composed[tuple(chosen.values())] = OmegaConf.create(everything)
+        place = OmegaConf.create(everything)
         OmegaConf.copy_cache(self._config, place)
-        return {key: value for key, value in everything.items() if key not in ("hydra", "sweep")}
+        return place
 
     def build(self, configuration: Configuration) -> Setup:
         """Build what a configuration says, with values in the place of references to them."""

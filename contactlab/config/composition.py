@@ -19,8 +19,8 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
-from contactlab.config.groups import content, groups, help_on_keys, known_keys
 from contactlab.config.nesting import flat
+from contactlab.config.options import content, groups, help_on_keys, known_keys
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from difflib import get_close_matches
 
-from contactlab.config.groups import GROUPS, known_keys
+from contactlab.config.groups import GROUPS
+from contactlab.config.options import known_keys
 
 
 class ConfigurationError(ValueError):

@@ -10,8 +10,9 @@ from typing import Any, get_args
 
 from contactlab.checks import SMALLEST_STEP, is_kind
 from contactlab.config.faults import ConfigurationError, unknown_key
-from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, known_keys
+from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section
 from contactlab.config.nesting import flat
+from contactlab.config.options import known_keys
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED

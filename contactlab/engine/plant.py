@@ -33,7 +33,7 @@ STEP_LIMIT = 20_000
 """Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
 of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
 
-MODES, TONES = 64, 4
+MODES, TONES = 64, 8
 """Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
 
 GEOMETRY = record(real="tip_length radius clearance")

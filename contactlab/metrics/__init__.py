@@ -18,4 +18,5 @@ from contactlab.metrics.catalogue import (
     assess,
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants
-from contactlab.metrics.run import NotApplicableError, Run, is_complete, needed, read_run
+from contactlab.metrics.reading import is_complete, read_run
+from contactlab.metrics.run import NotApplicableError, Run, needed

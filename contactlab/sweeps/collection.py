@@ -6,31 +6,25 @@ Runs lie over their parameters as a grid where they form one, else one after the
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import prod
 from pathlib import Path
-from types import NoneType
 from typing import Any, Final, final
 
 import numpy as np
-import pandas
 import xarray
 import yaml
 from numpy.typing import NDArray
 from xarray.indexes import PandasMultiIndex
 
-from contactlab.config import validate
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import flat, nested
-from contactlab.config.schema import declared_in
 from contactlab.metrics import assess, is_complete, read_run
-from contactlab.parameter import Parameter
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import checkout_state
+from contactlab.sweeps.axes import dimensions, parameters
 from contactlab.sweeps.batch import Outputs
-from contactlab.sweeps.dataset import DATASET, REASONS, RUN, SERIES, Axis, Slab, dataset_of, text_of, write
+from contactlab.sweeps.dataset import DATASET, REASONS, RUN, SERIES, Slab, dataset_of, write
 from contactlab.sweeps.state import RUNNING, Job, Status, read_state, status_of
 from contactlab.sweeps.store import Store, read_plan
 from contactlab.sweeps.values import SweepError
@@ -39,13 +33,6 @@ from contactlab.variables import INTERNAL, Variable
 
 NOT_ASKED: Final = "No run was asked for."
 """The reason of a cell of a grid that no run has."""
-
-MOST_EMPTY: Final = 2
-"""Cells of a grid over runs; a sweep that was cut or extended still is one."""
-
-_KEY: Final = re.compile(r"\w+(\.\w+)+")
-_GROUP: Final = re.compile(r"\w+(/\w+)*")
-"""What can be a key or a group; a configuration of one's own may be anything."""
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
 
@@ -117,7 +104,7 @@ def collect(
             f"A run leaves one: contactlab hydra.run.dir={directory}"
         )
     dataset = _dataset(runs, outputs.metrics)
-    if dims := [] if plan and plan.samples else _dimensions(dataset):
+    if dims := [] if plan and plan.samples else dimensions(dataset):
         texts = {name: "" for name, found in dataset.variables.items() if found.dtype.kind == "O"}
         empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_ASKED}
         dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(RUN, fill_value=empty)
@@ -197,7 +184,12 @@ def _dataset(runs: Sequence[FoundRun], metrics: Sequence[str]) -> xarray.Dataset
         "git_revision": revision,
         "git_dirty": dirty,
     }
-    return dataset_of(_parameters(runs), columns, attributes, samples=True)
+    return dataset_of(
+        parameters([run.job for run in runs], all(run.asked for run in runs)),
+        columns,
+        attributes,
+        samples=True,
+    )
 
 
 def _kept(runs: Sequence[FoundRun], outputs: Outputs) -> tuple[Variable, ...]:
@@ -250,77 +242,3 @@ def _slabs(runs: Sequence[FoundRun], dataset: xarray.Dataset, kept: Sequence[Var
         # A law that does not remember it has none.
         none = np.full(time.size, np.nan)
         yield places[run.name], time, {one.name: rows.get(one.name, none) for one in kept}
-
-
-def _dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Give the parameters over which runs form a grid: they nearly fill it, and share no cell."""
-    table = pandas.DataFrame({name: found.values for name, found in dataset.coords.items()})
-    chosen: list[str] = []
-    for name in table:
-        if _different(table[[*chosen, name]]) > _different(table[chosen]):
-            chosen.append(name)
-    cells, runs = prod(table[chosen].nunique()), dataset.sizes[RUN]
-    if _different(table[chosen]) < runs or cells > MOST_EMPTY * runs:
-        return []
-    # Parameters that follow from an option belong to it; numbers that follow from a number are points
-    # that somebody chose.
-    numbers = [name for name in chosen if "units" in dataset[name].attrs]
-    follow = len(chosen) == len(table.columns) or len(numbers) < len(chosen)
-    return chosen if follow and not table[numbers].isna().any(axis=None) else []
-
-
-def _different(table: Any) -> int:
-    """Count the different rows of a table; without columns all are one."""
-    return len(table.drop_duplicates()) if len(table.columns) else 1
-
-
-def _parameters(runs: Sequence[FoundRun]) -> list[Axis]:
-    """Find what differs between runs, of what they were asked for or else of what they recorded."""
-    settings = [
-        {key: value for key, value in flat(run.job.configuration).items() if _KEY.fullmatch(key)}
-        for run in runs
-    ]
-    keys = list(dict.fromkeys(key for setting in settings for key in setting))
-    columns: dict[str, list[Any]] = {}
-    jobs = [run.job for run in runs]
-    if all(run.asked for run in runs):
-        groups = dict.fromkeys(group for job in jobs for group in job.choices)
-        given = {line.partition("=")[0].lstrip("+~") for job in jobs for line in job.overrides}
-        columns = {
-            group: [job.choices.get(group) or "" for job in jobs]
-            for group in groups
-            if _GROUP.fullmatch(group)
-        }
-        # Overrides set keys one by one or as a group of keys.
-        given -= groups.keys()
-        keys = [key for key in keys if any(f"{key}.".startswith(f"{name}.") for name in given)]
-    for key in keys:
-        # The choice of the law is named by its group: the key that tells it is the law's name.
-        columns[key.removesuffix(".name")] = [setting.get(key) for setting in settings]
-    declared = _declared(jobs, {*keys})
-    return [
-        _axis(name, values, declared.get(name))
-        for name, values in columns.items()
-        if any(value != values[0] for value in values)
-    ]
-
-
-def _declared(jobs: Sequence[Job], keys: set[str]) -> dict[str, Parameter]:
-    """Find what is declared of keys, from the first configurations that have them."""
-    declared: dict[str, Parameter] = {}
-    for job in jobs:
-        if missing := keys & flat(job.configuration).keys():
-            # A configuration of one's own may be anything, and a law may no longer be installed.
-            with suppress(Exception):
-                declared |= declared_in(validate(job.configuration))
-                keys = keys - missing
-    return declared
-
-
-def _axis(name: str, values: Sequence[Any], said: Parameter | None) -> Axis:
-    if all(type(value) in (int, float, NoneType) for value in values):
-        # Of somebody's own a whole number may have any size.
-        with suppress(OverflowError):
-            numbers = tuple(np.nan if value is None else float(value) for value in values)
-            return Axis(name, numbers, said.units if said else "1", said.meaning if said else "")
-    return Axis(name, tuple(text_of(value) for value in values))

@@ -14,7 +14,15 @@ import xarray
 
 from contactlab.laws import ContactLaw, law_class, law_names
 from contactlab.metrics import INVARIANTS, NOT_APPLICABLE, assess
-from contactlab.testing import closed_forms, flow_properties, kernel_properties, references, run_properties
+from contactlab.testing import (
+    closed_forms,
+    flow_properties,
+    kernel_properties,
+    part_properties,
+    references,
+    repetition_properties,
+    run_properties,
+)
 from contactlab.testing.claim import Claim, Claims, at_most, proofs_of
 from contactlab.testing.plants import Bench, paper_motor
 from contactlab.testing.published import published
@@ -29,7 +37,9 @@ def declares_what_it_breaks(bench: Bench) -> Claims:
 
 CLOSED_FORMS = proofs_of(closed_forms)
 REFERENCES = proofs_of(references)
-PROPERTIES = proofs_of(kernel_properties, flow_properties, run_properties)
+PROPERTIES = proofs_of(
+    kernel_properties, part_properties, flow_properties, run_properties, repetition_properties
+)
 PROPERTIES["declares_what_it_breaks"] = declares_what_it_breaks
 """By their names: small plants against what can be written down, the paper's motor and random flights
 against what others found, and the contract of a law, of which each takes a `Bench`."""

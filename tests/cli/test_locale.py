@@ -25,15 +25,18 @@ MICRO = {sign: f"contact.clearance='-1 {sign}m'" for sign in SIGNS}
 SWEEP = {sign: f"contact.clearance=linspace(-1 {sign}m,1 {sign}m,2)" for sign in SIGNS}
 UNSPELLED = [("hydra.run.dir='\u00b5'",), *((v, "\u00b5") for v in ("collect", "compare", "animate"))]
 
-Refusals = dict[tuple[str, ...], tuple[str, str]]
+SHORT = ("solver.duration=1e-4", "record.picture=false", "hydra.run.dir=here")
+RUN = ("contact.clearance='2 \u00b5m'", *SHORT)
+
+Told = tuple[Path, dict[tuple[str, ...], tuple[str, str]]]
 
 
 @pytest.fixture(scope="module")
-def refusals(tmp_path_factory: pytest.TempPathFactory) -> Refusals:
-    """Errors and statuses of commands that are refused, by their arguments; nothing is left of them."""
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Told:
+    """A folder, and errors and statuses of commands by their arguments; the run alone leaves anything."""
     folder = tmp_path_factory.mktemp("plain")
     given = [*((word,) for word in MICRO.values()), *(("-m", word) for word in SWEEP.values())]
-    given += UNSPELLED
+    given += [*UNSPELLED, RUN]
     done = subprocess.run(
         [sys.executable, "-c", ONE_AFTER_ANOTHER],
         cwd=folder,
@@ -44,40 +47,33 @@ def refusals(tmp_path_factory: pytest.TempPathFactory) -> Refusals:
     )
     *told, after = done.stderr.decode("ascii").split("\0")
     assert (done.returncode, after) == (0, ""), after
-    assert list(folder.iterdir()) == []
-    return dict(zip(given, zip(told[::2], told[1::2], strict=True), strict=True))
+    assert [path.name for path in folder.iterdir()] == ["here"]
+    return folder, dict(zip(given, zip(told[::2], told[1::2], strict=True), strict=True))
 
 
 @pytest.mark.parametrize("sign", SIGNS)
-def test_a_micro_sign_is_read_and_shown_in_a_plain_locale(sign: str, refusals: Refusals) -> None:
+def test_a_micro_sign_is_read_and_shown_in_a_plain_locale(sign: str, plain: Told) -> None:
+    _, told = plain
     shown = sign.encode("ascii", "backslashreplace").decode()
-    err, status = refusals[(MICRO[sign],)]
+    err, status = told[(MICRO[sign],)]
     assert err.startswith(f"contact.clearance is '-1 {shown}m' (-1e-06 m); it must be at least")
     assert status == "2"
-    err, status = refusals["-m", SWEEP[sign]]
+    err, status = told["-m", SWEEP[sign]]
     assert err.startswith("contact.clearance is -1e-06 m; it must be at least")
     assert status == "2"
 
 
-def test_a_run_in_a_plain_locale_keeps_its_arguments(tmp_path: Path) -> None:
-    given = "contact.clearance='2 \u00b5m'"
-    short = ("solver.duration=1e-4", "record.picture=false", "hydra.run.dir=here")
-    done = subprocess.run(
-        [sys.executable, "-m", "contactlab", os.fsencode(given), *short],
-        cwd=tmp_path,
-        env={**os.environ, **PLAIN},
-        capture_output=True,
-        encoding="ascii",
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    written = (tmp_path / "here/.hydra/overrides.yaml").read_text(encoding="utf-8")
-    assert given in written
+def test_a_run_in_a_plain_locale_keeps_its_arguments(plain: Told) -> None:
+    folder, told = plain
+    assert told[RUN][1] == "0", told[RUN][0]
+    written = (folder / "here/.hydra/overrides.yaml").read_text(encoding="utf-8")
+    assert RUN[0] in written
 
 
-def test_a_folder_that_the_locale_cannot_spell_is_refused(refusals: Refusals) -> None:
+def test_a_folder_that_the_locale_cannot_spell_is_refused(plain: Told) -> None:
+    _, told = plain
     for words in UNSPELLED:
-        err, status = refusals[words]
+        err, status = told[words]
         assert status == "2"
         assert "Traceback" not in err
-    assert "cannot be spelled in ascii, the encoding of this locale" in refusals[UNSPELLED[0]][0]
+    assert "cannot be spelled in ascii, the encoding of this locale" in told[UNSPELLED[0]][0]

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from support.configurations import CONF, altered, composed, options
 
-from contactlab.config import ConfigurationError, build, groups, validate
-from contactlab.config.groups import Record, Solver, keys_of_law, known_keys
+from contactlab.config import ConfigurationError, build, validate
+from contactlab.config.groups import Record, Solver, keys_of_law
+from contactlab.config.options import groups, known_keys
 from contactlab.config.schema import MOST_RECORDS
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, PenaltyLaw, hertz_stiffness
@@ -298,7 +299,7 @@ def keys_of(section: dict[str, Any], path: str) -> set[str]:
 
 def test_conf_gives_every_key_a_default() -> None:
     given = set()
-    for group in groups.groups():
+    for group in groups():
         choice = {"law": "composed"} if group.startswith("law/") else {}
         for option in options(group):
             given |= keys_of(composed(**choice | {group: option}), "")

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from oracle import OracleRun, solve_hertz, solve_rigid_stick
+from support.command_line import cases
 from support.motors import PLACEMENT_1, default_motor, final, hertz, oracle_motor, run, total
 
 from contactlab.laws import LagrangeStick
@@ -70,9 +71,17 @@ MOTORS: dict[str, dict[str, float]] = {
 
 STIFFNESSES = (1e10, 1e10, 3e9, 1e9, 5e10, 2e10, 1e10, 1e9, 1e11)
 
-motors = pytest.mark.parametrize("name", MOTORS)
+SHORT = (
+    "no clearance, loaded and damped, turning backwards",
+    "high voltages and friction",
+    "one tone for both, patches in between, fast rotor",
+    "pressed together at rest, soft contact",
+    "small light rotor, short tip, light damping",
+)
+
+motors = pytest.mark.parametrize("name", cases(MOTORS, SHORT))
 rigid_motors = pytest.mark.parametrize(
-    "name", [name for name, changes in MOTORS.items() if changes.get("clearance", 0.0) >= 0.0]
+    "name", cases([name for name, changes in MOTORS.items() if changes.get("clearance", 0.0) >= 0.0], SHORT)
 )
 
 

@@ -37,9 +37,6 @@ STATES = ("rotor_velocity", "rotor_angle", "tip_normal_displacement", "tip_slope
 IMPULSES = ("normal_impulse", "friction_impulse")
 
 motors = pytest.mark.parametrize("name", cases(MOTORS, (CASE_A,)))
-bouncing = pytest.mark.parametrize(
-    "name", cases(MOTORS, ("no clearance, loaded and damped, turning backwards",))
-)
 
 
 @dataclass(frozen=True)
@@ -194,7 +191,8 @@ def test_siconos_tells_the_law_that_always_slips_from_ours(siconos: str) -> None
     assert abs(slipping - limit) > 100.0 * TOLERANCE * our_limit(CASE_A).travel["rotor_velocity"]
 
 
-@bouncing
+@pytest.mark.long
+@pytest.mark.parametrize("name", MOTORS)
 @pytest.mark.parametrize("law", [Newton, MoreauJean], ids=lambda law: law.name)
 def test_siconos_with_restitution_extrapolates_to_our_bounces(
     siconos: str, name: str, law: type[Newton] | type[MoreauJean]

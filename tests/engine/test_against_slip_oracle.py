@@ -57,9 +57,7 @@ MOTORS: dict[str, dict[str, float]] = {
     "a random motor": random_motor(1),
 }
 
-SHORT = (CASE_A, "a random motor")
-
-motors = pytest.mark.parametrize("name", cases(MOTORS, SHORT))
+motors = pytest.mark.parametrize("name", cases(MOTORS, (CASE_A,)))
 
 
 def duration_of(name: str) -> float:
@@ -157,8 +155,9 @@ def test_friction_impulse_reverses_the_slip_in_nearly_every_impact_of_case_a() -
 
 def test_without_friction_the_paper_stepping_tends_to_the_event_driven_solution() -> None:
     motor = oracle_motor(friction_coefficient=0.0)
-    exact = solve_rigid_stick(motor, 2e-3)
-    runs = [solve_rigid_slip(motor, 2e-3, float(h)) for h in STEPS]
+    exact = solve_rigid_stick(motor, 1e-3)
+    assert len(exact.start_time) > 2
+    runs = [solve_rigid_slip(motor, 1e-3, float(h)) for h in STEPS]
     found, scatter = limit([[r.u, r.theta, r.normal_impulse.sum()] for r in runs])
     expected = np.array([exact.u, exact.theta, exact.normal_impulse.sum()])
     allowed = 3.0 * scatter + SECOND_ORDER * np.abs(expected)

@@ -20,7 +20,9 @@ RTOL = 1e-11
 TOLERANCE = 5e-9
 """As a share of how far a quantity goes. Measured: 1.2e-9 at worst, of which CVODE's part is a tenth."""
 
-motors = pytest.mark.parametrize("name", MOTORS)
+SHORT = (CASE_A, "no clearance, loaded and damped, turning backwards", "three shapes, driven by its load")
+
+motors = pytest.mark.parametrize("name", cases(MOTORS, SHORT))
 frictions = pytest.mark.parametrize("frictionless", [False, True], ids=["friction", "smooth"])
 
 
@@ -70,6 +72,7 @@ def test_cvode_makes_our_contacts(name: str, frictionless: bool) -> None:
     assert foreign.time_in_stick == pytest.approx(contacts["stick_duration"].sum(), abs=1e-10)
 
 
+@pytest.mark.long
 def test_most_motors_stick_and_slip_so_that_the_switch_is_judged() -> None:
     runs = [cvode_run(name, False) for name in MOTORS]
     sticking = [r.time_in_stick / r.time_in_contact for r in runs]
@@ -124,7 +127,7 @@ def ends_where_we_end(changes: dict[str, float], exponent: float) -> None:
     assert foreign.start_time == pytest.approx(ours.contacts["start_time"], abs=1e-11)
 
 
-@pytest.mark.parametrize("count", cases((8, 25), (8,)))
+@pytest.mark.parametrize("count", cases((4, 25), (4,)))
 def test_cvode_ends_where_we_end_for_random_motors(count: int) -> None:
     # Shrinking a failure would run CVODE for minutes; the failing motor itself is small enough.
     phases = [Phase.explicit, Phase.generate]

@@ -208,7 +208,7 @@ def test_any_number_of_shapes_runs_and_keeps_its_ledger(
 
 
 def crowded(clearance: float) -> Motor:
-    """A motor of 70 coordinates and six tones: 65 weak modes, none of them still, and the usual four."""
+    """A motor of 70 coordinates and nine tones: 65 weak modes, none of them still, and the usual four."""
     motor = default_motor(clearance=clearance)
     few, rates = motor.modes, 2.0 * np.pi * np.linspace(2e3, 4e4, 65)
     weak = np.full(65, 0.1)
@@ -220,8 +220,8 @@ def crowded(clearance: float) -> Motor:
         tip_slope=np.append(few.tip_slope, few.tip_slope[1] * weak),
         shape_coupling=few.shape_coupling,
     )
-    phasors = np.array([60.0, 60.0, 20.0, 20.0, 20.0, 20.0]) * np.exp(1j * np.arange(12.0).reshape(2, 6))
-    frequencies = 3210.0 * np.array([1.0, 2.0, 0.5, 1.5, 3.0, 2.5])
+    phasors = np.array([60.0, 60.0, *[20.0] * 7]) * np.exp(1j * np.arange(18.0).reshape(2, 9))
+    frequencies = 3210.0 * np.array([1.0, 2.0, 0.5, 1.5, 3.0, 2.5, 0.75, 1.25, 1.75])
     return replace(motor, modes=modes, drive=Drive(frequencies, phasors))
 
 
@@ -230,7 +230,7 @@ def crowded(clearance: float) -> Motor:
 def test_a_motor_beyond_the_usual_room_for_modes_and_tones_runs(law: ContactLaw) -> None:
     motor = crowded(1e-6)
     assert motor.modes.stiffness.size + 1 == 70 > MODES
-    assert motor.drive.frequency.size == 6 > TONES
+    assert motor.drive.frequency.size == 9 > TONES
     trajectory = run(motor, law, 5e-4)
     assert trajectory.contacts["start_time"].size > 0
     residual = np.abs(trajectory.series["energy_residual"]).max()

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 DURATION = 2e-3
 ALL_SEEDS = range(200)
-SHORT_SEEDS = range(25)
+SHORT_SEEDS = range(12)
 SEEDS = cases(ALL_SEEDS, SHORT_SEEDS)
 
 CARRYING = 1e-12

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from support.command_line import cases
-from support.remembering import (
+from support.closed_form_memory import (
     Cooling,
     FreshDent,
     LastingDent,
@@ -15,6 +14,7 @@ from support.remembering import (
     TwoClocks,
     softened_end,
 )
+from support.command_line import cases
 
 from contactlab.engine import Flow, simulate
 from contactlab.laws import ContactLaw

@@ -54,7 +54,7 @@ def pressed(depth):
 def elsewhere(tmp_path: Path) -> Elsewhere:
     made = Elsewhere(tmp_path / "packages", tmp_path)
     modules = {"borrowed": LAW, "nearby": NEARBY, "far": FAR}
-    made.install("borrowed-law", "0.1", {"borrowed": "borrowed:Borrowed"}, modules)
+    made.install(made.wheel("borrowed-law", "0.1", {"borrowed": "borrowed:Borrowed"}, modules))
     return made
 
 

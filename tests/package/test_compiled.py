@@ -1,6 +1,5 @@
 """The compiled code is kept where it belongs to these sources, and found again."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,29 +11,23 @@ from contactlab import compiled
 PROBE = "from contactlab import compiled; print(compiled.code_folder())"
 
 
-def folder(**environment: str) -> Path:
-    found = subprocess.run(
-        [sys.executable, "-c", PROBE],
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return Path(found.stdout.strip())
-
-
 def test_the_folder_is_the_same_in_every_process() -> None:
-    assert folder() == compiled.code_folder()
+    found = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True, check=True)
+    assert Path(found.stdout.strip()) == compiled.code_folder()
 
 
-def test_a_chosen_cache_directory_is_used(tmp_path: Path) -> None:
-    assert folder(NUMBA_CACHE_DIR=str(tmp_path)).parent == tmp_path
+def test_a_chosen_cache_directory_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert compiled.code_folder.__wrapped__().parent == tmp_path
 
 
-def test_without_a_writable_directory_the_code_lives_for_the_process(tmp_path: Path) -> None:
+def test_without_a_writable_directory_the_code_lives_for_the_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     blocked = tmp_path / "file"
     blocked.touch()
-    found = folder(NUMBA_CACHE_DIR=str(blocked))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
+    found = compiled.code_folder.__wrapped__()
     assert found.is_dir()
     assert found.name.startswith("contactlab-")
 

@@ -107,7 +107,7 @@ def test_units_come_from_the_runs_whose_configurations_can_be_checked(
         asked.append(configuration)
         raise ValueError("There is no law 'gone'.")
 
-    monkeypatch.setattr("contactlab.sweeps.collection.validate", check)
+    monkeypatch.setattr("contactlab.sweeps.axes.validate", check)
     assert (collect(tmp_path)["status"] == Status.COMPLETE).all()
     # The second is asked for what the first could not tell.
     assert len(asked) == 2

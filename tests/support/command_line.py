@@ -1,11 +1,12 @@
 """Helpers for tests of the command, in this process and in others with packages of their own; long forms."""
 
+import json
 import os
 import subprocess
 import sys
 import tomllib
 import zipfile
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -22,6 +23,21 @@ Command = Callable[..., tuple[int, str, str]]
 def left_behind() -> list[Path]:
     return list(Path().rglob("*"))
 
+
+STATUS, END = "\x1e", "\x1f"
+"""Before the status of one of several commands, and after all that it says."""
+
+ONE_AFTER_ANOTHER = f"""
+import json, os, re, sys
+from contactlab.cli.main import main
+
+for line in json.loads(sys.argv[1]):
+    variables = [word for word in line if re.match("[A-Z_]+=", word)]
+    os.environ.update(word.split("=", 1) for word in variables)
+    sys.argv[1:] = [word for word in line if word not in variables]
+    print({STATUS!r}, main(), {END!r}, sep="", end="", flush=True)
+    print({END!r}, end="", file=sys.stderr, flush=True)
+"""
 
 EXAMPLE = Path(__file__).parents[1].joinpath("example_law")
 
@@ -57,15 +73,32 @@ class Elsewhere:
         """Exit status, output and errors of the command."""
         return self.python("-m", "contactlab", *arguments, **variables)
 
-    def install(
+    def commands(self, lines: Sequence[Sequence[str]]) -> list[tuple[int, str, str]]:
+        """The same of several commands, one after another in one process; words with NAME= set variables."""
+        said = json.dumps([*map(list, lines)])
+        status, out, err = self.python("-c", ONE_AFTER_ANOTHER, said)
+        assert status == 0, err
+        (*outs, _), (*errs, _) = out.split(END), err.split(END)
+        answers = [text.rpartition(STATUS) for text in outs]
+        return [(int(code), text, words) for (text, _, code), words in zip(answers, errs, strict=True)]
+
+    def install(self, *wheels: Path) -> None:
+        """Install wheels by pip."""
+        options = ["--quiet", "--no-deps", "--no-index", "--target", str(self.packages)]
+        status, _, err = self.python("-m", "pip", "install", *options, *map(str, wheels))
+        assert status == 0, err
+        for wheel in wheels:
+            wheel.unlink()
+
+    def wheel(
         self,
         name: str,
         version: str,
         entries: Mapping[str, str],
         modules: Mapping[str, str],
         parts: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
-    ) -> None:
-        """Install a distribution by pip, from a wheel as a build tool would make it; parts are by group."""
+    ) -> Path:
+        """Make the wheel of a distribution as a build tool would; parts are by group."""
         stem = f"{name.replace('-', '_')}-{version}"
         points = "".join(
             f"[{group}]\n" + "".join(f"{word} = {entry}\n" for word, entry in named.items())
@@ -82,17 +115,14 @@ class Elsewhere:
             for path, text in files.items():
                 archive.writestr(path, text)
             archive.writestr(record, "".join(f"{path},,\n" for path in [*files, record]))
-        options = ["--quiet", "--no-deps", "--no-index", "--target", str(self.packages)]
-        status, _, err = self.python("-m", "pip", "install", *options, str(wheel))
-        assert status == 0, err
-        wheel.unlink()
+        return wheel
 
-    def install_example(self) -> None:
-        """Install the example as its pyproject.toml says."""
+    def example(self) -> Path:
+        """Make the wheel of the example as its pyproject.toml says."""
         project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))
         modules = project["tool"]["setuptools"]["py-modules"]
         groups = project["project"]["entry-points"]
-        self.install(
+        return self.wheel(
             project["project"]["name"],
             project["project"]["version"],
             groups["contactlab.laws"],

@@ -7,7 +7,8 @@ from typing import Any
 import xarray
 import yaml
 
-from contactlab.config import build, groups
+from contactlab.config import build
+from contactlab.config.options import content, groups
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw
 from contactlab.results.netcdf import to_datatree, write_tree
@@ -26,7 +27,7 @@ SHORT: dict[str, object] = {"solver.duration": 2e-3, "record.interval": 1e-6}
 def options(group: str) -> list[str]:
     """Names of a group's options."""
     files = [path.stem for path in (CONF / group).glob("*.yaml")]
-    others = groups.groups().get(group, [])
+    others = groups().get(group, [])
     return sorted({*files, *others})
 
 
@@ -34,7 +35,7 @@ def chosen(group: str, option: str, choices: dict[str, str]) -> dict[str, Any]:
     """An option's keys, those of its own defaults included."""
     path = CONF / group / f"{option}.yaml"
     keys: dict[str, Any] = (
-        yaml.safe_load(path.read_text(encoding="utf-8")) if path.exists() else groups.content(group, option)
+        yaml.safe_load(path.read_text(encoding="utf-8")) if path.exists() else content(group, option)
     )
     for entry in keys.pop("defaults", []):
         if isinstance(entry, dict):
@@ -62,9 +63,9 @@ def altered(changes: dict[str, object], **choices: str) -> dict[str, Any]:
     """The default configuration with some full keys set otherwise."""
     configuration = composed(**choices)
     for key, value in changes.items():
-        *groups, name = key.split(".")
+        *path, name = key.split(".")
         section = configuration
-        for group in groups:
+        for group in path:
             section = section[group]
         section[name] = value
     return configuration

@@ -7,56 +7,105 @@ from support.sweeps import METRICS_ALONE
 FAULTS = [
     (["drive.phase=1"], "Nothing is swept"),
     (["contact.clearence=1,2"], "Did you mean contact.clearance?"),
-    (["contact.clearance=linspace(0,2e-6)"], "does not have three arguments"),
-    (["contact.clearance=linspace(0,2e-6,0)"], "has the count '0'"),
-    (["contact.clearance=linspace(0,2e-6,1.5)"], "has the count '1.5'"),
-    (["contact.clearance=linspace(0 kg,1 m,3)"], "whose unit 'kg' cannot be converted to m"),
-    (["contact.clearance=linspace(a,1 m,3)"], "'a', which is not a number"),
-    (["contact.clearance=geomspace(0,1e-6,4)"], "Use linspace"),
-    (["contact.clearance=range(1,1)"], "has no values"),
     (["contact.clearance=foo(1)"], "cannot be read"),
-    (["contact.clearance=interval(0,1)"], "cannot be swept"),
     (["drive.phase=1,2", "contact.clearance="], "contact.clearance is ''"),
-    (["=1"], "has no key"),
     (["drive.phase=[1],[2]"], "each must be a number"),
-    (["contact.clearance=-1e-6,1e-6"], "contact.clearance is -1e-06 m; it must be at least 0 m"),
-    (["resonator.shapes=linspace(2,3,3)"], "resonator.shapes is 2.5"),
-    (["law=hertz,newton"], "law is 'hertz'; it must be one of"),
     (["law=hertz,newton"], "Did you mean hertz_penalty?"),
-    (["law=composed", "law.normal.name=linear,line"], "of one law/normal to another"),
     (["law=composed", "law.normal.name=linear", "drive.phase=1,2"], "of one law/normal to another"),
-    (["drive.phase=range(0,1,1e-9)"], "has 1e+09 values; it must have at most 10000000"),
-    (["drive.phase=range(0,inf,1)"], "does not end"),
-    (["drive.phase=range(0,nan,1)"], "does not end"),
-    (["drive.phase=linspace(0,1,1000000000)"], "at most 10000000"),
-    (["drive.phase=linspace(0,1," + "9" * 5000 + ")"], "at most 10000000"),
-    (["drive.phase=linspace(0,inf,3)"], "both ends must be finite"),
-    (["rotor.initial_velocity=linspace(-1e308,1e308,3)"], "both ends must be finite"),
     (
-        ["drive.phase=linspace(0,1,4000)", "drive.voltage_1=linspace(0,1,4000)"],
-        "4000 x 4000 = 1.6e+07 runs are asked for; a sweep must have at most 10000000",
+        [f"drive.{key}=linspace(0,1,400)" for key in ("phase", "voltage_1", "voltage_2")],
+        "400 x 400 x 400 = 6.4e+07 runs are asked for; a sweep must have at most 10000000",
     ),
     (["drive.phase=1,2", "--workerz=2"], "unrecognized arguments: --workerz=2"),
-    (["drive.phase=1,2", "drive.phase=3"], "given more than once"),
-    (["drive.phase=1,1"], "has a value twice"),
-    (["contact.clearance=1e-6,1 um"], "has a value twice"),
-    (["drive.phase=1,2", "law=hertzz"], "law is 'hertzz'"),
     (["drive.phase=1,2", "solver.duratio=1"], "Did you mean solver.duration?"),
     (["drive.phase=1,2", "rotor.load_torque=${contact.clearance}"], "references in ${...}"),
     (["drive.phase=1,2", "sweep.metrics=peak_farce"], "Did you mean peak_force?"),
     (["drive.phase=1,2", "sweep.series=gab"], "Did you mean gap?"),
     (["solver.duration=1e-3,2e-3", "sweep.series=gap"], "at the same times in every run"),
-    (["drive.phase=1,2", "sweep.keep=numbers"], "sweep.keep is 'numbers'"),
     (["drive.phase=1,2", "sweep.keep=runs", "sweep.workers=2"], "it must come with sweep.keep=metrics"),
     (["drive.phase=1,2", "sweep.samples=nowhere.csv"], "swept at once"),
     (["sweep.samples=nowhere.csv"], "sweep.samples is 'nowhere.csv' and cannot be read"),
-    (["drive.phase=1,2", "sweep.workers=0"], "sweep.workers is 0; it must be at least 1"),
-    (["drive.phase=1,2", "sweep.chunk=-1"], "sweep.chunk is -1; it must be at least 1"),
     (["drive.phase=1,2", "--config-dir=nowhere"], "It must be a folder"),
     (["drive.phase=1,2", "hydra/launcher=jubilee"], "hydra/launcher is 'jubilee'"),
     (["drive.phase=1,2", "hydra.launcher.n_jobs=2"], "n_jobs"),
     (["hydra.run.dir=a,b"], "Sweeping over Hydra's configuration is not supported"),
 ]
+
+TOGETHER = [
+    (
+        [
+            "contact.clearance=linspace(0,2e-6)",
+            "drive.phase=linspace(0,1,0)",
+            "drive.voltage_1=linspace(0,1,1.5)",
+            "drive.voltage_2=linspace(0 kg,1 V,3)",
+            "rotor.radius=linspace(a,1 m,3)",
+            "rotor.inertia=geomspace(0,1e-6,4)",
+            "rotor.damping=range(1,1)",
+        ],
+        [
+            "does not have three arguments",
+            "has the count '0'",
+            "has the count '1.5'",
+            "whose unit 'kg' cannot be converted to V",
+            "'a', which is not a number",
+            "Use linspace",
+            "has no values",
+        ],
+    ),
+    (
+        [
+            "drive.phase=range(0,1,1e-9)",
+            "drive.voltage_1=range(0,inf,1)",
+            "drive.voltage_2=range(0,nan,1)",
+            "contact.clearance=linspace(0,1,1000000000)",
+            "drive.frequency=linspace(0,1," + "9" * 5000 + ")",
+            "rotor.load_torque=linspace(0,inf,3)",
+            "rotor.initial_velocity=linspace(-1e308,1e308,3)",
+        ],
+        [
+            "has 1e+09 values; it must have at most 10000000",
+            "drive.voltage_1=range(0,inf,1) does not end",
+            "drive.voltage_2=range(0,nan,1) does not end",
+            "has the count '1000000000'; it must be a whole number of at least 1 and at most 10000000",
+            "99'; it must be a whole number of at least 1 and at most 10000000",
+            "rotor.load_torque goes from 0 to inf; both ends must be finite",
+            "rotor.initial_velocity goes from -1e+308 to 1e+308; both ends must be finite",
+        ],
+    ),
+    (
+        ["contact.clearance=-1e-6,1e-6", "resonator.shapes=linspace(2,3,3)"],
+        ["contact.clearance is -1e-06 m; it must be at least 0 m", "resonator.shapes is 2.5"],
+    ),
+    (
+        ["contact.clearance=interval(0,1)", "drive.phase=1,2", "drive.phase=3"],
+        ["cannot be swept", "given more than once"],
+    ),
+    (
+        ["drive.phase=1,1", "contact.clearance=1e-6,1 um"],
+        ["drive.phase has a value twice", "contact.clearance has a value twice"],
+    ),
+    (
+        ["drive.phase=1,2", "sweep.keep=numbers", "sweep.workers=0", "sweep.chunk=-1"],
+        [
+            "sweep.keep is 'numbers'",
+            "sweep.workers is 0; it must be at least 1",
+            "sweep.chunk is -1; it must be at least 1",
+        ],
+    ),
+]
+
+
+@pytest.mark.parametrize(("arguments", "sentences"), TOGETHER)
+def test_faults_of_a_sweep_are_told_together(
+    arguments: list[str], sentences: list[str], command: Command
+) -> None:
+    status, out, err = command(*METRICS_ALONE, *arguments)
+    assert status == 2
+    for sentence in sentences:
+        assert sentence in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert left_behind() == []
 
 
 @pytest.mark.parametrize(("arguments", "words"), FAULTS, ids=[" ".join(f)[:80] for f, _ in FAULTS])

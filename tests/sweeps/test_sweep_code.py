@@ -59,7 +59,7 @@ FAULT = '{"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0'
 def test_a_law_that_raises_harms_no_other_and_is_run_again_when_it_is_mended(tmp_path: Path) -> None:
     elsewhere = Elsewhere(tmp_path / "packages", tmp_path)
     law = {"fragile": "fragile:Fragile"}
-    elsewhere.install("fragile-law", "0.1", law, {"fragile": FRAGILE})
+    elsewhere.install(elsewhere.wheel("fragile-law", "0.1", law, {"fragile": FRAGILE}))
     lines = ("-m", "law=fragile,hertz_penalty", "solver.duration=0.5 ms", *QUICK)
     status, out, err = elsewhere.command(*lines)
     assert status == 1

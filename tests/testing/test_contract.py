@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from support.tensile_dashpot import TensileDashpot
 
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
@@ -41,8 +42,17 @@ HELD = {
     "hertz_linear_lugre": Composed(damping=LinearDamping(0.7), friction=LuGre(0.4, 1.3)),
 }
 
+LONG = {
+    "lagrange_stick_with_much_friction",
+    "stronge_without_loss",
+    "line_flores_mindlin",
+    "hertz_linear_lugre",
+}
+"""Of the same classes as others, at other values or together."""
+
 for _name, _law in HELD.items():
-    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (LawContract,), {"law": _law})
+    _tests = type(f"Test_{_name}", (LawContract,), {"law": _law})
+    globals()[f"Test_{_name}"] = pytest.mark.long(_tests) if _name in LONG else _tests
 
 
 def test_no_law_of_the_package_is_left_out() -> None:

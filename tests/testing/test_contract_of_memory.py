@@ -4,14 +4,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support import remembering_laws
-from support.remembering_laws import Dented, LyingOdometer, Odometer, Solid, Stubborn
+from support import spoilt_memory
+from support.spoilt_memory import Dented, LyingOdometer, Odometer, Solid, Stubborn
 
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Mindlin
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
-from contactlab.testing import LawContract, flow_properties, kernel_properties
+from contactlab.testing import LawContract, flow_properties, kernel_properties, part_properties
 from contactlab.testing.asking import Asked
 from contactlab.testing.claim import proofs_of
 from contactlab.testing.contract import check
@@ -19,7 +19,7 @@ from contactlab.testing.flow_properties import image_of
 from contactlab.testing.flows import flow_of
 from contactlab.testing.plants import Bench
 
-OF_KERNELS = proofs_of(kernel_properties, flow_properties)
+OF_KERNELS = proofs_of(kernel_properties, part_properties, flow_properties)
 
 
 class TestSolid(LawContract):
@@ -53,7 +53,7 @@ CHEATS = {
 
 @pytest.mark.parametrize("name", CHEATS)
 def test_a_law_that_remembers_wrongly_fails_where_it_does(name: str) -> None:
-    assert failing(getattr(remembering_laws, name)) == CHEATS[name]
+    assert failing(getattr(spoilt_memory, name)) == CHEATS[name]
 
 
 def test_a_variable_whose_parity_lies_is_seen_in_the_mirror_alone() -> None:
@@ -72,7 +72,7 @@ def test_a_guard_that_does_not_let_go_ends_the_run_with_a_sentence() -> None:
 
 
 def test_what_is_lost_undeclared_opens_the_ledger_of_the_run_too() -> None:
-    claims = check(Bench(remembering_laws.Overshooting), "ledger_closes")
+    claims = check(Bench(spoilt_memory.Overshooting), "ledger_closes")
     assert not any(claim.holds for claim in claims)
 
 
@@ -81,7 +81,7 @@ def test_a_solid_followed_along_a_path_has_the_creep_of_its_integral() -> None:
     flow = flow_of(Bench(Solid))
     touches = [jump.at for jump in flow.jumps if jump.event == AT_TOUCH]
     ends = [jump.at.time for jump in flow.jumps if jump.event == AT_RELEASE]
-    first, time = touches[0], remembering_laws.TIME
+    first, time = touches[0], spoilt_memory.TIME
     checked = 0
     for at in flow.instants:
         if at.path is first.path and first.time < at.time < ends[0]:
@@ -94,7 +94,7 @@ def test_a_solid_followed_along_a_path_has_the_creep_of_its_integral() -> None:
 
 
 def test_a_dented_spring_followed_along_a_path_is_dented_by_the_deepest_less_its_elastic_part() -> None:
-    flow, elastic = flow_of(Bench(Dented)), remembering_laws.YIELD / remembering_laws.STIFF
+    flow, elastic = flow_of(Bench(Dented)), spoilt_memory.YIELD / spoilt_memory.STIFF
     releases = [jump.at for jump in flow.jumps if jump.event == AT_RELEASE]
     touches = [jump.at for jump in flow.jumps if jump.event == AT_TOUCH]
     dents = []
