@@ -1,11 +1,9 @@
 """Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
 
-from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
-from string import Template
 from typing import Final
 
 import xarray
@@ -13,6 +11,7 @@ from tqdm import tqdm
 
 from contactlab.comparison.causes import settled_of, with_causes
 from contactlab.comparison.findings import conclusion, differences, first, verdicts
+from contactlab.comparison.page import bulleted, filled, pictured
 from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
@@ -135,27 +134,22 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
-        "first": _list(first(data)),
+        "first": bulleted(first(data)),
         "headline": escape(next(iter(said_of), "")),
-        "differences": _list(said_of[1:]),
+        "differences": bulleted(said_of[1:]),
         "causes": "\n".join(shown.pop(name, "") for name in ("settled_quantities", "variance_shares")),
         "conclusion": escape(conclusion(data)),
         "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
         "scorecard": "\n".join(_row(*row) for row in table),
         "pictures": "\n".join(shown.values()),
         "shares": _shares(data),
-        "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
-        "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
+        "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{bulleted(v)}" for k, v in verdicts(data).items()),
+        "notes": f"<h2>Notes</h2>{bulleted(notes)}" if notes else "",
         "definitions": "\n".join(_definition(metric) for metric, _ in table),
         "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
         "versions": escape("; ".join(versions)),
     }
-    return Template(PAGE.read_text(encoding="utf-8")).substitute(said).replace("&lt;=", "\u2264")
-
-
-def _list(sentences: Iterable[str]) -> str:
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
-    return items and f"<ul>{items}</ul>"
+    return filled(PAGE, said)
 
 
 def _row(metric: Metric, cells: dict[str, Cell]) -> str:
@@ -195,10 +189,7 @@ def _shares(data: xarray.Dataset) -> str:
 
 def _picture(path: Path, said_of: Sequence[str], *, settled: bool) -> str:
     words = {"motion": MOTION[settled], "headline": next(iter(said_of), "")}
-    said = escape(CAPTIONS[path.stem].format(**words).strip())
-    data = b64encode(path.read_bytes()).decode()
-    image = f"<img alt='{said}' src='data:image/png;base64,{data}'>"
-    return f"<figure>{image}<figcaption>{said}</figcaption></figure>"
+    return pictured(path, CAPTIONS[path.stem].format(**words).strip())
 
 
 def _definition(metric: Metric) -> str:

@@ -50,7 +50,9 @@ def noise_of(impacts: MeasuredImpacts) -> Noise:
         2.0 * impacts.kinetic_energy
     )
     bound = np.asarray(np.sqrt(square))
-    return Noise(bound, f"{np.median(bound):.3f} (median), which {origin} exceeds in {RARE:.0%} of the impacts")
+    return Noise(
+        bound, f"{np.median(bound):.3f} (median), which {origin} exceeds in {RARE:.0%} of the impacts"
+    )
 
 
 def unexplained(errors: Array, noise: Noise) -> NDArray[np.bool_]:

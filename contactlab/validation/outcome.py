@@ -1,4 +1,4 @@
-"""What became of one model: its predictions of impacts it has not seen, its parameters, as a small dataset."""
+"""What became of one model: its predictions of impacts it has not seen, and its parameters, as a dataset."""
 
 from collections.abc import Sequence
 from hashlib import sha256
@@ -13,7 +13,7 @@ from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.files import whole_netcdf
 from contactlab.results.provenance import code_digest
 from contactlab.validation.models import LawModel, Model
-from contactlab.validation.prediction import COSTLY_STARTS, STARTS, SUBSET, Held, errors_of
+from contactlab.validation.prediction import Held, errors_of
 
 RIGID: Final = "rigid"
 COMPLIANT: Final = "compliant"
@@ -35,7 +35,7 @@ def digest_of(impacts: MeasuredImpacts) -> str:
 
 def key_of(model: Model, impacts: MeasuredImpacts, folds: int, seed: int) -> str:
     """Give the digest of all that an outcome depends on, 16 hexadecimal digits."""
-    settings = (STARTS, COSTLY_STARTS, SUBSET, folds, seed, digest_of(impacts), code_digest())
+    settings = (folds, seed, digest_of(impacts), code_digest())
     return sha256(repr((model, settings)).encode()).hexdigest()[:16]
 
 
@@ -68,7 +68,10 @@ def outcome_of(
             "error": ("impact", error),
             "predicted_velocity": (("impact", "direction"), predicted),
             "value": (("fold", "parameter"), values),
-            "range": (("parameter", "end"), np.array([(one.low, one.high) for one in model.free]).reshape(-1, 2)),
+            "range": (
+                ("parameter", "end"),
+                np.array([(one.low, one.high) for one in model.free]).reshape(-1, 2),
+            ),
             "units": ("parameter", np.array(units, dtype=object)),
             "hits": ("fold", np.array([fit.hits for fit in fits])),
             "fitted_on": ("fold", np.array([one.fitted_on for one in held])),

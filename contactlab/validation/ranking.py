@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from contactlab.validation.resampling import LEVEL, Resampled
+from contactlab.fitting.resampling import LEVEL, Resampled
 
 PLUS_MINUS: Final = "+-"
+
+SAME: Final = 1e-6
+"""Difference of two errors that is none of two laws but of where their fits have ended."""
 
 
 class Pair(NamedTuple):
@@ -20,13 +23,13 @@ class Pair(NamedTuple):
 
     @property
     def parted(self) -> bool:
-        """Whether the interval holds no zero."""
-        return self.low > 0.0
+        """Whether the interval holds no zero, and the laws do not predict the same."""
+        return self.low > SAME
 
     @property
     def sentence(self) -> str:
         """Which beats which by how much, or that the data cannot tell."""
-        if self.apart == self.low == self.high == 0.0:
+        if max(abs(self.low), abs(self.high)) < SAME:
             return f"{self.better} and {self.worse} predict the same"
         reach = 0.5 * (self.high - self.low)
         if not self.parted:

@@ -1,4 +1,4 @@
-"""Laws against measured impacts: cross-validated, weighed against each other, against baselines and floors."""
+"""Laws against measured impacts: cross-validated, weighed against each other, baselines and floors."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,7 +14,15 @@ from contactlab.validation.candidates import Probed, probed, usual_laws
 from contactlab.validation.dataset import assembled
 from contactlab.validation.folds import folds_of
 from contactlab.validation.models import ConstantImpulse, LawModel, Model, frictionless
-from contactlab.validation.prediction import COSTLY_STARTS, STARTS, SUBSET, Held
+from contactlab.validation.prediction import (
+    COSTLY_LOOKED,
+    COSTLY_STARTS,
+    LOOKED,
+    SEARCH,
+    STARTS,
+    SUBSET,
+    Held,
+)
 from contactlab.validation.work import perform
 
 FOLDS: Final = 5
@@ -22,6 +30,9 @@ ADMISSIBLE: Final = "best admissible impulse"
 FREE_IMPULSE: Final = "best impulse"
 KEPT: Final = "laws"
 """Folder of the outcomes of single laws, from which an interrupted study goes on."""
+
+OVERHEAD: Final = 2e-3
+"""Of the residuals of a rigid law, once [s]; for the bar alone."""
 
 Progress = Callable[[float], object]
 """Told the share of the work that is done, 0 to 1."""
@@ -68,9 +79,9 @@ def study(
     """
     asked = usual_laws() if models is None else list(models)
     every = [*asked, frictionless(), ConstantImpulse.of(impacts)]
-    _check(impacts, every, folds)
+    _check(every, folds)
     known = [probed(model, impacts) for model in every]
-    _check(impacts, [one.model for one in known], folds)
+    _check_count(impacts, [one.model for one in known], folds)
     paths = [_place(keep, one, impacts, folds, seed) for one in known]
     found = {at: kept for at, path in enumerate(paths) if path and (kept := outcome.read(path)) is not None}
     if found:
@@ -99,8 +110,8 @@ def study(
     return assembled([found[at] for at in range(len(known))], floors, impacts, fold, seed)
 
 
-def _check(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) -> None:
-    """Refuse what cannot be studied."""
+def _check(models: Sequence[Model], folds: int) -> None:
+    """Refuse what cannot be studied, whatever was measured."""
     if folds < 2:
         raise ValidationError(f"folds is {folds}; it must be at least 2.")
     if not any(isinstance(model, LawModel) and not model.baseline for model in models):
@@ -108,6 +119,10 @@ def _check(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) -> Non
     labels = [model.label for model in models]
     if twice := sorted({label for label in labels if labels.count(label) > 1}):
         raise ValidationError(f"{', '.join(twice)} is there twice; every law must be one of its own.")
+
+
+def _check_count(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) -> None:
+    """Refuse too few impacts."""
     most = max(models, key=lambda model: len(model.free))
     least = folds * max(len(most.free), 1)
     if len(impacts) < least:
@@ -123,10 +138,10 @@ def _place(keep: Path | None, one: Probed, impacts: MeasuredImpacts, folds: int,
 
 
 def _weight(one: Probed, impacts: int, folds: int) -> float:
-    """Estimate what a fold of a model costs [s]: evaluations of the starts' points and of some twenty steps."""
-    costly = one.model.costly
-    size = len(one.model.free)
-    used = impacts * (folds - 1) / folds
-    used = min(used, SUBSET) if costly else used
-    evaluations = (COSTLY_STARTS if costly else STARTS) * (8 + 12 * (size + 1))
-    return one.seconds * (evaluations * used + impacts / folds)
+    """Estimate what a fold of a model costs [s]: the points that are looked at and a dozen steps a start."""
+    around = 1 + len(one.model.free)
+    if not one.model.costly:
+        return OVERHEAD * STARTS * (LOOKED + 12 * around)
+    used = impacts - impacts // folds
+    searched = COSTLY_STARTS * (COSTLY_LOOKED + 8 * around) * min(used, SEARCH)
+    return one.seconds * (searched + 4 * around * min(used, SUBSET) + impacts / folds)
