@@ -37,6 +37,9 @@ GROUP: Final = 8
 EVERY: Final = 10.0
 """Seconds between two checkpoints."""
 
+ENLARGED: Final = 1.5
+"""Volume of the ellipsoids over that which just holds the live points."""
+
 UNBOUNDED: Final = 40
 """Share of proposals from the whole prior that are taken [%], below which they are drawn from ellipsoids."""
 
@@ -162,18 +165,18 @@ def sample(
                 queue_size=GROUP,
                 use_pool={"update_bound": False},
                 bound="single" if one_mode else "multi",
+                # By bootstrap they may become so large that nearly no proposal lies in the prior.
+                bootstrap=0,
+                enlarge=ENLARGED,
                 first_update={"min_ncall": points, "min_eff": UNBOUNDED},
             )
         if not sampler.added_live:
-            with warnings.catch_warnings():
-                # Of proposals that are few among many: the evaluations are counted and told.
-                warnings.filterwarnings("ignore", "The enlargement factor", UserWarning)
-                sampler.run_nested(
-                    print_func=_Watch(advance),
-                    checkpoint_file=None if checkpoint is None else str(checkpoint),
-                    checkpoint_every=EVERY,
-                    resume=resumed,
-                )
+            sampler.run_nested(
+                print_func=_Watch(advance),
+                checkpoint_file=None if checkpoint is None else str(checkpoint),
+                checkpoint_every=EVERY,
+                resume=resumed,
+            )
         found = sampler.results
     log_weight = np.asarray(found["logwt"] - found["logz"][-1])
     # They add up to one but for round-off.
