@@ -13,7 +13,7 @@ from contactlab.fitting.impact_model import ImpactModel
 from contactlab.fitting.model import log_likelihood
 from contactlab.fitting.nested import sample
 from contactlab.fitting.parameters import free_parameters, from_cube
-from contactlab.fitting.synthetic import made_impacts
+from contactlab.fitting.synthetic import made_impacts, without_errors
 
 pytest.importorskip("dynesty", reason="pip install 'contactlab[fit]' brings it")
 
@@ -66,6 +66,19 @@ def test_evidence_of_impacts_is_that_of_quadrature():
     found = sample(model, points=100, seed=1)
 
     assert found.log_evidence == pytest.approx(logsumexp(grid) - np.log(1600), abs=3.0 * found.error)
+
+
+def test_a_number_that_fills_its_range_beside_one_that_is_well_known_costs_few_evaluations():
+    # With so much friction every contact sticks: ellipsoids that hold all of it reach far out of the prior.
+    law = cl.law("newton", restitution=0.86, friction_coefficient=0.54)
+    data = without_errors(made_impacts(law, 60, 0.05, 63))
+    free = free_parameters(law, {"restitution": (0.0, 1.0), "friction_coefficient": (0.02, 0.8)})
+
+    found = sample(ImpactModel(data, law, free, free, spread=True), points=50, seed=63)
+
+    low, high = found.quantiles((0.05, 0.95))[0]
+    assert high - low > 0.2
+    assert found.calls < 5000
 
 
 def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_a_stop(tmp_path, monkeypatch):
