@@ -1,0 +1,62 @@
+"""What evidences say of laws: Bayes factors in words, and "cannot tell" where they are too close.
+
+B = Z_1 / Z_2 is by how much the data change the odds of law 1 over law 2. Words of Jeffreys (1961), Theory
+of Probability, app. B: above 3 substantial, 10 strong, 30 very strong, 100 decisive. Evidence is of law and
+prior together: a range that is ten times as wide takes ln 10 from a parameter that the data determine.
+"""
+
+from collections.abc import Sequence
+from math import exp, hypot, log
+from typing import Final, NamedTuple, final
+
+LEAST: Final = log(3.0)
+"""|ln B| below which nothing is said."""
+
+ERRORS: Final = 3.0
+"""How many of its errors |ln B| must be large."""
+
+_WORDS: Final = (
+    (log(100.0), "decisive"),
+    (log(30.0), "very strong"),
+    (log(10.0), "strong"),
+    (LEAST, "substantial"),
+)
+
+
+@final
+class Evidence(NamedTuple):
+    """The logarithm of the evidence of a law, and its error."""
+
+    label: str
+    log_evidence: float
+    error: float
+
+
+def told(difference: float, error: float) -> str:
+    """Give the word for a difference of ln Z of either sign; empty where it cannot be told."""
+    size = abs(difference)
+    if not size >= max(LEAST, ERRORS * error):
+        return ""
+    return next(word for limit, word in _WORDS if size >= limit)
+
+
+def ranked(evidences: Sequence[Evidence]) -> list[Evidence]:
+    """Give the evidences, the largest first."""
+    return sorted(evidences, key=lambda one: -one.log_evidence)
+
+
+def sentences(evidences: Sequence[Evidence]) -> list[str]:
+    """Say how the law with the largest evidence stands to each of the others."""
+    first, *others = ranked(evidences)
+    said = []
+    for other in others:
+        difference = first.log_evidence - other.log_evidence
+        error = hypot(first.error, other.error)
+        shown = f"ln B = {difference:.1f} +- {error:.1g}"
+        if word := told(difference, error):
+            odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"
+            pair = f"{first.label} against {other.label}"
+            said.append(f"The evidence for {pair} is {word}: odds of {odds} to 1 ({shown}).")
+        else:
+            said.append(f"{first.label} or {other.label}: cannot tell ({shown}).")
+    return said
