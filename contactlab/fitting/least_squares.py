@@ -15,6 +15,13 @@ from contactlab.fitting.parameters import Free, from_cube
 HIT: Final = 1e-4
 """Relative difference of two costs that are taken for one optimum."""
 
+LOOKS: Final = 8
+"""Points that are looked at for each start: a plateau, such as that on which every contact sticks, holds
+whatever starts there."""
+
+NO_SLOPE: Final = 1e-15
+"""Slope of a cost of one at which a start has ended; a plateau has none."""
+
 FLAT: Final = 1e-6
 """Singular value over the largest below which a direction changes nothing that is predicted."""
 
@@ -34,8 +41,8 @@ class Fit:
         free: what was free.
         values: the optimum [SI], shape (parameter,).
         cost: half the sum of the squared residuals there.
-        costs: that of every start's end, shape (start,), infinite where the residuals are not finite at
-            the start.
+        costs: that of every start's end, shape (start,), infinite where there were fewer points at which the
+            residuals are finite.
         hits: how many starts ended at the best cost.
         singular_values: of the Jacobian of the residuals in the unit cube at the optimum, falling.
         cannot_tell: names of the parameters that the residuals do not determine; see `undetermined`.
@@ -64,31 +71,34 @@ def best_fit(
     starts: int,
     seed: int,
     *,
+    looks: int = LOOKS,
     step: float | None = None,
     accuracy: float = 1e-8,
     advance: Callable[[], object] = bool,
 ) -> Fit:
-    """Find the values with the least sum of squared residuals, from the cube's middle and from drawn starts.
+    """Find the values with the least sum of squared residuals, from the best of many points of the cube.
 
-    The starts after the first are a Latin hypercube's. Each is followed by a trust region (Branch, Coleman
+    The points are its middle and a Latin hypercube's, so many for each start; the residuals are looked at
+    there, and the best points are started from. Each start is followed by a trust region (Branch, Coleman
     and Li 1999, SIAM J. Sci. Comput. 21, 1) that stays in the ranges. A step to where a residual is not
-    finite is shortened; a start there is given up.
+    finite is shortened; a point there is not started from.
 
     Args:
         residuals: gives from values [SI], shape (parameter,), the residuals, shape (residual,).
         free: what is free; without any the residuals are taken as they are.
         starts: how many, at least one.
-        seed: of the starts; the same seed gives the same bits.
+        seed: of the points; the same seed gives the same bits.
+        looks: points that are looked at for each start.
         step: of the differences in the unit cube that the derivatives are taken by; None is that of
             residuals without noise, 1.5e-8. A law that is integrated to a tolerance wants its square root.
         accuracy: relative change of cost, and of the point in the cube, at which a start has ended.
         advance: called as each start has ended.
 
     Raises:
-        ValueError: there is no start, or the residuals are finite at none of them.
+        ValueError: there is no start, or the residuals are finite at no point.
     """
-    if starts < 1:
-        raise ValueError(f"starts is {starts}; it must be at least 1.")
+    if starts < 1 or looks < 1:
+        raise ValueError(f"starts is {starts} and looks is {looks}; both must be at least 1.")
     free = tuple(free)
     if not free:
         return _of_nothing(residuals(np.empty(0)))
@@ -96,42 +106,63 @@ def best_fit(
     def in_cube(shares: Array) -> Array:
         return np.asarray(residuals(from_cube(free, shares)), dtype=np.float64)
 
-    ends: list[OptimizeResult | None] = []
-    for start in starting_points(len(free), starts, seed):
-        if np.isfinite(in_cube(start)).all():
-            bounds = (0.0, 1.0)
-            settings = {"ftol": accuracy, "xtol": accuracy, "gtol": None, "diff_step": step}
-            ends.append(least_squares(in_cube, start, bounds=bounds, **settings))
-        else:
-            ends.append(None)
-        advance()
-    costs = np.array([inf if end is None else float(end.cost) for end in ends])
-    best = ends[int(np.argmin(costs))]
-    if best is None:
+    points = starting_points(len(free), starts * looks, seed)
+    seen = np.array([_cost(in_cube(point)) for point in points])
+    if not np.isfinite(seen).any():
         names = ", ".join(map(str, free))
         raise ValueError(
-            f"None of {starts} starts has residuals that are finite numbers, of {names}. Narrow the ranges."
+            f"None of {len(points)} points has residuals that are finite numbers, of {names}. Narrow the "
+            "ranges."
         )
-    spread = noise(best.fun, len(free))
-    point = np.asarray(best.x)
+    # In units of the best that was seen, so that no tolerance depends on the unit of the residuals.
+    unit = sqrt(2.0 * seen.min()) or 1.0
+    best, ends = None, []
+    for place in np.argsort(seen, kind="stable")[:starts]:
+        end = None
+        if np.isfinite(seen[place]):
+            end = _descend(lambda shares: in_cube(shares) / unit, points[place], step, accuracy)
+            best = end if best is None or end.cost < best.cost else best
+        ends.append(inf if end is None else float(end.cost))
+        advance()
+    assert best is not None
+    return _fit(free, best, np.array(ends, dtype=np.float64), unit)
+
+
+def _descend(
+    residuals: Callable[[Array], Array], start: Array, step: float | None, accuracy: float
+) -> OptimizeResult:
+    """Follow one start to its end."""
+    settings = {"ftol": accuracy, "xtol": accuracy, "gtol": NO_SLOPE, "diff_step": step}
+    return least_squares(residuals, start, bounds=(0.0, 1.0), **settings)
+
+
+def _fit(free: tuple[Free, ...], best: OptimizeResult, ends: Array, unit: float) -> Fit:
+    """Say what was found, in the unit of the residuals."""
+    point, jacobian = np.asarray(best.x), np.asarray(best.jac) * unit
+    spread = noise(np.asarray(best.fun) * unit, len(free))
     return Fit(
         free,
         from_cube(free, point),
-        float(best.cost),
-        costs,
-        int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
-        np.linalg.svd(best.jac, compute_uv=False),
-        undetermined(free, best.jac, spread),
+        float(best.cost) * unit**2,
+        ends * unit**2,
+        int(np.sum(ends <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
+        np.asarray(np.linalg.svd(jacobian, compute_uv=False), dtype=np.float64),
+        undetermined(free, jacobian, spread),
         tuple(one.name for one, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
     )
 
 
-def starting_points(size: int, starts: int, seed: int) -> Array:
-    """Give the points of the unit cube from which a search begins, shape (start, parameter).
+def _cost(residuals: Array) -> float:
+    """Give half the sum of the squares, infinite where a residual is no number."""
+    return 0.5 * float(np.sum(residuals**2)) if np.isfinite(residuals).all() else inf
+
+
+def starting_points(size: int, points: int, seed: int) -> Array:
+    """Give the points of the unit cube from which a search begins, shape (point, parameter).
 
     The first is the middle, the others are a Latin hypercube's.
     """
-    drawn = qmc.LatinHypercube(size, seed=seed).random(starts - 1) if starts > 1 else np.empty((0, size))
+    drawn = qmc.LatinHypercube(size, seed=seed).random(points - 1) if points > 1 else np.empty((0, size))
     return np.vstack([np.full((1, size), 0.5), drawn])
 
 

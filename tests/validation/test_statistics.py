@@ -1,0 +1,56 @@
+"""Claims on folds, bootstrap intervals and the order of laws."""
+
+import numpy as np
+import pytest
+from scipy.stats import bootstrap
+
+from contactlab.validation.folds import folds_of
+from contactlab.validation.resampling import resampled
+
+
+def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
+    fold = folds_of(103, 5, seed=4)
+
+    assert sorted(np.bincount(fold)) == [20, 20, 21, 21, 21]
+    assert (fold == folds_of(103, 5, seed=4)).all()
+    assert (fold != folds_of(103, 5, seed=5)).any()
+
+
+def test_an_interval_is_that_of_an_independent_bootstrap():
+    skewed = np.random.default_rng(2).exponential(size=80)
+    ours = resampled(skewed[:, None], seed=1, resamples=20000).interval(0, 0.9)
+    theirs = bootstrap((skewed,), np.mean, confidence_level=0.9, n_resamples=20000, rng=3, method="BCa")
+
+    width = ours[1] - ours[0]
+    assert ours == pytest.approx(
+        (theirs.confidence_interval.low, theirs.confidence_interval.high), abs=0.03 * width
+    )
+
+
+def test_the_interval_of_a_difference_is_that_of_pairs():
+    rng = np.random.default_rng(0)
+    shared, apart = rng.normal(size=400), rng.normal(0.02, 0.05, size=400)
+    both = resampled(np.column_stack([shared, shared + apart]), seed=0)
+    mean, low, high = both.difference(1, 0)
+    spread = apart.std() / np.sqrt(400.0)
+
+    assert mean == pytest.approx(apart.mean())
+    # What both share has a spread of 1/sqrt(400), twenty times that.
+    assert (low, high) == pytest.approx((mean - 1.96 * spread, mean + 1.96 * spread), abs=0.15 * spread)
+    assert both.difference(0, 0) == (0.0, 0.0, 0.0)
+
+
+def test_nine_of_ten_intervals_of_nine_tenths_cover_a_skewed_mean():
+    rng, covered = np.random.default_rng(7), 0
+    for seed in range(300):
+        low, high = resampled(rng.exponential(size=(60, 1)), seed, 800).interval(0, 0.9)
+        covered += low <= 1.0 <= high
+
+    # Of 300 with a chance of 0.9 the deviation is 0.017.
+    assert 0.85 <= covered / 300 <= 0.95
+
+
+def test_the_same_seed_resamples_the_same_bits():
+    values = np.random.default_rng(1).random((50, 2))
+
+    assert resampled(values, 3, 300).means.tobytes() == resampled(values, 3, 300).means.tobytes()
