@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import bootstrap
 
 from contactlab.validation.folds import folds_of
-from contactlab.validation.resampling import resampled
+from contactlab.fitting.resampling import resampled
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
