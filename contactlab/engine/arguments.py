@@ -40,6 +40,11 @@ def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
 def check_kinds(motor: Motor, law: ContactLaw) -> None:
     """Refuse what is no motor, or no law of either family, by a TypeError."""
     check_kind("The motor", motor, Motor)
+    check_law(law)
+
+
+def check_law(law: ContactLaw) -> None:
+    """Refuse what is no law of either family by a TypeError."""
     if isinstance(law, str):
         raise TypeError(
             f"The law is the text {law!r}; it must be a law and not its name. "
@@ -73,6 +78,11 @@ def check_numbers(
             f"{SMALLEST_STEP:g} of the duration: shorter steps do not move the clock. Leave it out for the "
             "law's own default."
         )
+    check_tolerance(law, tolerance)
+
+
+def check_tolerance(law: ContactLaw, tolerance: float | None) -> None:
+    """Refuse a tolerance that no step can have, and any of a rigid law; None is the default."""
     if tolerance is None:
         return
     if isinstance(law, MultiplierLaw):

@@ -48,10 +48,20 @@ _compiled: set[object] = set()
 
 def loop_for(law: ContactLaw, run: Run) -> Any:
     """Give the loop of a law's kind, compiled or with its code loaded."""
-    plain = is_plain(law)
     loops: Any = (advance_compliant_with_memory, advance_compliant)
     if not isinstance(law, PenaltyLaw):
         loops = (advance_rigid_with_memory, advance_rigid)
+    motions = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
+    return compiled_for(law, loops, run, (run, *motions), (numba.types.int64,))
+
+
+def compiled_for(law: ContactLaw, loops: Any, run: Run, given: tuple[Any, ...], numbers: Any = ()) -> Any:
+    """Give the one of two loops that is for the law, compiled or with its code loaded.
+
+    The first is for laws that remember, the second for plain ones. They are called with things like those
+    given, then the law's rows, numbers of some types, and the law's kernels.
+    """
+    plain = is_plain(law)
     loop = loops[plain]
     room = loop, run.plant["phasors"].shape
     if INTERPRETED or room in _compiled:
@@ -67,17 +77,16 @@ def loop_for(law: ContactLaw, run: Run) -> Any:
     kernels = [*map(numba.types.FunctionType, SIGNATURES.values())][: OF_PLAIN if plain else None]
     row = SIGNATURES["force"].args[-1]
     rows = (row,) if plain else (row, row.copy(readonly=False))
-    memory = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
-    given = numba.typeof(run), *map(numba.typeof, memory), *rows, numba.types.int64
     loop.disable_compile(False)
-    loop.compile((*given, *kernels))
+    loop.compile((*map(numba.typeof, given), *rows, *numbers, *kernels))
     loop.disable_compile()
     _compiled.add(room)
     return loop
 
 
 @inner_kernel
-def _run_compliant(run: Run, states: Any, motions: Array, records: Records, law: Law, budget: int) -> None:
+def run_compliant(run: Run, states: Any, motions: Array, records: Records, law: Law, budget: int) -> None:
+    """Run a penalty law from starts, see `advance_compliant`."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
@@ -122,7 +131,7 @@ def advance_compliant(
     Call it again to go on: they and the records hold all that there is, however often a run is cut.
     """
     law = Law(force, friction, solve, parameters, None)
-    _run_compliant(run, states, motions, records, law, budget)
+    run_compliant(run, states, motions, records, law, budget)
 
 
 @kernel
@@ -163,7 +172,7 @@ def advance_compliant_with_memory(
     """Run a penalty law that is not plain, see `advance_compliant`."""
     memory = Memory(rate, guard, jumps, limits, moment, parameters, row)
     law = Law(force, friction, solve, parameters, memory)
-    _run_compliant(run, states, motions, records, law, budget)
+    run_compliant(run, states, motions, records, law, budget)
 
 
 @kernel

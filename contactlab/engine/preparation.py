@@ -162,8 +162,10 @@ def prepared(
     return Prepared(law, duration, contact_step, tolerance, *made)
 
 
-def take_in(law: ContactLaw) -> tuple[Array, Array, tuple[Any, ...], LawErrors]:
+def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, tuple[Any, ...], LawErrors]:
     """Give what a law's kernels read, between guards, its part that is memory, and the kernels.
+
+    Its answers are looked at for every new set of parameters, or `once` for all that have the same kernels.
 
     Raises:
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
@@ -174,7 +176,8 @@ def take_in(law: ContactLaw) -> tuple[Array, Array, tuple[Any, ...], LawErrors]:
     kernels, callbacks = kernels_of(law)
     errors = partial(law_errors, law.name, *callbacks)
     friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
-    made_of = kernels, parameters.tobytes(), friction, tuple(law.violations)
+    values = parameters.size if once else parameters.tobytes()
+    made_of = kernels, values, friction, tuple(law.violations)
     # Interpreted functions may have changed since.
     if callbacks or made_of not in _sound:
         with errors():

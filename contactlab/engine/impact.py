@@ -1,0 +1,301 @@
+"""Impacts by themselves: a contact between two bodies of which nothing but a Delassus matrix is known.
+
+A rigid law is asked once for each. Under a compliant law two bodies meet that this matrix joins: a free body
+of two coordinates q with unit masses, whose contact rows are the Cholesky factor of D,
+
+    gap rate = a qd_0,   slip = b qd_0 + c qd_1,   a = sqrt(D_nn),  b = D_nt / a,  c = sqrt(D_tt - b^2),
+
+over a plate, and the loop of the engine takes it from the touch-down to the release. Each impact has a ladder
+of steps of its own, in units of the time that the law's own force needs to stop the approach, so that its
+numbers hang neither on the units nor on what else is asked.
+"""
+
+from math import sqrt
+from typing import Any, Final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.compiled import inner_kernel, kernel, merged_kernel
+from contactlab.engine.context import Law, Memory, Records, Run
+from contactlab.engine.loop import run_compliant
+from contactlab.engine.state import INCONSISTENT, NOT_FINITE, RUNNING, TOUCHING, record
+from contactlab.laws.base import RATE_DEPENDENT, SLIP, STICK
+from contactlab.laws.memory import AT_TOUCH
+
+WAY: Final = 1e12
+"""Tip length and rotor radius [m] of a plate: a way x along it changes the gap by x^2 / WAY."""
+
+LONGEST: Final = 250.0
+"""Time that an impact is watched, in units of its own, see `_time_scale`; an elastic one takes two."""
+
+STEP_SHARE: Final = 0.5
+"""Longest step in the same unit."""
+
+HALVINGS: Final = 70
+"""Of a depth of a metre, below which no stop is looked for: down to 1e-21 m."""
+
+NO_END: Final = 2**62
+"""Steps that an impact may take: those of a pace are counted by the engine."""
+
+OUTCOME: Final = record(
+    real="normal_rate slip normal_impulse friction_impulse duration stick_duration peak_normal_force "
+    "max_penetration",
+    whole="mode ending released",
+)
+"""What became of an impact: gap rate and slip [m/s], impulses [N s], times [s], [N], [m]; how it ended."""
+
+MOMENT: Final = record(real="time normal_force friction_force gap")
+"""A record of a history [s], [N], [N], [m]; the forces are means since the one before."""
+
+
+@kernel
+def strike_rigid(contacts: Array, outcomes: Any, parameters: Array, solve: Any) -> None:
+    """Ask a plain multiplier law for every impact: u_n, u_t, D_nn, D_nt, D_tt, shape (impact, 5)."""
+    for i in range(outcomes.size):
+        _strike(contacts[i], outcomes[i], parameters, solve)
+
+
+@kernel
+def strike_rigid_with_memory(
+    contacts: Array, outcomes: Any, parameters: Array, row: Array, first: Array, solve: Any, jumps: Any
+) -> None:
+    """Ask a multiplier law that is told more, see `strike_rigid`.
+
+    `first`, shape (2, variable), has the internal variables before the touch-down, and room for those after.
+    """
+    count = first.shape[1]
+    for i in range(outcomes.size):
+        for k in range(count):
+            row[k] = first[0, k]
+        for k in range(count):
+            first[1, k] = jumps(k, AT_TOUCH, 0.0, contacts[i, 0], contacts[i, 1], 0.0, parameters)
+        for k in range(count):
+            row[k] = first[1, k]
+        _strike(contacts[i], outcomes[i], parameters, solve)
+
+
+@inner_kernel
+def _strike(contact: Array, outcome: Any, parameters: Array, solve: Any) -> None:
+    rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
+    p_n, p_t, mode = solve(rate, slip, rate, slip, nn, nt, tt, parameters)
+    outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
+    outcome.normal_impulse, outcome.friction_impulse = p_n, p_t
+    outcome.mode, outcome.ending, outcome.released = mode, RUNNING, 1
+    outcome.peak_normal_force = np.nan
+    if not np.isfinite(p_n + p_t):
+        _give_up(outcome, NOT_FINITE)
+    elif not p_n > 0.0:
+        _give_up(outcome, INCONSISTENT)
+
+
+@inner_kernel
+def _give_up(outcome: Any, ending: int) -> None:
+    """Leave no number where there is none."""
+    outcome.ending, outcome.mode, outcome.released = ending, 0, 0
+    outcome.normal_rate, outcome.slip = np.nan, np.nan
+    outcome.normal_impulse, outcome.friction_impulse = np.nan, np.nan
+    outcome.duration, outcome.stick_duration = np.nan, np.nan
+    outcome.peak_normal_force, outcome.max_penetration = np.nan, np.nan
+
+
+@kernel
+def strike_compliant(
+    run: Run,
+    states: Any,
+    motions: Array,
+    silent: Records,
+    records: Records,
+    contacts: Array,
+    outcomes: Any,
+    histories: Any,
+    parameters: Array,
+    force: Any,
+    friction: Any,
+    solve: Any,
+) -> None:
+    """Let every impact run under a penalty law, see `strike_rigid`.
+
+    The states are a fresh one, and room for that of the impact. Histories, shape (impact, record), may have
+    no record; then `records` are not used, else they have two more, and `silent` none.
+    """
+    law = Law(force, friction, solve, parameters, None)
+    _strike_all(run, states, motions, silent, records, contacts, outcomes, histories, law)
+
+
+@kernel
+def strike_compliant_with_memory(
+    run: Run,
+    states: Any,
+    motions: Array,
+    silent: Records,
+    records: Records,
+    contacts: Array,
+    outcomes: Any,
+    histories: Any,
+    parameters: Array,
+    row: Array,
+    force: Any,
+    friction: Any,
+    solve: Any,
+    rate: Any,
+    guard: Any,
+    jumps: Any,
+    limits: Any,
+    moment: Any,
+) -> None:
+    """Let every impact run under a penalty law that is not plain, see `strike_compliant`."""
+    memory = Memory(rate, guard, jumps, limits, moment, parameters, row)
+    law = Law(force, friction, solve, parameters, memory)
+    _strike_all(run, states, motions, silent, records, contacts, outcomes, histories, law)
+
+
+@inner_kernel
+def _strike_all(
+    run: Run,
+    states: Any,
+    motions: Array,
+    silent: Records,
+    records: Records,
+    contacts: Array,
+    outcomes: Any,
+    histories: Any,
+    law: Law,
+) -> None:
+    count = histories.shape[1]
+    for i in range(outcomes.size):
+        contact, outcome, state = contacts[i], outcomes[i], states[1]
+        _set_body(run, contact)
+        unit = _time_scale(run, law, law.memory, contact, states[0].begins)
+        _set_ladder(run, STEP_SHARE * unit)
+        # One pass tells how long the contact lasts, the other one records it.
+        for k in range(2 if count > 0 else 1):
+            states[1] = states[0]
+            state.end = state.window = LONGEST * unit
+            _throw(motions, contact, state.begins)
+            written = silent
+            if k == 1:
+                state.first, state.interval, written = 1, outcome.duration / count, records
+            run_compliant(run, states[1:], motions, written, law, NO_END)
+            _read(motions, contact, state, outcome)
+            if outcome.ending != RUNNING:
+                break
+        if count > 0:
+            _keep(records.series, histories[i], outcome, contact, motions)
+
+
+@merged_kernel
+def _set_body(run: Run, contact: Array) -> None:
+    """Give the body the rows of its Delassus matrix."""
+    a, b, c = _rows(contact)
+    first, second = run.plant.modes[0], run.plant.modes[1]
+    # u falls with the gap, and the way is -WAY sin(theta).
+    first.row_u, first.row_th, second.row_th = -a, -b / WAY, -c / WAY
+
+
+@inner_kernel
+def _rows(contact: Array) -> tuple[float, float, float]:
+    """Give a, b and c of the module."""
+    a = sqrt(contact[2])
+    b = contact[3] / a
+    return a, b, sqrt(contact[4] - b * b)
+
+
+@merged_kernel
+def _time_scale(run: Run, law: Law, memory: Memory | None, contact: Array, begins: float) -> float:
+    """Give a unit of time for an impact [s], from the law's own force.
+
+    At the depth d the force at the speed of the approach, times d, is the energy u_n^2 / (2 D_nn) of the
+    approach. The unit is sqrt(2 d / (D_nn N)), where N is the largest force down to there, be it a pull.
+    """
+    _recall_first(run, memory)
+    rate, slip, mobility = contact[0], contact[1], contact[2]
+    energy, most, before = 0.5 * rate * rate / mobility, 0.0, 0.0
+    depth = 0.5**HALVINGS
+    for _ in range(HALVINGS):
+        normal = law.force(begins - depth, rate, slip, -rate, law.parameters)[0]
+        work = normal * depth
+        if work >= energy:
+            if before > 0.0:
+                # Between two depths the work goes as a power of it, so that the unit does not jump.
+                back = np.log(work / energy) / np.log(work / before)
+                depth, normal = depth * 0.5**back, energy / (depth * 0.5**back)
+            most = max(most, normal)
+            break
+        most, before = max(most, abs(normal)), work
+        depth *= 2.0
+    return sqrt(2.0 * depth / (mobility * most)) if 0.0 < most < np.inf else -depth / rate
+
+
+@inner_kernel
+def _recall_first(run: Run, memory: Memory | None) -> None:
+    """Let the law's kernels see the internal variables before any contact."""
+    if memory is None:
+        return
+    for k in range(run.state.variables):
+        memory.row[k] = run.step.memory_first[k]
+
+
+@merged_kernel
+def _set_ladder(run: Run, longest: float) -> None:
+    """Let the steps be halvings of the longest [s], none of them built yet."""
+    rule = run.propagator.rule
+    rule.longest = longest
+    for k in range(rule.level_count):
+        level = run.propagator.levels[k]
+        level.length = longest
+        longest *= 0.5
+        if level.built == 1:
+            level.built = 0
+            level.tip_q[:] = 0.0
+            level.tip_v[:] = 0.0
+
+
+@merged_kernel
+def _throw(motions: Array, contact: Array, begins: float) -> None:
+    """Set the motion at the touch-down, where contacts begin at a gap [m]."""
+    a, b, c = _rows(contact)
+    motions[0, 0, 0], motions[0, 1, 0] = begins / a, contact[0] / a
+    motions[0, 0, 1] = -b * motions[0, 0, 0] / c
+    motions[0, 1, 1] = (contact[1] - b * motions[0, 1, 0]) / c
+
+
+@merged_kernel
+def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
+    """Read what became of the impact."""
+    a, b, c = _rows(contact)
+    v, met = motions[0, 1], state.contact
+    outcome.normal_rate, outcome.slip = a * v[0], b * v[0] + c * v[1]
+    outcome.normal_impulse, outcome.friction_impulse = met.normal_impulse, met.friction_impulse
+    outcome.duration, outcome.stick_duration = met.duration, met.stick_duration
+    outcome.peak_normal_force, outcome.max_penetration = met.peak_normal_force, met.max_penetration
+    outcome.released = 0 if state.phase == TOUCHING else 1
+    # It switches from one to the other.
+    slips = contact[1] != 0.0 or state.friction_kind == RATE_DEPENDENT
+    outcome.mode = SLIP if slips == (state.friction_switches % 2 == 0) else STICK
+    outcome.ending = state.ending
+    if state.ending != RUNNING:
+        _give_up(outcome, state.ending)
+
+
+@merged_kernel
+def _keep(series: Any, history: Any, outcome: Any, contact: Array, motions: Array) -> None:
+    """Keep a history: the impulses of the records, made mean forces."""
+    count = history.size
+    interval = outcome.duration / count
+    normal, friction = 0.0, 0.0
+    for r in range(count):
+        moment = history[r]
+        if outcome.ending != RUNNING:
+            moment.time, moment.gap = np.nan, np.nan
+            moment.normal_force, moment.friction_force = np.nan, np.nan
+            continue
+        p_n, p_t = outcome.normal_impulse, outcome.friction_impulse
+        gap = _rows(contact)[0] * motions[0, 0, 0]
+        if r < count - 1:
+            row = series[r]
+            p_n, p_t, gap = row.normal_force, row.friction_force, row.gap
+        moment.time = (r + 1) * interval
+        moment.normal_force, moment.friction_force = (p_n - normal) / interval, (p_t - friction) / interval
+        moment.gap = gap
+        normal, friction = p_n, p_t
