@@ -4,7 +4,7 @@ Signs as in `contactlab.motor.geometry`: velocities of the contact are (gap rate
 negative on approach, and an impulse p = (p_n, p_t) makes u+ = u- + D p.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self, final
 
 import numpy as np
@@ -112,18 +112,13 @@ class MeasuredImpacts:
 
     def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Self:
         """Give some of the impacts: a mask, or the places of those that are chosen, shape (any,)."""
-        covariance = None if self.covariance is None else self.covariance[chosen]
-        return type(self)(
-            self.delassus[chosen],
-            self.velocity_before[chosen],
-            self.velocity_after[chosen],
-            self.kinetic_energy[chosen],
-            self.outside[chosen],
-            covariance,
-            self.title,
-            self.source,
-            self.licence,
-            self.left_out,
-            self.number[chosen],
-            self.notes,
+        return replace(
+            self,
+            delassus=self.delassus[chosen],
+            velocity_before=self.velocity_before[chosen],
+            velocity_after=self.velocity_after[chosen],
+            kinetic_energy=self.kinetic_energy[chosen],
+            outside=self.outside[chosen],
+            covariance=None if self.covariance is None else self.covariance[chosen],
+            number=self.number[chosen],
         )

@@ -1,0 +1,129 @@
+"""The best impulses there are, against closed forms and a general optimiser."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from support.measured_impacts import drawn_bodies, drawn_impacts, kinetic
+
+from contactlab.measured.floors import (
+    best_admissible_impulses,
+    best_impulses,
+    constant_impulse,
+    velocities_after,
+    with_constant_impulse,
+)
+from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.noise import noise_from_outside
+
+IMPACTS = drawn_impacts(60, 1)
+
+
+def admitted(impacts: MeasuredImpacts, place: int, mu: float | None, impulse: np.ndarray) -> list[float]:
+    """What must not be negative, each over its own size."""
+    delassus, before = impacts.delassus[place], impacts.velocity_before[place]
+    after = before + delassus @ impulse
+    loss = kinetic(delassus, before) - kinetic(delassus, after)
+    scale = np.sqrt(2.0 * kinetic(delassus, before))
+    cone = [] if mu is None else [mu * impulse[0] - impulse[1], mu * impulse[0] + impulse[1]]
+    return [impulse[0] / scale, after[0] / scale, loss / scale**2, *(each / scale for each in cone)]
+
+
+@pytest.mark.parametrize("mu", [None, 0.0, 0.2, 1.0])
+def test_the_best_admissible_impulse_is_that_of_a_general_optimiser(mu: float | None) -> None:
+    found = best_admissible_impulses(IMPACTS, mu)
+    free = best_impulses(IMPACTS)
+    for place in range(len(IMPACTS)):
+        delassus = IMPACTS.delassus[place]
+        start = np.array([-IMPACTS.velocity_before[place, 0] / delassus[0, 0], 0.0])
+        oracle = minimize(
+            lambda p, at=place, d=delassus: (p - free[at]) @ d @ (p - free[at]),
+            start,
+            jac=lambda p, at=place, d=delassus: 2.0 * d @ (p - free[at]),
+            constraints={
+                "type": "ineq",
+                "fun": lambda p, at=place: np.array(admitted(IMPACTS, at, mu, np.asarray(p))),
+            },
+            method="SLSQP",
+            options={"ftol": 1e-14, "maxiter": 300},
+        )
+        mine = (found[place] - free[place]) @ delassus @ (found[place] - free[place])
+        assert min(admitted(IMPACTS, place, mu, found[place])) >= -2e-9
+        assert mine <= oracle.fun + 1e-7
+        # The optimiser keeps the bounds to its own tolerance alone.
+        assert mine >= oracle.fun - 1e-5
+
+
+def test_what_is_admissible_already_is_its_own_best_impulse() -> None:
+    free = best_impulses(IMPACTS)
+    allowed = [place for place, p in enumerate(free) if min(admitted(IMPACTS, place, None, p)) > 0.0]
+    assert 5 < len(allowed) < 55
+    assert best_admissible_impulses(IMPACTS)[allowed] == pytest.approx(free[allowed], rel=1e-12)
+
+
+def test_the_floors_lie_one_above_the_other() -> None:
+    errors = [
+        IMPACTS.errors(velocities_after(IMPACTS, impulses)).mean()
+        for impulses in (
+            best_impulses(IMPACTS),
+            best_admissible_impulses(IMPACTS),
+            best_admissible_impulses(IMPACTS, 0.5),
+            best_admissible_impulses(IMPACTS, 0.0),
+        )
+    ]
+    assert errors == sorted(errors)
+    least = np.sqrt(IMPACTS.outside / IMPACTS.kinetic_energy)
+    assert errors[0] == pytest.approx(least.mean(), rel=1e-12)
+
+
+def test_the_cone_of_a_mirrored_slip_is_mirrored() -> None:
+    """The tangent may be turned round, and nothing else may change."""
+    turn = np.array([1.0, -1.0])
+    turned = replace(
+        IMPACTS,
+        delassus=IMPACTS.delassus * np.outer(turn, turn),
+        velocity_before=IMPACTS.velocity_before * turn,
+        velocity_after=IMPACTS.velocity_after * turn,
+    )
+    for mu in (None, 0.3):
+        expected = best_admissible_impulses(IMPACTS, mu) * turn
+        assert best_admissible_impulses(turned, mu) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("mu", [-0.1, float("nan"), float("inf")])
+def test_a_cone_that_is_none_is_refused(mu: float) -> None:
+    with pytest.raises(ValueError, match="it must be at least 0"):
+        best_admissible_impulses(IMPACTS, mu)
+
+
+def test_no_other_constant_impulse_has_a_smaller_sum_of_squares() -> None:
+    best = constant_impulse(IMPACTS)
+
+    def cost(impulse: np.ndarray) -> float:
+        return float((IMPACTS.errors(with_constant_impulse(IMPACTS, impulse)) ** 2).sum())
+
+    for step in (1e-3, 0.1):
+        for away in ([step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]):
+            assert cost(best + away) > cost(best)
+
+
+def test_a_constant_impulse_is_found_again_where_there_is_one() -> None:
+    impulse = np.array([0.3, 0.05])
+    after = with_constant_impulse(IMPACTS, impulse)
+    made = replace(IMPACTS, velocity_after=after, outside=0.0 * IMPACTS.outside)
+    assert constant_impulse(made) == pytest.approx(impulse, rel=1e-12)
+    slip = np.sign(made.velocity_before[:, 1])
+    assert (np.sign(best_impulses(made)[:, 1]) == -slip).all()
+
+
+def test_the_noise_that_was_put_in_is_estimated_from_what_no_impulse_makes() -> None:
+    """From one direction of three, s^2 to 7 % of 2000 impacts: the median's error is 1.9/sqrt(n) of it."""
+    bodies = drawn_bodies(2000, 3, noise=0.05)
+    impacts = drawn_impacts(2000, 3)
+    made = replace(impacts, delassus=bodies.delassus(), outside=bodies.outside())
+    put_in = 0.05**2 * bodies.mass[0, 0, 0]
+    found = noise_from_outside(made, 3)[:, 0, 0] / made.delassus[:, 0, 0]
+    assert found == pytest.approx(np.full(2000, put_in), rel=0.15)
+    with pytest.raises(ValueError, match="at least 3"):
+        noise_from_outside(made, 2)
