@@ -87,7 +87,7 @@ def _nearer(one: str, other: str, title: str, apart: float, low: float, high: fl
     if low > 0.0:
         return (
             f"{one}'s impacts are nearer to what was measured ({title}) than {other}'s by {apart:.2g} +- "
-            f"{half:.1g}, with the parameters as run."
+            f"{half:.1g}."
         )
     return (
         f"Whether {one}'s or {other}'s impacts are nearer to what was measured ({title}) cannot be told: "

@@ -63,7 +63,7 @@ def _impact_rows(one: Measurement, mark: str) -> tuple[Metric, ...]:
         row(
             f"impact_error{mark}",
             "mean of ||v+ - v+_law||_M / ||v-||_M",
-            f"Error of predicted impacts ({one.title}): of the velocities after, in the norm of the kinetic "
+            f"error of predicted impacts ({one.title}): of the velocities after, in the norm of the kinetic "
             "energy before, parameters as run; less is better",
             "1",
             source,
@@ -71,7 +71,7 @@ def _impact_rows(one: Measurement, mark: str) -> tuple[Metric, ...]:
         row(
             f"impact_error_over_floor{mark}",
             "mean error / mean error of the best admissible impulse",
-            f"Error over the least that is admissible ({one.title}): the least is that of the impulses which "
+            f"error over the least that is admissible ({one.title}): the least is that of the impulses which "
             "do not pull, close or gain energy; less is better, and 1 the best",
             "1",
             source,
@@ -79,7 +79,7 @@ def _impact_rows(one: Measurement, mark: str) -> tuple[Metric, ...]:
         row(
             f"nearest_impacts{mark}",
             "share of impacts with error < least error of the other laws",
-            f"Share of impacts that no other law predicts as well ({one.title}): of the laws compared here; "
+            f"share of impacts that no other law predicts as well ({one.title}): of the laws compared here; "
             "more is better",
             "1",
             source,

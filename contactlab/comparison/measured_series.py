@@ -51,7 +51,7 @@ def _series_row(one: Measurement, name: str, stated: bool, mark: str) -> Metric:
     return row(
         f"{name}_misfit{mark}",
         f"rms of {said.symbol} - {said.symbol}_law" + (" over its error" if stated else ""),
-        f"Misfit of the measured {said.long_name} ({one.title}): rms over the measured time, {words}",
+        f"misfit of the measured {said.long_name} ({one.title}): rms over the measured time, {words}",
         "1" if stated else said.units,
         "; ".join(filter(None, (one.title, one.source))),
     )

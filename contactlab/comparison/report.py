@@ -164,7 +164,7 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
 
 
 def _list(sentences: Iterable[str]) -> str:
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences).replace("+-", PLUS_MINUS)
     return items and f"<ul>{items}</ul>"
 
 
