@@ -18,6 +18,7 @@ VERBS = {
     "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
     "laws": "list every installed law and part, with all that it declares",
     "steady": "find what the motor does once it has settled: velocity, torque, stability",
+    "validate": "judge contact laws by measured impacts that they were not fitted to",
     "verify": "print what is claimed of the engine and the laws, and what is found",
 }
 """What each verb does. Its work is `main(arguments)` in the module of its name beside this one."""

@@ -1,11 +1,9 @@
 """Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
 
-from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
-from string import Template
 from typing import Final
 
 import xarray
@@ -15,6 +13,7 @@ from contactlab.comparison.causes import settled_of, with_causes
 from contactlab.comparison.findings import conclusion, differences, first, verdicts
 from contactlab.comparison.measured import judged
 from contactlab.comparison.measurements import read_all
+from contactlab.comparison.page import bulleted, filled, pictured
 from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
@@ -138,34 +137,29 @@ def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
-    table, said_of = rows(data), differences(data)
+    table, said_of = rows(data), [s.replace("+-", PLUS_MINUS) for s in differences(data)]
     shown = {path.stem: _picture(path, said_of, settled="cause" in data.dims) for path in pictures}
     code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
     said = {
         "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
-        "first": _list(first(data)),
+        "first": bulleted(first(data)),
         "headline": escape(next(iter(said_of), "")),
-        "differences": _list(said_of[1:]),
+        "differences": bulleted(said_of[1:]),
         "causes": "\n".join(shown.pop(name, "") for name in ("settled_quantities", "variance_shares")),
         "conclusion": escape(conclusion(data)),
         "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
         "scorecard": "\n".join(_row(*row) for row in table),
         "pictures": "\n".join(shown.values()),
         "shares": _shares(data),
-        "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{_list(v)}" for k, v in verdicts(data).items()),
+        "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{bulleted(v)}" for k, v in verdicts(data).items()),
         "measured": _measured(data),
-        "notes": f"<h2>Notes</h2>{_list(notes)}" if notes else "",
+        "notes": f"<h2>Notes</h2>{bulleted(notes)}" if notes else "",
         "definitions": "\n".join(_definition(metric) for metric, _ in table),
         "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
         "versions": escape("; ".join(versions)),
     }
-    return Template(PAGE.read_text(encoding="utf-8")).substitute(said).replace("&lt;=", "\u2264")
-
-
-def _list(sentences: Iterable[str]) -> str:
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences).replace("+-", PLUS_MINUS)
-    return items and f"<ul>{items}</ul>"
+    return filled(PAGE, said)
 
 
 def _row(metric: Metric, cells: dict[str, Cell]) -> str:
@@ -190,7 +184,7 @@ def _measured(data: xarray.Dataset) -> str:
         said.append(f"{words} Source: {source}" if source else words)
     return (
         "<p>The last rows hold the laws, with the parameters as run, against what was measured; there \u00b1 "
-        f"is half of a 95 % interval by resampling the impacts. The data:</p>{_list(said)}"
+        f"is half of a 95 % interval by resampling the impacts. The data:</p>{bulleted(said)}"
     )
 
 
@@ -220,10 +214,7 @@ def _shares(data: xarray.Dataset) -> str:
 
 def _picture(path: Path, said_of: Sequence[str], *, settled: bool) -> str:
     words = {"motion": MOTION[settled], "headline": next(iter(said_of), "")}
-    said = escape(CAPTIONS[path.stem].format(**words).strip())
-    data = b64encode(path.read_bytes()).decode()
-    image = f"<img alt='{said}' src='data:image/png;base64,{data}'>"
-    return f"<figure>{image}<figcaption>{said}</figcaption></figure>"
+    return pictured(path, CAPTIONS[path.stem].format(**words).strip())
 
 
 def _definition(metric: Metric) -> str:

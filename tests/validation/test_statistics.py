@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import bootstrap
 
-from contactlab.validation.folds import folds_of
 from contactlab.fitting.resampling import resampled
+from contactlab.validation.folds import folds_of
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
