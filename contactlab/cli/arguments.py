@@ -16,6 +16,7 @@ VERBS = {
     "characterise": "make the data sheet of a motor: speed-torque curve, power, efficiencies, start and stop",
     "collect": "put the runs of a sweep into one dataset over their parameters",
     "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
+    "fit": "find numbers of law and motor from measurements, with posterior and evidence",
     "laws": "list every installed law and part, with all that it declares",
     "steady": "find what the motor does once it has settled: velocity, torque, stability",
     "validate": "judge contact laws by measured impacts that they were not fitted to",

@@ -211,7 +211,9 @@ class Answer:
         tree = xarray.DataTree(xarray.Dataset(attrs=self._attributes()))
         for group, columns in groups.items():
             made = xarray.Dataset(columns)
-            known: dict[Any, Any] = {name: np.arange(size) for name, size in made.sizes.items() if name in SAMPLED}
+            known: dict[Any, Any] = {
+                name: np.arange(size) for name, size in made.sizes.items() if name in SAMPLED
+            }
             known |= {name: values for name, values in coordinates.items() if name in made.dims}
             tree[group] = xarray.DataTree(made.assign_coords(known))
         tree["posterior"].attrs |= self._attributes()

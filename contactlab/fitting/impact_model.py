@@ -10,7 +10,7 @@ from contactlab.arrays import Array
 from contactlab.fitting.model import LARGEST, LOWEST, Measured
 from contactlab.fitting.noise import approach_scale, impact_terms
 from contactlab.fitting.parameters import Free, with_values
-from contactlab.impact import velocities_after
+from contactlab.impact import Impacts
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.parameter import positive
@@ -40,12 +40,14 @@ class ImpactModel:
     free: tuple[Free, ...] = field(init=False)
     scale: Array = field(init=False)
     covariance: Array = field(init=False)
+    asked: Impacts = field(init=False)
 
     def __post_init__(self) -> None:
         said = positive("s", "1", "error in the norm of the kinetic energy, over the approach")
         own = (Free(SPREAD, LOWEST, LARGEST, True, said),) if self.spread else ()
         stated, delassus = self.measured.covariance, self.measured.delassus
         object.__setattr__(self, "free", (*self.keys, *own))
+        object.__setattr__(self, "asked", Impacts(delassus, self.measured.velocity_before))
         object.__setattr__(self, "scale", approach_scale(delassus, self.measured.velocity_before))
         object.__setattr__(self, "covariance", np.zeros_like(delassus) if stated is None else stated)
 
@@ -76,7 +78,7 @@ class ImpactModel:
         # Values that are sound one by one need not be so together.
         except ValueError:
             return None
-        found = velocities_after(law, self.measured.delassus, self.measured.velocity_before)
+        found = self.asked.velocities_after(law)
         return {"velocity_after": found} if np.isfinite(found).all() else None
 
     def residuals(self, values: Array) -> Array:

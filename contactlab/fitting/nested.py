@@ -14,7 +14,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from importlib.util import find_spec
 from math import log
 from pathlib import Path
 from time import perf_counter
@@ -43,6 +43,9 @@ MISSING: Final = (
     "Posteriors need the packages dynesty and arviz, which are not installed. Install them with: pip install "
     "'contactlab[fit]' (in a clone: pip install -e '.[fit]')."
 )
+
+TINY: Final = 1e-12
+"""Evidence that is not missing any more, in ln Z."""
 
 Advance = Callable[[float], object]
 
@@ -135,10 +138,9 @@ def sample(
     Raises:
         NoSamplerError: dynesty is not installed.
     """
-    try:
-        from dynesty import NestedSampler
-    except ImportError as fault:
-        raise NoSamplerError(MISSING) from fault
+    available()
+    from dynesty import NestedSampler
+
     _CURRENT[:] = [model]
     with _pool(model, workers) as pool:
         sampler = _restored(checkpoint, pool)
@@ -156,7 +158,7 @@ def sample(
             )
         if not sampler.added_live:
             sampler.run_nested(
-                print_func=partial(_tell, advance, points),
+                print_func=_Watch(advance),
                 checkpoint_file=None if checkpoint is None else str(checkpoint),
                 checkpoint_every=EVERY,
                 resume=resumed,
@@ -177,6 +179,12 @@ def sample(
         points,
         seed,
     )
+
+
+def available() -> None:
+    """Refuse to go on, by a NoSamplerError, where dynesty or ArviZ is not installed."""
+    if any(find_spec(name) is None for name in ("dynesty", "arviz")):
+        raise NoSamplerError(MISSING)
 
 
 def _log_likelihood(values: Array) -> float:
@@ -226,15 +234,18 @@ def _restored(checkpoint: Path | None, pool: Any) -> Any:
         return None
 
 
-def _tell(advance: Advance, points: int, found: Any, iteration: int, _calls: int, **others: Any) -> None:
-    """Tell the share that is done: what is left is the time in which the volume falls as far as it must."""
-    if others.get("add_live_it") is not None:
-        advance(1.0)
-        return
-    missing, limit = float(found.delta_logz), float(others["dlogz"])
-    left = (
-        points * max(log(max(missing, limit) / limit), 0.0)
-        if missing < 1.0
-        else points * (missing + log(1.0 / limit))
-    )
-    advance(iteration / (iteration + left + 1.0))
+@final
+class _Watch:
+    """Tells the share that is done, by the evidence that may still be missing: it falls evenly by factors."""
+
+    def __init__(self, advance: Advance) -> None:
+        self._advance = advance
+        self._first = 0.0
+
+    def __call__(self, found: Any, _iteration: int, _calls: int, **others: Any) -> None:
+        missing, limit = max(float(found.delta_logz), TINY), float(others["dlogz"])
+        self._first = max(self._first, missing)
+        if others.get("add_live_it") is not None or self._first <= limit:
+            self._advance(1.0)
+        else:
+            self._advance(min(log(self._first / missing) / log(self._first / limit), 1.0))

@@ -21,7 +21,7 @@ from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.parameter import from_cf
-from contactlab.results.files import damage, digest_of_file
+from contactlab.results.files import damage, digest_of_file, whole_netcdf
 from contactlab.suggestion import suggestion
 from contactlab.variables import Variable
 
@@ -111,6 +111,30 @@ class MeasuredSeries:
         return data
 
 
+def chosen_names(text: str | None) -> list[str]:
+    """Give names of what may be measured from a text with commas; the rotor's velocity from none.
+
+    Raises:
+        ValueError: a name that there is not; a sentence.
+    """
+    names = [name.strip() for name in text.split(",")] if text else ["rotor_velocity"]
+    for name in names:
+        if name not in MEASURABLE:
+            hint = suggestion(name, MEASURABLE, f"There is {', '.join(MEASURABLE)}.")
+            raise ValueError(f"'{name}' is nothing that may be measured of a motor. {hint}")
+    return names
+
+
+def write_series(measured: MeasuredSeries, path: Path) -> None:
+    """Write a file of measured series, netCDF, whole or not at all.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    with whole_netcdf(path) as partial:
+        measured.to_xarray().to_netcdf(partial, engine="netcdf4")
+
+
 def read_series(path: Path) -> MeasuredSeries:
     """Read a file of measured series, or a run.
 
@@ -131,40 +155,49 @@ def read_series(path: Path) -> MeasuredSeries:
     time = _time(data, faults)
     there = [name for name in MEASURABLE if name in data.variables]
     if not there:
-        known = ", ".join(MEASURABLE)
         held = ", ".join(map(str, data.variables)) or "nothing"
         faults.append(
-            f"it has none of what may be measured of a motor; there must be one of {known}. It has {held}."
+            "it has nothing that may be measured of a motor; there must be one of "
+            f"{', '.join(MEASURABLE)}. It has {held}."
         )
-    values, errors = {}, {}
-    for name in there:
-        found = _column(data, name, MEASURABLE[name].units, time.size, faults)
-        if found is not None:
-            values[name] = found
-        if f"{name}{ERROR}" in data.variables:
-            deviation = _column(data, f"{name}{ERROR}", MEASURABLE[name].units, time.size, faults)
-            if deviation is not None and not deviation.min() > 0.0:
-                faults.append(
-                    f"{name}{ERROR} is {deviation.min():g} at the least; a standard deviation must be greater "
-                    "than 0. Leave it out for one that is to be found."
-                )
-            elif deviation is not None:
-                errors[name] = deviation
+    columns = {name: _column(data, name, MEASURABLE[name].units, time.size, faults) for name in there}
+    errors = {name: _error(data, name, time.size, faults) for name in there}
+    configuration = _configuration(data, faults)
     faults += _strange(data)
-    configuration: Any = {}
-    try:
-        configuration = yaml.safe_load(str(data.attrs.get("configuration", "{}")))
-    # Besides its own errors YAML raises those of impossible dates.
-    except (yaml.YAMLError, ValueError) as error:
-        faults.append(f"its configuration is no YAML: {' '.join(str(error).split())}. Leave it out.")
-    if not isinstance(configuration, dict):
-        faults.append(
-            "its configuration must be a mapping of groups of keys, as that of a run. Leave it out."
-        )
     if faults:
         raise SeriesError(path, faults)
     attributes = {str(key): value for key, value in data.attrs.items() if key != "configuration"}
-    return MeasuredSeries(time, values, errors, configuration, attributes, digest_of_file(path))
+    values, deviations = (
+        {name: column for name, column in each.items() if column is not None} for each in (columns, errors)
+    )
+    return MeasuredSeries(time, values, deviations, configuration, attributes, digest_of_file(path))
+
+
+def _error(data: xarray.Dataset, name: str, size: int, faults: list[str]) -> Array | None:
+    """Give the standard deviation of a series' error, None where none is stated."""
+    if f"{name}{ERROR}" not in data.variables:
+        return None
+    found = _column(data, f"{name}{ERROR}", MEASURABLE[name].units, size, faults)
+    if found is not None and found.size and not found.min() > 0.0:
+        faults.append(
+            f"{name}{ERROR} is {found.min():g} at the least; a standard deviation must be greater than 0. "
+            "Leave it out for one that is to be found."
+        )
+    return found
+
+
+def _configuration(data: xarray.Dataset, faults: list[str]) -> dict[str, Any]:
+    """Give what the file tells of the motor."""
+    try:
+        found = yaml.safe_load(str(data.attrs.get("configuration", "{}")))
+    # Besides its own errors YAML raises those of impossible dates.
+    except (yaml.YAMLError, ValueError) as error:
+        faults.append(f"its configuration is no YAML: {' '.join(str(error).split())}. Leave it out.")
+        return {}
+    if not isinstance(found, dict):
+        faults.append("its configuration must be a mapping of groups of keys, as a run's. Leave it out.")
+        return {}
+    return found
 
 
 def _time(data: xarray.Dataset, faults: list[str]) -> Array:
@@ -184,8 +217,8 @@ def _time(data: xarray.Dataset, faults: list[str]) -> Array:
         )
     elif time[0] < 0.0:
         faults.append(
-            f"time begins at {time[0]:.9g} s; it must not be negative, 0 being when the drive is switched on. "
-            "Leave out what was before."
+            f"time begins at {time[0]:.9g} s; it must not be negative, 0 being when the drive is switched "
+            "on. Leave out what was before."
         )
     return time
 
@@ -220,4 +253,4 @@ def _strange(data: xarray.Dataset) -> Iterator[str]:
     """Say what is the error of nothing: a slip of the pen that would be passed over."""
     for name in map(str, data.data_vars):
         if name.endswith(ERROR) and name.removesuffix(ERROR) not in data.variables:
-            yield f"{name} is there and {name.removesuffix(ERROR)} is not; it must be. Rename it or leave it out."
+            yield f"{name} is there and {name.removesuffix(ERROR)} is not; rename it or leave it out."

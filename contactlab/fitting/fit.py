@@ -1,0 +1,243 @@
+"""A fit from data and words to answers: models posed, least squares, posteriors, and what is left of it."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Final, Literal, final
+
+import xarray
+import yaml
+
+from contactlab.config import ConfigurationError, Setup
+from contactlab.fitting import figures
+from contactlab.fitting.answer import Answer
+from contactlab.fitting.impact_model import ImpactModel
+from contactlab.fitting.least_squares import Fit, best_fit
+from contactlab.fitting.model import Model
+from contactlab.fitting.nested import POINTS, Posterior, sample
+from contactlab.fitting.page import page
+from contactlab.fitting.series_model import series_model
+from contactlab.fitting.synthetic import truth_in
+from contactlab.fitting.words import Words, free_keys, refuse_unknown, setups_of
+from contactlab.laws import PenaltyLaw
+from contactlab.measured.files import read_impacts
+from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series
+from contactlab.results.files import digest_of_file, whole_file
+from contactlab.results.provenance import UNKNOWN, code_digest
+
+STARTS: Final = 16
+"""Of least squares, where nothing is said."""
+
+STEP: Final = 3e-4
+"""Of differences in the unit cube, where a law is integrated to a tolerance."""
+
+LEAST: Final = 3
+"""Impacts that something can be found from."""
+
+Discrepancy = Literal["off", "on", "both"]
+Data = MeasuredSeries | MeasuredImpacts
+Advance = Callable[[float], object]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Question:
+    """A model that is ready to be fitted, with what its answer is to tell of its origin."""
+
+    label: str
+    model: Model
+    step: float | None
+    truth: dict[str, float]
+    origin: dict[str, str]
+
+    def key(self, points: int, seed: int) -> str:
+        """Tell this question from all others, code included: only what was begun of it is gone on with."""
+        try:
+            sampler = version("dynesty")
+        except PackageNotFoundError:
+            sampler = UNKNOWN
+        free = [str(one) for one in self.model.free]
+        said = [self.label, self.origin, free, points, seed, code_digest(), sampler]
+        return sha256(json.dumps(said).encode()).hexdigest()[:16]
+
+
+def read(path: Path) -> Data:
+    """Read measured series, or impacts, whatever the file holds.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it holds neither; a sentence for each fault.
+    """
+    try:
+        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as data:
+            names = {str(name) for name in data.variables}
+    # What is no netCDF may be another file of impacts.
+    except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
+            raise
+        names = set()
+    return read_series(path) if names & {"time", *MEASURABLE} else read_impacts(path)
+
+
+def pose(data: Data, words: Words, discrepancy: Discrepancy, name: str, digest: str = "") -> list[Question]:
+    """Pose the questions of a fit: a model for each law, twice where it is to be seen if the law suffices.
+
+    Args:
+        data: what was measured.
+        words: of the fit.
+        discrepancy: whether the laws may be wrong.
+        name: of the data.
+        digest: of their file.
+
+    Raises:
+        ConfigurationError: with every fault.
+    """
+    told = data.configuration if isinstance(data, MeasuredSeries) else {}
+    setups = setups_of(words, told)
+    if len(setups) > 1:
+        refuse_unknown(setups, words)
+    if isinstance(data, MeasuredImpacts):
+        _refuse_impacts(data, words, discrepancy)
+    questions, faults = [], []
+    for setup in setups:
+        for may_err in {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]:
+            try:
+                questions.append(_question(data, setup, words, name, digest, may_err=may_err))
+            except ConfigurationError as error:
+                faults += error.faults
+    if faults:
+        raise ConfigurationError(list(dict.fromkeys(faults)))
+    if discrepancy == "both":
+        return questions
+    return [replace(one, label=one.model.law) for one in questions]
+
+
+def _question(data: Data, setup: Setup, words: Words, name: str, digest: str, *, may_err: bool) -> Question:
+    """Pose one question."""
+    keys, fields = free_keys(setup, words)
+    model: Model
+    if isinstance(data, MeasuredSeries):
+        model = series_model(data, setup.configuration, keys, discrepancy=may_err)
+        step: float | None = STEP
+    else:
+        if len(fields) < len(keys):
+            others = [one.name for one in keys if not one.name.startswith(("law.", "contact.f"))]
+            sentence = f"{', '.join(others)} is of the motor, and impacts are of the law alone; leave it out."
+            raise ConfigurationError([sentence])
+        spread = may_err or data.covariance is None
+        model = ImpactModel(data, setup.law, fields, keys, spread)
+        step = STEP if isinstance(setup.law, PenaltyLaw) else None
+    if not model.free:
+        words_of = f"Nothing is free under law={setup.law.name}; give a range, KEY=LOW..HIGH."
+        raise ConfigurationError([words_of])
+    known = truth_in(data, setup.law.name)
+    said = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
+    origin = {"data": name, "digest": digest, "configuration": said}
+    label = f"{setup.law.name} + discrepancy" if may_err else setup.law.name
+    truth = {one.name: known[one.name] for one in keys if one.name in known}
+    return Question(label, model, step, truth, origin)
+
+
+def _refuse_impacts(data: MeasuredImpacts, words: Words, discrepancy: Discrepancy) -> None:
+    faults = []
+    if len(data) < LEAST:
+        faults.append(f"There are {len(data)} impacts; there must be {LEAST} at the least to fit a law to.")
+    if data.covariance is None and discrepancy != "off":
+        faults.append(
+            "The data state no error of their velocities, so that noise and discrepancy cannot be told "
+            "apart: one level of both is fitted anyway. Leave --discrepancy out, or state it by --noise."
+        )
+    if not words.laws:
+        faults.append("The data tell no law; name one, law=newton, or several, law=newton,poisson.")
+    if faults:
+        raise ConfigurationError(faults)
+
+
+def fit(
+    questions: Sequence[Question],
+    folder: Path | None = None,
+    *,
+    points: int = POINTS,
+    seed: int = 0,
+    starts: int = STARTS,
+    advance: Advance = bool,
+) -> list[Answer]:
+    """Answer questions one by one.
+
+    Args:
+        questions: as posed.
+        folder: that exists, for checkpoints from which the same fit goes on; None leaves none.
+        points: live points of nested sampling.
+        seed: the same gives the same bits.
+        starts: of least squares.
+        advance: told how many questions are answered, parts of one included.
+
+    Raises:
+        contactlab.fitting.nested.NoSamplerError: dynesty is not installed.
+    """
+    answers = []
+    for number, one in enumerate(questions):
+        checkpoint = None if folder is None else checkpoint_of(folder, one, points, seed)
+
+        def tell(share: float, number: int = number) -> None:
+            advance(number + min(share, 1.0))
+
+        found = sample(one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell)
+        answers.append(
+            Answer(one.label, one.model, _optimum(one, starts, seed), found, one.truth, one.origin)
+        )
+    return answers
+
+
+def _optimum(question: Question, starts: int, seed: int) -> Fit | None:
+    """Give the least squares of what is free of law and motor; None where nothing is, or nothing is found."""
+    model = question.model
+    physical = model.free[: model.physical]
+    if not physical:
+        return None
+    try:
+        return best_fit(model.residuals, physical, starts, seed, step=question.step)
+    # The law predicts nothing at any of the starts.
+    except ValueError:
+        return None
+
+
+def checkpoint_of(folder: Path, question: Question, points: int, seed: int) -> Path:
+    """Give the file in which a fit that is stopped leaves how far it has come."""
+    name = question.label.replace(" + ", "-")
+    return folder / f".{name}-{question.key(points, seed)}.checkpoint"
+
+
+def left_of_others(folder: Path, questions: Sequence[Question], points: int, seed: int) -> list[Path]:
+    """Give the checkpoints in a folder that are of other questions."""
+    mine = {checkpoint_of(folder, one, points, seed) for one in questions}
+    return sorted(path for path in folder.glob(".*.checkpoint") if path not in mine)
+
+
+def save(answers: Sequence[Answer], folder: Path) -> list[str]:
+    """Write posteriors, pictures and the page into a folder that exists, and give the names of the files.
+
+    Raises:
+        OSError: the folder cannot be written to.
+    """
+    pictures, names = {}, []
+    for one in answers:
+        ending = f"_{one.file}" if len(answers) > 1 else ""
+        one.save(folder / f"posterior{ending}.nc")
+        pictures[one.label] = figures.save(one, folder, ending)
+        names.append(f"posterior{ending}.nc")
+    with whole_file(folder / "fit.html") as partial:
+        partial.write_text(page(answers, pictures), encoding="utf-8")
+    return ["fit.html", *names]
+
+
+def digest_told(data: Data, path: Path) -> str:
+    """Give the digest of the file that data are from."""
+    return data.digest if isinstance(data, MeasuredSeries) and data.digest else digest_of_file(path)
+
+
+__all__ = ["Advance", "Posterior", "Question", "fit", "pose", "read", "save"]
