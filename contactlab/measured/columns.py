@@ -57,9 +57,14 @@ MASS: Final = Column("mass_{}", ("kg", "kg m2"), "mass or moment of inertia of a
 COUPLING: Final = Column(
     "mass_{}_{}", ("kg", "kg m", "kg m2"), "element of the mass matrix off its diagonal; 0 where not given"
 )
-NORMAL: Final = Column("normal_{}", ("1", "m"), "the gap rate is the sum of normal_NAME times NAME", _BODIES)
+NORMAL: Final = Column(
+    "normal_{}", ("1", "m rad-1"), "the gap rate is the sum of normal_NAME times NAME", _BODIES
+)
 TANGENTIAL: Final = Column(
-    "tangential_{}", ("1", "m"), "the slip is the sum of tangential_NAME times NAME", f"{_BODIES}, see below"
+    "tangential_{}",
+    ("1", "m rad-1"),
+    "the slip is the sum of tangential_NAME times NAME",
+    f"{_BODIES}, see below",
 )
 DELASSUS: Final = (
     Column("delassus_nn", ("kg-1",), "gap rate that a normal impulse of 1 N s makes", _CONTACT),
@@ -132,9 +137,11 @@ def tables() -> str:
     ):
         lines += [f"**{title}**", "", "| column | unit | what it is | needed |", "|---|---|---|---|"]
         for column in columns:
-            name = column.form.format(*("NAME", "OTHER")[: column.coordinates])
-            units = " or ".join(dict.fromkeys(from_cf(each) for each in column.units))
-            lines.append(f"| `{name}` | {units} | {column.meaning} | {column.needed} |")
+            contact = columns is CONTACT_COLUMNS and column.coordinates
+            several = [(name,) for name in CONTACT] if contact else [("NAME", "OTHER")[: column.coordinates]]
+            names = " ".join(f"`{column.form.format(*each)}`" for each in several)
+            units = " or ".join(from_cf(each) for each in column.units[: 1 if contact else None])
+            lines.append(f"| {names} | {units} | {column.meaning} | {column.needed} |")
         lines.append("")
     lines += ["**Words**", "", "| name | what it says |", "|---|---|"]
     lines += [f"| `{name}` | {meaning} |" for name, meaning in WORDS.items()]

@@ -18,7 +18,8 @@ from contactlab.measured.table import Table
 
 _SAID: Final = re.compile(r"(?P<name>[^\W\d]\w*)\s*(\[(?P<unit>[^]]*)\])?\s*:\s+(?P<value>.*)")
 _HEAD: Final = re.compile(r"(?P<name>[^[\]]*?)\s*(\[(?P<unit>[^]]*)\])?")
-_QUANTITY: Final = re.compile(r"(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>\D.*|)")
+_QUANTITY: Final = re.compile(r"(?P<number>[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*(?P<unit>\D.*|)")
+_LINE_END: Final = re.compile(r"\r\n|\n|\r")
 _DECIMAL_COMMA: Final = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 
@@ -28,7 +29,7 @@ def read_csv(text: str) -> Table:
     Raises:
         MeasurementError: it has no header, two columns of one name, or rows of another length.
     """
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip(" \t,;")]
+    lines = [(number, line) for number, line in enumerate(_LINE_END.split(text), 1) if line.strip(" \t,;")]
     said = [(number, line) for number, line in lines if _is_comment(line)]
     rows = [(number, line) for number, line in lines if not _is_comment(line)]
     if not rows:
@@ -67,7 +68,7 @@ def write_csv(
     rows = {name: values for name, values in columns.items() if values.ndim}
     with path.open("w", encoding="utf-8", newline="") as stream:
         for name, text in words.items():
-            stream.writelines(f"# {name}: {line}\n" for line in text.splitlines())
+            stream.writelines(f"# {name}: {line}\n" for line in text.split("\n"))
         for name, value in columns.items():
             if not value.ndim:
                 unit = "" if units[name] == "1" else f" {units[name]}"
@@ -90,9 +91,12 @@ def _split(rows: list[tuple[int, str]], separator: str) -> Iterator[tuple[int, l
         width = width or _width(row)
         while len(row) > width and not row[-1]:
             row.pop()
-        if separator != ",":
-            row = [cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell for cell in row]
-        yield number, row
+        yield number, [_plain(cell, separator) for cell in row]
+
+
+def _plain(cell: str, separator: str) -> str:
+    """Give a cell with a decimal point where it has a decimal comma, which commas between columns exclude."""
+    return cell.replace(",", ".") if separator != "," and _DECIMAL_COMMA.fullmatch(cell) else cell
 
 
 def _width(header: list[str]) -> int:
@@ -110,7 +114,9 @@ def _said(
         text = line.strip()
         if text.startswith('"'):
             text = "".join(next(csv.reader(StringIO(text), delimiter=separator)))
-        found = _SAID.fullmatch(text.lstrip("# \t").rstrip(f"{separator} \t"))
+        # A spreadsheet ends every line with as many separators as there are columns.
+        text = re.sub(rf"{separator}{{2,}}$", "", text)
+        found = _SAID.fullmatch(text.lstrip("# \t"))
         if found is None:
             continue
         name, value = found["name"].lower().replace("license", "licence"), found["value"].strip()
@@ -123,7 +129,7 @@ def _said(
                 )
             if found["unit"] is not None and quantity["unit"]:
                 raise MeasurementError(f"'{found['name']}' has two units in line {number}; one will do.")
-            shared[found["name"]] = np.array(float(quantity["number"]))
+            shared[found["name"]] = np.array(_plain(quantity["number"], separator), dtype=object)
             units[found["name"]] = found["unit"] if found["unit"] is not None else quantity["unit"] or None
     return words, shared, units
 

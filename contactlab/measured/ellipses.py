@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 import scipy.io
 
+from contactlab.measured.faults import MeasurementError, told_energies
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.reduction import BodyImpacts
 
@@ -33,11 +34,10 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
     what impulses can do, see `contactlab.measured.reduction`. What was found is in `notes`.
 
     Raises:
-        OSError: the file cannot be read.
-        ValueError: it is no such file.
+        MeasurementError: it is no such file.
     """
     table = _table(path)
-    states, normal, tangential, flags = (_rows(path, table, *column) for column in _COLUMNS.items())
+    states, normal, tangential, flags = (_rows(table, *column) for column in _COLUMNS.items())
     clean = ~flags.any(axis=1)
     mass = MASS * np.diag([1.0, 1.0, sum(axis**2 for axis in AXES) / 4.0])
     made = {}
@@ -52,23 +52,25 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
     shares = {sign: bodies.outside_share() for sign, bodies in made.items()}
     sign = min(_SIGNS, key=lambda each: shares[each])
     bodies, words = made[sign], "as it stands" if sign > 0 else "reversed"
+    before, after, delassus = bodies.contact(bodies.before), bodies.contact(bodies.after), bodies.delassus()
     return MeasuredImpacts(
-        bodies.delassus(),
-        bodies.contact(bodies.before),
-        bodies.contact(bodies.after),
+        delassus,
+        before,
+        after,
         bodies.energy(bodies.before),
         bodies.outside(),
         None,
         "Impacts of an ellipse on a flat plate",
         "Fazeli, Zapolsky, Drumwright and Rodriguez (2020), Robotics Research, 555; tracked at 250 Hz",
-        "MIT (the authors' repository)",
+        "MIT, the authors; BSD-3-Clause, the copy in DAIRLab/ImpactModeling",
         int((~clean).sum()),
         np.flatnonzero(clean) + 1,
         (
-            f"The third component of the tangential row is taken {words}: so {shares[sign]:.2%} of the "
-            "jump's energy (median) lies outside of what impulses can do, and "
-            f"{shares[-sign]:.2%} with the other sign.",
+            f"The third component of the tangential row is taken {words}: so {100.0 * shares[sign]:.2f} % "
+            "of the jump's energy (median) lies outside of what impulses can do, and "
+            f"{100.0 * shares[-sign]:.2f} % with the other sign.",
             "The gravity of one frame of 4 ms is in the velocities: 0.04 m/s.",
+            *told_energies(before, after, delassus),
         ),
     )
 
@@ -79,24 +81,25 @@ _COLUMNS: Final = {"states": 12, "n": 3, "d": 3, "flags": 6}
 def _table(path: Path) -> np.ndarray:
     try:
         found = scipy.io.loadmat(path, variable_names=["bounce_array"])
-    except (ValueError, NotImplementedError, scipy.io.matlab.MatReadError) as error:
-        raise ValueError(f"'{path}' cannot be read as a MATLAB file: {error}.") from error
+    # One that is cut off ends in an OSError, one that is damaged in nearly anything.
+    except (OSError, ValueError, TypeError, NotImplementedError, scipy.io.matlab.MatReadError) as error:
+        raise MeasurementError(f"it cannot be read as a MATLAB file: {error}.") from error
     table = found.get("bounce_array")
     if table is None or table.dtype.names is None or not set(_COLUMNS) <= set(table.dtype.names):
-        raise ValueError(
-            f"'{path}' is a MATLAB file without the ellipse impacts, an array 'bounce_array' with "
+        raise MeasurementError(
+            f"it is a MATLAB file without the ellipse impacts, an array 'bounce_array' with "
             f"{', '.join(_COLUMNS)}; write other measurements as CSV or netCDF, see docs/measured_data.md."
         )
     return np.asarray(table).ravel()
 
 
-def _rows(path: Path, table: np.ndarray, name: str, width: int) -> np.ndarray:
+def _rows(table: np.ndarray, name: str, width: int) -> np.ndarray:
     """Give a column of the table, shape (impact, width)."""
     rows = [np.asarray(row, dtype=np.float64).ravel() for row in table[name]]
     for place, row in enumerate(rows):
         if row.size != width or not np.isfinite(row).all():
-            raise ValueError(
-                f"'{path}': {name} of impact {place + 1} has {row.size} numbers, or some that are not "
+            raise MeasurementError(
+                f"{name} of impact {place + 1} has {row.size} numbers, or some that are not "
                 f"finite; it must have {width} finite ones."
             )
     return np.array(rows)

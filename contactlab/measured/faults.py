@@ -10,9 +10,9 @@ from scipy.stats import f as f_distribution
 from contactlab.arrays import Array
 from contactlab.measured.reduction import BodyImpacts
 
-LARGEST_SHARE: Final = 0.01
-"""Share of the jump's energy outside of the impulses' span that errors nobody states may explain: a tenth of
-the jump itself, where tracked velocities are good to some hundredths."""
+LARGEST_SHARE: Final = 1e-4
+"""Share of the jump's energy outside of the impulses' span below which a wrong sign makes no difference that a
+comparison of laws would see: that of a hundredth of the jump."""
 
 BEYOND_ERRORS: Final = 4.0
 """How many times the share that the stated errors explain is too much, twice them; and by how much another
@@ -21,8 +21,8 @@ sign must reduce it to be meant."""
 BY_CHANCE: Final = 0.01
 """Probability at which a sign that reduces the share may do so by chance, over all signs that are tried."""
 
-NEARLY_NONE: Final = 1e-6
-"""Share that is round-off of the numbers in a file, whatever the signs."""
+ROUND_OFF: Final = 1e-12
+"""Share that is none."""
 
 PASSES_THROUGH: Final = 0.05
 """Share of the approach with which bodies may leave into each other, median: errors of a plastic impact."""
@@ -112,9 +112,9 @@ def check_span(bodies: BodyImpacts, names: Sequence[str], angles: Sequence[bool]
         words += f", and the stated errors explain {_percent(explained)}"
     column, turned = _best_sign(bodies, names, angles)
     freedom = len(bodies.before) * (len(names) - 2)
-    ratio = stands / turned if turned > 0.0 else np.inf
+    ratio = stands / max(turned, ROUND_OFF)
     chance = 2 * len(names) * float(f_distribution.sf(ratio, freedom, freedom))
-    better = ratio > BEYOND_ERRORS and chance < BY_CHANCE and stands > NEARLY_NONE
+    better = ratio > BEYOND_ERRORS and chance < BY_CHANCE
     too_large = stands > (LARGEST_SHARE if explained is None else BEYOND_ERRORS * explained)
     if better and too_large and not keep:
         raise MeasurementError(
@@ -142,7 +142,7 @@ def _best_sign(bodies: BodyImpacts, names: Sequence[str], angles: Sequence[bool]
             if (values[:, 0] > 1e-9 * values[:, 1]).all():
                 found.append((f"{row}_{names[place]}", turned.outside_share()))
     least = min(share for _, share in found)
-    return next((name, share) for name, share in found if share <= 1.05 * least + NEARLY_NONE**2)
+    return next((name, share) for name, share in found if share <= 1.05 * least + ROUND_OFF)
 
 
 def told_energies(before: Array, after: Array, delassus: Array) -> list[str]:

@@ -51,9 +51,9 @@ def best_admissible_impulses(impacts: MeasuredImpacts, friction_coefficient: flo
         raise ValueError(f"The friction coefficient is {mu}; it must be at least 0, or None for no cone.")
     if not len(impacts):
         return np.zeros((0, 2))
-    root: Array = np.linalg.cholesky(impacts.delassus)
-    centre = -np.linalg.solve(root, impacts.velocity_before[..., None])[..., 0]
-    radius: Array = np.linalg.norm(centre, axis=1)
+    root = _root(impacts)
+    centre: Array = np.asarray(-np.linalg.solve(root, impacts.velocity_before[..., None])[..., 0], np.float64)
+    radius = _length(centre)
     measured = np.einsum("nji,nj->ni", root, best_impulses(impacts))
     lines = _lines(impacts, root, mu)
     candidates = np.stack(
@@ -65,11 +65,11 @@ def best_admissible_impulses(impacts: MeasuredImpacts, friction_coefficient: flo
             *(point for line in lines for point in _through_circle(*line, centre, radius)),
         ]
     )
-    excess = [np.linalg.norm(candidates - centre, axis=2) - radius]
+    excess = [_length(candidates - centre) - radius]
     excess += [offset - np.einsum("cni,ni->cn", candidates, normal) for normal, offset in lines]
     # What does not exist is NaN, and so not below any bound.
     admissible = np.all([each <= _ROUND_OFF * radius for each in excess], axis=0)
-    distance = np.where(admissible, np.linalg.norm(candidates - measured, axis=2), np.inf)
+    distance = np.where(admissible, _length(candidates - measured), np.inf)
     nearest = candidates[np.argmin(distance, axis=0), np.arange(len(impacts))]
     return np.asarray(np.linalg.solve(root.transpose(0, 2, 1), nearest[..., None])[..., 0])
 
@@ -84,7 +84,7 @@ def constant_impulse(impacts: MeasuredImpacts) -> Array:
 
     Best is the least sum of squares of `MeasuredImpacts.errors`, a linear problem.
     """
-    root = np.linalg.cholesky(impacts.delassus)
+    root = _root(impacts)
     weight = 1.0 / np.sqrt(2.0 * impacts.kinetic_energy)
     directions = root.transpose(0, 2, 1) * _against_slip(impacts)[:, None, :] * weight[:, None, None]
     jump = impacts.velocity_after - impacts.velocity_before
@@ -111,8 +111,17 @@ def _lines(impacts: MeasuredImpacts, root: Array, mu: float | None) -> list[tupl
     for direction in directions:
         across = np.broadcast_to(np.array(direction)[:, None], (len(impacts), 2, 1))
         wanted.append((np.linalg.solve(root, across)[..., 0], nothing))
-    lengths = [np.linalg.norm(normal, axis=1) for normal, _ in wanted]
+    lengths = [_length(normal) for normal, _ in wanted]
     return [(a / size[:, None], b / size) for (a, b), size in zip(wanted, lengths, strict=True)]
+
+
+def _root(impacts: MeasuredImpacts) -> Array:
+    """Give the lower triangular L of D = LL', shape (impact, 2, 2)."""
+    return np.asarray(np.linalg.cholesky(impacts.delassus), dtype=np.float64)
+
+
+def _length(vectors: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("...i,...i->...", vectors, vectors)))
 
 
 def _onto_line(point: Array, normal: Array, offset: Array) -> Array:
@@ -121,7 +130,7 @@ def _onto_line(point: Array, normal: Array, offset: Array) -> Array:
 
 def _onto_circle(point: Array, centre: Array, radius: Array) -> Array:
     away = point - centre
-    distance = np.linalg.norm(away, axis=1)
+    distance = _length(away)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(centre + away * (radius / distance)[:, None])
 
@@ -138,7 +147,7 @@ def _crossing(normal: Array, offset: Array, other: Array, other_offset: Array) -
 def _through_circle(normal: Array, offset: Array, centre: Array, radius: Array) -> tuple[Array, Array]:
     """Give the two points where a line goes through the circle, NaN where it does not."""
     foot = _onto_line(centre, normal, offset)
-    away = np.linalg.norm(foot - centre, axis=1)
+    away = _length(foot - centre)
     with np.errstate(invalid="ignore"):
         half = np.sqrt((radius - away) * (radius + away))
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1) * half[:, None]

@@ -25,15 +25,10 @@ def read_netcdf(path: Path) -> Table:
     except (OSError, ValueError, RuntimeError) as error:
         raise MeasurementError(f"it cannot be read as netCDF: {error}.") from error
     along = {str(dimension) for variable in dataset.variables.values() for dimension in variable.dims}
+    _refuse_tables(dataset)
     values, units = {}, {}
     for key, variable in dataset.variables.items():
         name = str(key)
-        if variable.ndim > 1 or (variable.ndim and len(along) > 1):
-            raise MeasurementError(
-                f"{name} has the dimensions ({', '.join(map(str, variable.dims))}); every variable must be a "
-                "number, or one number an impact, along one dimension. Write a variable for each coordinate: "
-                "before_x, before_y."
-            )
         # What numbers the dimension numbers the impacts, whatever it is called.
         name = IMPACT.form if name in along else name
         values[name] = np.asarray(variable.values)
@@ -42,7 +37,7 @@ def read_netcdf(path: Path) -> Table:
     return Table(
         values,
         units,
-        tuple(f"impact {at} of the file, counted from 1," for at in range(1, count + 1)),
+        tuple(f"impact {at} of {count} in the file" for at in range(1, count + 1)),
         _words(dataset),
         "the attribute units = '{unit}' at the variable {name}",
     )
@@ -60,6 +55,21 @@ def write_netcdf(
         name: _COMPRESSED if values.ndim else {"_FillValue": None} for name, values in columns.items()
     }
     xarray.Dataset(variables, attrs=dict(words)).to_netcdf(path, engine="netcdf4", encoding=encoding)
+
+
+def _refuse_tables(dataset: xarray.Dataset) -> None:
+    """Refuse variables that are neither a number nor along the one dimension of all."""
+    several = {str(name): variable.dims for name, variable in dataset.variables.items() if variable.ndim}
+    name = max(several, key=lambda each: len(several[each]), default="")
+    if name and len(several[name]) > 1:
+        raise MeasurementError(
+            f"{name} has the dimensions ({', '.join(map(str, several[name]))}); every variable must be a "
+            "number, or one number an impact. Write a variable for each coordinate: before_x, before_y."
+        )
+    along = {str(dims[0]): name for name, dims in several.items()}
+    if len(along) > 1:
+        told = ", ".join(f"{variable} lies along {dimension}" for dimension, variable in along.items())
+        raise MeasurementError(f"{told}; all variables must lie along one dimension. Give it one name.")
 
 
 def _words(dataset: xarray.Dataset) -> dict[str, str]:

@@ -53,7 +53,7 @@ class Table:
 
     def numbers(self, name: str, units: str, chosen: Array | None = None) -> Array:
         """Give the chosen rows of a column in SI, shape (row,) or (); a fault where one is no number."""
-        values = self.values[name]
+        values, scale = self.values[name], self.factor(name, units)
         rows = np.arange(len(self.places)) if chosen is None else np.flatnonzero(chosen)
         given = values[rows] if values.ndim else values
         found = _as_numbers(given)
@@ -64,7 +64,6 @@ class Table:
             told = "is empty" if cell == "" else f"is '{cell}', which is not a finite number"
             way_out = " Complete it, or flag the impact in the column 'flag'." if values.ndim else ""
             raise MeasurementError(f"{name} {told}{place}; it must be a number.{way_out}")
-        scale = self.factor(name, units)
         return found if scale == 1.0 else found * scale
 
     def flagged(self, names: Iterable[str]) -> np.ndarray:
@@ -93,7 +92,9 @@ class Table:
         if unknown:
             first = unknown[0]
             several = f" and {len(unknown) - 1} more" if len(unknown) > 1 else ""
-            meant = suggestion(first, names, f"Its names may be {', '.join(names)}.")
+            parts = sorted(first.split("_"))
+            turned = [name for name in names if sorted(name.split("_")) == parts]
+            meant = suggestion(turned[0] if turned else first, names, "See docs/measured_data.md for all.")
             raise MeasurementError(
                 f"'{first}'{several} is not the name of a column; a misspelt one would be lost. {meant} "
                 "Leave out what is none, or put it into words after '# note:'."

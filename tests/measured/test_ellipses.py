@@ -42,5 +42,5 @@ def test_every_ellipse_approaches_and_leaves_and_is_pushed(ellipses: MeasuredImp
 
 def test_the_sign_of_the_tangential_arm_is_found_and_told(ellipses: MeasuredImpacts) -> None:
     assert "reversed" in ellipses.notes[0]
-    assert "0.05%" in ellipses.notes[0]
-    assert "3.07%" in ellipses.notes[0]
+    assert "0.05 %" in ellipses.notes[0]
+    assert "3.07 %" in ellipses.notes[0]

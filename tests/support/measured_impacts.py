@@ -26,7 +26,7 @@ def drawn_bodies(count: int, seed: int, noise: float = 0.0, coordinates: int = 3
     delassus = bodies.delassus()
     share = rng.uniform(0.3, 0.9, count)
     impulse_n = -(1.0 + share) * bodies.contact(before)[:, 0] / delassus[:, 0, 0]
-    impulse = np.column_stack([impulse_n, rng.uniform(-0.2, 0.2, count) * impulse_n])
+    impulse = np.column_stack([impulse_n, rng.uniform(-0.6, 0.6, count) * impulse_n])
     # The friction tilts the separation; what is left is still one.
     spare = bodies.contact(before)[:, 0] + np.einsum("nj,nj->n", delassus[:, 0, :], impulse)
     impulse[:, 1] *= np.where(spare > 0.01, 1.0, 0.0)
@@ -43,7 +43,7 @@ def drawn_impacts(count: int, seed: int, *, covariance: bool = False) -> Measure
     delassus = 0.5 * (delassus + delassus.transpose(0, 2, 1))
     before = np.column_stack([-rng.uniform(0.1, 2.0, count), rng.normal(size=count)])
     after = rng.normal((0.5, 0.0), size=(count, 2))
-    after[:, 0] = np.where(np.arange(count) % 4, np.abs(after[:, 0]), after[:, 0])
+    after[:, 0] = np.where(np.arange(count) % 4 < 3, np.abs(after[:, 0]), after[:, 0])
     least = 0.5 * np.einsum("ni,ni->n", before, np.linalg.solve(delassus, before[..., None])[..., 0])
     spread = 1e-4 * roots @ roots.transpose(0, 2, 1)
     return MeasuredImpacts(
