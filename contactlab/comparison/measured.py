@@ -11,8 +11,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray
 
-from contactlab.comparison.measured_impacts import by_impacts
-from contactlab.comparison.measured_series import by_series
 from contactlab.comparison.measurements import ENDS, Judged, Measurement
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.measured.impacts import MeasuredImpacts
@@ -27,6 +25,10 @@ def judged(measurements: Sequence[Measurement], runs: Sequence[Run]) -> list[Jud
     """
     if not measurements:
         return []
+    # They bring fitting, which no other comparison needs.
+    from contactlab.comparison.measured_impacts import by_impacts
+    from contactlab.comparison.measured_series import by_series
+
     setups: list[Setup | None] = []
     for run in runs:
         try:

@@ -1,17 +1,15 @@
 """Files of measurements that laws are held against, and what comes of it: rows of the scorecard."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
 
-import netCDF4
-
 from contactlab.arrays import Array
 from contactlab.comparison.runs import ComparisonError
-from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.series import MeasuredSeries, read_series
+from contactlab.measured.series import MeasuredSeries
 from contactlab.metrics import CANNOT_TELL, Metric, NotApplicableError
 from contactlab.results.files import digest_of_file
 
@@ -38,11 +36,11 @@ class Measurement:
 
     @property
     def title(self) -> str:
-        """The file's own, or its name."""
+        """The file's own, or its name; what would end the name of a row is a comma."""
         told = (
             self.data.title if isinstance(self.data, MeasuredImpacts) else self.data.attributes.get("title")
         )
-        return str(told or Path(self.path).stem)
+        return re.sub(r"[:;]|\. ", ",", str(told or Path(self.path).stem))
 
     @property
     def source(self) -> str:
@@ -88,10 +86,13 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
     Raises:
         ComparisonError: with what is wrong with any of them.
     """
+    # It brings the plotting.
+    from contactlab.fitting.fit import read
+
     found, faults = [], []
     for path in map(Path, paths):
         try:
-            data = read_series(path) if _has_time(path) else read_impacts(path)
+            data = read(path)
             found.append(Measurement(str(path), data, digest_of_file(path)))
         except ValueError as error:
             faults += str(error).splitlines()
@@ -106,15 +107,6 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
     if faults:
         raise ComparisonError(faults)
     return found
-
-
-def _has_time(path: Path) -> bool:
-    """Tell whether it is a file of series: netCDF with a time."""
-    try:
-        with netCDF4.Dataset(path) as file:
-            return "time" in file.variables
-    except OSError:
-        return False
 
 
 def row(key: str, symbol: str, meaning: str, units: str, source: str) -> Metric:
