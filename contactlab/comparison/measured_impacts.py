@@ -63,24 +63,24 @@ def _impact_rows(one: Measurement, mark: str) -> tuple[Metric, ...]:
         row(
             f"impact_error{mark}",
             "mean of ||v+ - v+_law||_M / ||v-||_M",
-            f"error of predicted impacts ({one.title}): of the velocities after, in the norm of the kinetic "
-            "energy before, parameters as run; less is better",
+            f"error of predicted impacts, less is better ({one.title}): of the velocities after, in the norm "
+            "of the kinetic energy before, parameters as run",
             "1",
             source,
         ),
         row(
             f"impact_error_over_floor{mark}",
             "mean error / mean error of the best admissible impulse",
-            f"error over the least that is admissible ({one.title}): the least is that of the impulses which "
-            "do not pull, close or gain energy; less is better, and 1 the best",
+            f"error over the least that is admissible, less is better ({one.title}): that of the "
+            "impulses which do not pull, close or gain energy, and 1 the best",
             "1",
             source,
         ),
         row(
             f"nearest_impacts{mark}",
             "share of impacts with error < least error of the other laws",
-            f"share of impacts that no other law predicts as well ({one.title}): of the laws compared here; "
-            "more is better",
+            f"share of impacts that no other law predicts as well, more is better ({one.title}): of the laws "
+            "compared here",
             "1",
             source,
         ),

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from math import nan
+from typing import Final
 
 import numpy as np
 
@@ -10,8 +11,12 @@ from contactlab.comparison.runs import FREE, ComparisonError, shown
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
 from contactlab.fitting.series_model import series_model
+from contactlab.laws.registry import SHARED
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.metrics import Metric
+
+
+FRICTION: Final = f"contact.{SHARED}"
 
 
 def by_series(
@@ -47,18 +52,22 @@ def by_series(
 
 def _series_row(one: Measurement, name: str, stated: bool, mark: str) -> Metric:
     said = MEASURABLE[name]
-    words = "over its stated error; less is better, and 1 is the error itself" if stated else "less is better"
+    words, best = (" over its stated error", "; 1 is the error itself") if stated else ("", "")
     return row(
         f"{name}_misfit{mark}",
         f"rms of {said.symbol} - {said.symbol}_law" + (" over its error" if stated else ""),
-        f"misfit of the measured {said.long_name} ({one.title}): rms over the measured time, {words}",
+        f"misfit of the measured {said.long_name}{words}, less is better ({one.title}): rms over the "
+        f"measured time{best}",
         "1" if stated else said.units,
         "; ".join(filter(None, (one.title, one.source))),
     )
 
 
 def _of_other_motor(one: Measurement, series: MeasuredSeries, setup: Setup) -> Iterator[str]:
-    """Say what of the motor that was measured is not that of the runs, as far as the file tells."""
+    """Say what of the motor that was measured is not that of the runs, as far as the file tells.
+
+    The friction coefficient is a law's parameter, wherever it stands.
+    """
     here = flat(setup.configuration)
     told = flat({name: keys for name, keys in series.configuration.items() if name not in FREE})
     try:
@@ -67,7 +76,7 @@ def _of_other_motor(one: Measurement, series: MeasuredSeries, setup: Setup) -> I
         yield f"'{one.path}': its configuration is not sound: {error.faults[0]}"
         return
     for key in told:
-        if key in here and shown(here[key]) != shown(there[key]):
+        if key in here and key != FRICTION and shown(here[key]) != shown(there[key]):
             yield (
                 f"{key} is {shown(there[key])} in '{one.path}' and {shown(here[key])} in the runs; series "
                 "are compared with the motor they were measured on. Run that motor, or leave the file out."

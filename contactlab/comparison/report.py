@@ -137,7 +137,7 @@ def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
-    table, said_of = rows(data), [s.replace("+-", PLUS_MINUS) for s in differences(data)]
+    table, said_of = rows(data), [_typeset(said) for said in differences(data)]
     shown = {path.stem: _picture(path, said_of, settled="cause" in data.dims) for path in pictures}
     code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
@@ -160,6 +160,11 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
         "versions": escape("; ".join(versions)),
     }
     return filled(PAGE, said)
+
+
+def _typeset(sentence: str) -> str:
+    """Give a sentence as a page has it; an error stays in the line of its number."""
+    return sentence.replace(" +- ", f"\u00a0{PLUS_MINUS}\u00a0")
 
 
 def _row(metric: Metric, cells: dict[str, Cell]) -> str:
