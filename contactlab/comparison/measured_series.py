@@ -11,10 +11,9 @@ from contactlab.comparison.runs import FREE, ComparisonError, shown
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
 from contactlab.fitting.series_model import series_model
-from contactlab.laws.registry import SHARED
+from contactlab.laws.declaration import SHARED
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.metrics import Metric
-
 
 FRICTION: Final = f"contact.{SHARED}"
 
