@@ -78,6 +78,10 @@ from contactlab.motor import (
     RitzResonator as RitzResonator,
     Rotor as Rotor,
     Steel as Steel,
+    ball as ball,
+    belt as belt,
+    cantilever as cantilever,
+    oscillator as oscillator,
 )
 from contactlab.orbits import (
     Attractor as Attractor,

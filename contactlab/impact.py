@@ -174,7 +174,7 @@ def impact(
     A rigid law is asked once for each impact. Under a compliant one the engine integrates the relative motion
     of two bodies that are joined by that matrix and by nothing else, from the touch-down on a flat contact
     until they part. Where they do not (a pull that holds them, a law that dissipates all), they are watched
-    250 times as long as the law's force needs to stop the approach; `released` is False then, and the
+    100 times as long as the law's force needs to stop the approach; `released` is False then, and the
     velocity after is the one at that time.
 
     A law without an impulse for an impact (Painleve's paradox), or that answers with no number, leaves NaN

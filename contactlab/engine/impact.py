@@ -26,7 +26,7 @@ from contactlab.laws.memory import AT_TOUCH
 WAY: Final = 1e12
 """Tip length and rotor radius [m] of a plate: a way x along it changes the gap by x^2 / WAY."""
 
-LONGEST: Final = 250.0
+LONGEST: Final = 100.0
 """Time that an impact is watched, in units of its own, see `_time_scale`; an elastic one takes two."""
 
 STEP_SHARE: Final = 0.5

@@ -1,5 +1,6 @@
 """What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
 
+from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator
 from contactlab.motor.drive import Drive, TwoMode
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
@@ -22,4 +23,9 @@ __all__ = [
     "Rotor",
     "Steel",
     "TwoMode",
+    "ball",
+    "belt",
+    "block",
+    "cantilever",
+    "oscillator",
 ]

@@ -1,6 +1,6 @@
 """Harmonic electrode voltages as phasors: U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from math import pi
@@ -43,7 +43,7 @@ class TwoMode(Checked):
 @final
 @dataclass(frozen=True)
 class Drive:
-    """Any number of tones on each electrode.
+    """Any number of tones on each electrode; `Drive()` has none.
 
     Args:
         frequency: of each tone [Hz], shape (tone,), positive.
@@ -51,8 +51,8 @@ class Drive:
             -i U exp(i phi).
     """
 
-    frequency: Array
-    phasors: NDArray[np.complex128]
+    frequency: Array = field(default_factory=lambda: np.empty(0))
+    phasors: NDArray[np.complex128] = field(default_factory=lambda: np.empty((2, 0), np.complex128))
 
     def __post_init__(self) -> None:
         check_shape("frequency", self.frequency, (-1,), "one number a tone")

@@ -109,16 +109,17 @@ class Motor(Checked):
     """Everything that moves; which contact law acts between tip and rotor is not part of it.
 
     A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
-    is a belt: `contactlab.testing.plants` builds point masses, blocks and oscillators so.
+    is a belt: `contactlab.motor.bodies` makes balls, oscillators, masses on belts and cantilevers so.
 
     Args:
-        modes, drive, geometry, rotor: the resonator in any basis, and what acts on it.
+        modes, drive, geometry, rotor: the resonator in any basis, and what acts on it; without a drive there
+            is no tone.
         preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
         start: state at t = 0; None is at rest without displacement.
     """
 
     modes: NormalModes
-    drive: Drive
+    drive: Drive = field(default_factory=Drive)
     geometry: ContactGeometry = field(default_factory=ContactGeometry)
     rotor: Rotor = field(default_factory=Rotor)
     preload: Array | None = None

@@ -1,95 +1,26 @@
-"""Small plants whose motion is known in closed form, each a `Motor` like any other, and runs of them.
-
-A block has two rigid-body modes, one normal and one along a belt. Springs turn them into oscillators, a
-weight presses it on, a tone pushes it. Tip length and rotor radius are so large that the contact is flat,
-and the rotor is a belt.
-"""
+"""Plants of tests and benches, and runs of them; a `block` is that of `contactlab.motor.bodies`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import pi, sqrt
+from math import pi
 from typing import Any, final
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, MultiplierLaw
-from contactlab.motor import NormalModes, RitzResonator
+from contactlab.motor import RitzResonator
+from contactlab.motor.bodies import FLAT as FLAT, HEAVY as HEAVY, block as block, way_of as way_of
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.trajectory import Trajectory
 
-FLAT = 1e9
-"""Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
-
-HEAVY = 1e18
-"""Mass of a belt that nothing brakes [kg]."""
-
-
-def silent_drive() -> Drive:
-    """Give a drive without a tone."""
-    return Drive(np.empty(0), np.empty((2, 0), dtype=np.complex128))
-
 
 def paper_motor() -> Motor:
     """Give the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
     return Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -pi / 5.0))
-
-
-def block(
-    mass: float = 1.0,
-    *,
-    height: float = 0.0,
-    gap_rate: float = 0.0,
-    way: float = 0.0,
-    velocity: float = 0.0,
-    weight: float = 0.0,
-    push: float = 0.0,
-    normal_stiffness: float = 0.0,
-    stiffness: float = 0.0,
-    push_amplitude: float = 0.0,
-    push_frequency: float = 1.0,
-    belt_mass: float = HEAVY,
-    belt_velocity: float = 0.0,
-) -> Motor:
-    """Give a block over a belt.
-
-    Args:
-        mass: m [kg].
-        height, gap_rate: gap [m] and its rate [m/s] at the start; a negative height is pressed in.
-        way, velocity: along the belt at the start [m], [m/s].
-        weight, push: constant forces towards the belt and along it [N].
-        normal_stiffness, stiffness: of springs that pull the block to a gap and a way of zero [N/m].
-        push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
-        belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
-    """
-    root = sqrt(mass)
-    tone = Drive(np.array([push_frequency]), np.array([[push_amplitude], [0.0]], dtype=complex))
-    modes = NormalModes(
-        stiffness=np.array([normal_stiffness, stiffness]) / mass,
-        damping=np.zeros(2),
-        coupling=np.array([[0.0, 0.0], [1.0 / root, 0.0]]),
-        # u falls with the gap, and the way is -FLAT sin(theta).
-        tip_displacement=np.array([1.0 / root, 0.0]),
-        tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),
-        shape_coupling=np.zeros((2, 2)),
-    )
-    return Motor(
-        modes=modes,
-        drive=tone if push_amplitude != 0.0 else silent_drive(),
-        geometry=ContactGeometry(FLAT, FLAT, 0.0),
-        rotor=Rotor(inertia=belt_mass * FLAT**2, initial_velocity=belt_velocity / FLAT),
-        preload=np.array([weight, push]) / root,
-        start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity])),
-    )
-
-
-def way_of(theta: Array) -> Array:
-    """Give the way along the belt [m] of a recorded tip slope."""
-    return np.asarray(-FLAT * np.sin(theta))
 
 
 def coupled_body(seed: int, approach: float = 0.3) -> Motor:
@@ -101,7 +32,7 @@ def coupled_body(seed: int, approach: float = 0.3) -> Motor:
     start = ModalState(-1e-12 * along, velocity + (approach - tip @ velocity) * along)
     body = replace(modes, tip_displacement=tip, tip_slope=slope)
     rotor = Rotor(float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0)
-    return Motor(body, silent_drive(), ContactGeometry(clearance=0.0), rotor, start=start)
+    return Motor(body, Drive(), ContactGeometry(clearance=0.0), rotor, start=start)
 
 
 def attempt(

@@ -17,7 +17,6 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.results.netcdf import to_datatree
 from contactlab.results.summary import summarise
-from contactlab.testing.plants import silent_drive
 from contactlab.trajectory import Ending, Trajectory
 
 
@@ -77,7 +76,6 @@ def leaning_strut(
             tip_slope=np.array([TANGENTIAL / TIP_LENGTH]),
             shape_coupling=np.zeros((1, 2)),
         ),
-        drive=silent_drive(),
         geometry=ContactGeometry(TIP_LENGTH, RADIUS, clearance=1e-10),
         rotor=Rotor(INERTIA, load_torque=load_torque, initial_velocity=rotor_velocity),
         preload=np.array([-parting]),

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, expm
 
 from contactlab.laws import LagrangeSlip, LagrangeStick
-from contactlab.motor import RitzResonator
+from contactlab.motor import Drive, RitzResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
-from contactlab.testing.plants import first, last, run, silent_drive
+from contactlab.testing.plants import first, last, run
 
 Array = NDArray[np.float64]
 Law = LagrangeSlip | LagrangeStick
@@ -39,7 +39,7 @@ def thrown_resonator(spin: float) -> Motor:
     u, th = modes.tip_displacement, modes.tip_slope
     return Motor(
         modes,
-        silent_drive(),
+        Drive(),
         ContactGeometry(clearance=1e-12),
         Rotor(damping=1e-4, load_torque=0.05, initial_velocity=2.0),
         preload=-0.5 * u,

@@ -1,0 +1,326 @@
+"""Small plants, each a `Motor`: a ball, an oscillator with a stop, a mass on a belt, a cantilever.
+
+The tip is the body, and the rotor the plate, stop or belt that it meets: tip length and radius are so large
+that the contact is flat. So the gap is what is between the two, and the slip velocity that of the body's
+surface along the other's.
+"""
+
+from collections.abc import Sequence
+from math import sqrt
+from typing import Any, Final
+
+import numpy as np
+from scipy.optimize import brentq
+
+from contactlab.arrays import Array
+from contactlab.checks import check_kind, check_number
+from contactlab.motor.drive import Drive
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
+from contactlab.motor.patched_beam import Steel
+
+FLAT: Final = 1e9
+"""Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
+
+HEAVY: Final = 1e18
+"""Mass of a belt that nothing brakes [kg]."""
+
+MOST_MODES: Final = 20
+"""Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
+
+
+def way_of(theta: Array) -> Array:
+    """Give the way along the belt [m] of a recorded tip slope."""
+    return np.asarray(-FLAT * np.sin(theta))
+
+
+def _belt(mass: float = HEAVY, velocity: float = 0.0) -> Rotor:
+    """Give a belt of a mass [kg] and a velocity along the way [m/s]."""
+    return Rotor(inertia=mass * FLAT**2, initial_velocity=velocity / FLAT)
+
+
+def _tone(amplitude: float, frequency: float) -> Drive:
+    """Give a force or acceleration A cos(2 pi f t), or none."""
+    if amplitude == 0.0:
+        return Drive()
+    return Drive(np.array([frequency]), np.array([[amplitude], [0.0]], dtype=complex))
+
+
+def block(
+    mass: float = 1.0,
+    *,
+    height: float = 0.0,
+    gap_rate: float = 0.0,
+    way: float = 0.0,
+    velocity: float = 0.0,
+    weight: float = 0.0,
+    push: float = 0.0,
+    normal_stiffness: float = 0.0,
+    stiffness: float = 0.0,
+    push_amplitude: float = 0.0,
+    push_frequency: float = 1.0,
+    belt_mass: float = HEAVY,
+    belt_velocity: float = 0.0,
+) -> Motor:
+    """Give a block over a belt: two rigid-body modes, one normal and one along the belt.
+
+    Args:
+        mass: m [kg].
+        height, gap_rate: gap [m] and its rate [m/s] at the start; a negative height is pressed in.
+        way, velocity: along the belt at the start [m], [m/s].
+        weight, push: constant forces towards the belt and along it [N].
+        normal_stiffness, stiffness: of springs that pull the block to a gap and a way of zero [N/m].
+        push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
+        belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
+    """
+    _check_positive(mass=mass, belt_mass=belt_mass)
+    root = sqrt(mass)
+    modes = NormalModes(
+        stiffness=np.array([normal_stiffness, stiffness]) / mass,
+        damping=np.zeros(2),
+        coupling=np.array([[0.0, 0.0], [1.0 / root, 0.0]]),
+        # u falls with the gap, and the way is -FLAT sin(theta).
+        tip_displacement=np.array([1.0 / root, 0.0]),
+        tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),
+        shape_coupling=np.zeros((2, 2)),
+    )
+    return Motor(
+        modes=modes,
+        drive=_tone(push_amplitude, push_frequency),
+        geometry=ContactGeometry(FLAT, FLAT, 0.0),
+        rotor=_belt(belt_mass, belt_velocity),
+        preload=np.array([weight, push]) / root,
+        start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity])),
+    )
+
+
+def ball(
+    mass: float = 1.0,
+    *,
+    height: float = 0.0,
+    speed: float = 0.0,
+    velocity: float = 0.0,
+    spin: float = 0.0,
+    gyration: float = 0.4,
+    gravity: float = 9.81,
+) -> Motor:
+    """Give a ball over a plate, which moves in a plane and may spin in it.
+
+    Its Delassus matrix is diagonal, D_nn = 1/m and D_tt = (1 + 1/gyration)/m: 3.5/m of a solid sphere.
+
+    Args:
+        mass: m [kg].
+        height, speed: gap [m] and speed towards the plate [m/s] at the start.
+        velocity: of the centre along the plate at the start [m/s].
+        spin: what the rotation adds to the slip at the start, radius times angular velocity [m/s].
+        gyration: I / (m R^2) [1]: 2/5 of a solid sphere, 2/3 of a thin shell, 1/2 of a disc.
+        gravity: g [m/s^2].
+
+    Example:
+        >>> import contactlab as cl
+        >>> fall = cl.simulate(cl.ball(0.1, height=0.01), cl.Newton(restitution=0.8), duration=0.06)
+        >>> [round(float(speed), 3) for speed in fall.contacts.separation_velocity[:1]]
+        [0.354]
+    """
+    _check_positive(mass=mass, gyration=gyration)
+    root, turning = sqrt(mass), sqrt(gyration * mass)
+    modes = NormalModes(
+        stiffness=np.zeros(3),
+        damping=np.zeros(3),
+        coupling=np.zeros((3, 2)),
+        tip_displacement=np.array([1.0 / root, 0.0, 0.0]),
+        tip_slope=np.array([0.0, -1.0 / (FLAT * root), -1.0 / (FLAT * turning)]),
+        shape_coupling=np.zeros((3, 2)),
+    )
+    return Motor(
+        modes=modes,
+        geometry=ContactGeometry(FLAT, FLAT, 0.0),
+        rotor=_belt(),
+        preload=np.array([root * gravity, 0.0, 0.0]),
+        start=ModalState(
+            np.array([-root * height, 0.0, 0.0]), np.array([root * speed, root * velocity, turning * spin])
+        ),
+    )
+
+
+def oscillator(
+    mass: float = 1.0,
+    stiffness: float = 1.0,
+    *,
+    damping: float = 0.0,
+    gap: float = 0.0,
+    force: float = 0.0,
+    frequency: float = 1.0,
+    displacement: float = 0.0,
+    velocity: float = 0.0,
+) -> Motor:
+    """Give an oscillator with a stop, m xdd + c xd + k x = F cos(2 pi f t) and x <= gap until it touches.
+
+    Nothing slides: the friction of a law has no say.
+
+    Args:
+        mass, stiffness, damping: m [kg], k [N/m] and c [N s/m].
+        gap: from the mass at rest to the stop [m]; negative for a compliant law only, that it presses on.
+        force, frequency: F [N] and f [Hz].
+        displacement, velocity: x [m] and xd [m/s] at the start, positive towards the stop.
+
+    Example:
+        >>> import contactlab as cl
+        >>> beating = cl.oscillator(1.0, 1e4, gap=1e-4, force=5.0, frequency=12.0)
+        >>> run = cl.simulate(beating, cl.Newton(restitution=0.7), duration=0.5, record_interval=1e-4)
+        >>> run.complete
+        True
+    """
+    _check_positive(mass=mass)
+    root = sqrt(mass)
+    modes = NormalModes(
+        # Along the stop the mass rests.
+        stiffness=np.array([stiffness, 0.0]) / mass,
+        damping=np.array([damping, 0.0]) / mass,
+        coupling=np.array([[1.0 / root, 0.0], [0.0, 0.0]]),
+        tip_displacement=np.array([1.0 / root, 0.0]),
+        tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),
+        shape_coupling=np.zeros((2, 2)),
+    )
+    return Motor(
+        modes=modes,
+        drive=_tone(force, frequency),
+        geometry=ContactGeometry(FLAT, FLAT, gap),
+        rotor=_belt(),
+        start=ModalState(root * np.array([displacement, 0.0]), root * np.array([velocity, 0.0])),
+    )
+
+
+def belt(
+    mass: float = 1.0,
+    stiffness: float = 1.0,
+    *,
+    weight: float = 1.0,
+    belt_velocity: float = 0.1,
+    belt_mass: float | None = None,
+    penetration: float = 0.0,
+    displacement: float = 0.0,
+    velocity: float = 0.0,
+) -> Motor:
+    """Give a mass that a spring holds on a moving belt, m xdd + k x = friction.
+
+    Args:
+        mass, stiffness: m [kg] and k [N/m] of the spring along the belt.
+        weight: force that presses the mass on the belt [N].
+        belt_velocity: at the start [m/s].
+        belt_mass: [kg]; None is 1e9 m, which friction hardly brakes.
+        penetration: at the start [m]: under a compliant law that of its balance with the weight, else the
+            mass bounces; 0 under a rigid one.
+        displacement, velocity: x [m] and xd [m/s] at the start.
+
+    Example:
+        >>> import contactlab as cl
+        >>> rubbing = cl.belt(1.0, 1e3, weight=10.0, belt_velocity=1.0)
+        >>> law = cl.LagrangeStick(friction_coefficient=0.3)
+        >>> run = cl.simulate(rubbing, law, duration=0.02, contact_step=1e-5)
+        >>> round(float(run["friction_force"][-1]), 2)
+        3.0
+    """
+    return block(
+        mass,
+        height=-penetration,
+        way=displacement,
+        velocity=velocity,
+        weight=weight,
+        stiffness=stiffness,
+        belt_mass=1e9 * mass if belt_mass is None else belt_mass,
+        belt_velocity=belt_velocity,
+    )
+
+
+def cantilever(
+    length: float = 0.1,
+    width: float = 0.01,
+    thickness: float = 1e-3,
+    *,
+    material: Steel | None = None,
+    modes: int = 4,
+    damping_ratio: float = 0.0,
+    gap: float = 0.0,
+    acceleration: float = 0.0,
+    frequency: float = 1.0,
+    deflection: float = 0.0,
+) -> Motor:
+    """Give a clamped beam whose end strikes a stop below it, in its exact bending modes.
+
+    Bernoulli-Euler: cos(b) cosh(b) = -1, omega = (b/L)^2 sqrt(E I / (rho A)). The lower edge of the end is
+    what touches, so that its rotation rubs along the stop.
+
+    Args:
+        length, width, thickness: [m], the thickness along the bending.
+        material: a `Steel`, or any other by its numbers; None is steel.
+        modes: number of bending modes [1].
+        damping_ratio: of every mode [1].
+        gap: from the straight beam's end to the stop [m].
+        acceleration, frequency: of clamp and stop, which are shaken as one: a cos(2 pi f t), positive from
+            the beam to the stop [m/s^2], [Hz].
+        deflection: of the end towards the stop at the start [m], in the first mode.
+
+    Example:
+        >>> import contactlab as cl
+        >>> beam = cl.cantilever(gap=1e-4, deflection=-1e-3)
+        >>> round(float(beam.modes.natural_frequency[0]), 2)
+        83.55
+        >>> run = cl.simulate(beam, cl.HertzPenalty(stiffness=1e9), duration=0.01, record_interval=1e-5)
+        >>> run.contacts.sizes["contact"] > 0
+        True
+    """
+    check_kind("The number of modes", modes, int)
+    if not 1 <= modes <= MOST_MODES:
+        raise ValueError(f"The cantilever has {modes} modes; it must have between 1 and {MOST_MODES}.")
+    _check_positive(length=length, width=width, thickness=thickness)
+    steel = Steel() if material is None else material
+    mass = steel.density * width * thickness * length
+    rigidity = steel.youngs_modulus * width * thickness**3 / 12.0
+    number, ratio = _clamped_free(modes)
+    omega = number**2 * sqrt(rigidity / (mass * length**3))
+    # Shapes of int phi^2 dx = L with phi(L) = 2: over the root of the mass they are orthonormal.
+    end = np.full(modes, 2.0 / sqrt(mass))
+    carried = np.where(np.arange(modes) % 2 == 0, 2.0, -2.0) * ratio / number
+    start = np.zeros(modes)
+    start[0] = deflection / end[0]
+    return Motor(
+        NormalModes(
+            stiffness=omega**2,
+            damping=2.0 * damping_ratio * omega,
+            coupling=np.column_stack([-sqrt(mass) * carried, np.zeros(modes)]),
+            tip_displacement=end,
+            tip_slope=end * ratio * number / length,
+            shape_coupling=np.zeros((modes, 2)),
+        ),
+        drive=_tone(acceleration, frequency),
+        geometry=ContactGeometry(0.5 * thickness, FLAT, gap),
+        rotor=_belt(),
+        start=ModalState(start, np.zeros(modes)),
+    )
+
+
+def _clamped_free(count: int) -> tuple[Array, Array]:
+    """Give the wave numbers b = beta L of a clamped-free beam, and sigma = (sinh b - sin b)/(cosh b + cos b).
+
+    With phi = cosh z - cos z - sigma (sinh z - sin z), whose int phi^2 dx is L, |phi(L)| = 2, phi'(L) is
+    sigma beta phi(L), and int phi dx = 2 sigma / beta.
+    """
+
+    def characteristic(z: float) -> float:
+        return float(np.cos(z) + 1.0 / np.cosh(z))
+
+    centres = [(i + 0.5) * np.pi for i in range(count)]
+    numbers: Sequence[float] = [brentq(characteristic, c - 0.5, c + 0.5, xtol=1e-15) for c in centres]
+    b = np.array(numbers)
+    small = np.exp(-b)
+    ratio = (1.0 - small**2 - 2.0 * small * np.sin(b)) / (1.0 + small**2 + 2.0 * small * np.cos(b))
+    return b, ratio
+
+
+def _check_positive(**values: Any) -> None:
+    """Refuse what is no positive number."""
+    for name, value in values.items():
+        check_number(f"The {name.replace('_', ' ')}", value)
+        if not 0.0 < value < np.inf:
+            raise ValueError(f"The {name.replace('_', ' ')} is {value}; it must be positive and finite.")
