@@ -160,7 +160,8 @@ class _Striking:
         if not isinstance(law, MultiplierLaw):
             outcomes, histories = np.zeros(1, OUTCOME), np.zeros((1, 0), MOMENT)
             run = self._strike_compliant(contact[None], outcomes, histories)
-            return self.ready.explain(run)
+            longest = float(run.propagator.rule.longest)
+            return self.ready._replace(contact_step=longest).explain(run)
         outcomes, _ = self.strike(contact[None], 0)
         rate, slip, nn, nt, _ = contact
         where = f"a gap rate of {rate:.6g} m/s and a slip of {slip:.6g} m/s"

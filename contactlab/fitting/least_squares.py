@@ -10,7 +10,7 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import qmc
 
 from contactlab.arrays import Array
-from contactlab.fitting.parameters import Free, from_cube
+from contactlab.fitting.parameters import Free, from_cube, to_cube
 
 HIT: Final = 1e-4
 """Relative difference of two costs that are taken for one optimum."""
@@ -72,6 +72,7 @@ def best_fit(
     seed: int,
     *,
     looks: int = LOOKS,
+    begin: Array | None = None,
     step: float | None = None,
     accuracy: float = 1e-8,
     advance: Callable[[], object] = bool,
@@ -89,6 +90,7 @@ def best_fit(
         starts: how many, at least one.
         seed: of the points; the same seed gives the same bits.
         looks: points that are looked at for each start.
+        begin: values [SI], shape (parameter,), of the one start that there is then; nothing is drawn.
         step: of the differences in the unit cube that the derivatives are taken by; None is that of
             residuals without noise, 1.5e-8. A law that is integrated to a tolerance wants its square root.
         accuracy: relative change of cost, and of the point in the cube, at which a start has ended.
@@ -106,7 +108,10 @@ def best_fit(
     def in_cube(shares: Array) -> Array:
         return np.asarray(residuals(from_cube(free, shares)), dtype=np.float64)
 
-    points = starting_points(len(free), starts * looks, seed)
+    if begin is None:
+        points = starting_points(len(free), starts * looks, seed)
+    else:
+        points = np.clip(to_cube(free, begin), 0.0, 1.0)[None]
     seen = np.array([_cost(in_cube(point)) for point in points])
     if not np.isfinite(seen).any():
         names = ", ".join(map(str, free))

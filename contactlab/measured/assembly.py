@@ -131,9 +131,10 @@ def _without_slip(given: _Contact) -> _Contact:
 
 def _keeps_jacobian(reading: Reading) -> bool:
     said = reading.table.words.get("jacobian")
-    if said is not None and (said.strip() != _CHECKED or reading.contact):
-        way_out = "Leave it out: there is no Jacobian." if reading.contact else "Leave it out, or write that."
-        raise MeasurementError(f"'jacobian' is '{said}'; it must be '{_CHECKED}' or absent. {way_out}")
+    if said is not None and reading.contact:
+        raise MeasurementError("'jacobian' is given, and there is none; it must be absent. Leave it out.")
+    if said is not None and said.strip() != _CHECKED:
+        raise MeasurementError(f"'jacobian' is '{said}'; it must be '{_CHECKED}' or absent. Leave it out.")
     return said is not None
 
 

@@ -11,8 +11,8 @@ from contactlab.arrays import Array
 from contactlab.measured.reduction import BodyImpacts
 
 LARGEST_SHARE: Final = 1e-4
-"""Share of the jump's energy outside of the impulses' span below which a wrong sign makes no difference that a
-comparison of laws would see: that of a hundredth of the jump."""
+"""Share of the jump's energy outside of the impulses' span below which a wrong sign makes no difference that
+a comparison of laws would see: that of a hundredth of the jump."""
 
 BEYOND_ERRORS: Final = 4.0
 """How many times the share that the stated errors explain is too much, twice them; and by how much another

@@ -79,7 +79,8 @@ class MeasuredImpacts:
         """Refuse 2x2 matrices that are not symmetric, or not positive definite (semidefinite)."""
         off, size = np.abs(matrices[:, 0, 1] - matrices[:, 1, 0]), np.abs(matrices).max((1, 2))
         least = np.linalg.eigvalsh(matrices)[:, 0]
-        wanted = least > _ROUND_OFF * size if strictly else least >= -_ROUND_OFF * size
+        # That of a product with the Jacobian has lost some digits.
+        wanted = least > _ROUND_OFF * size if strictly else least >= -1e-9 * size
         bad = (off > _ROUND_OFF * size) | ~wanted
         if bad.any():
             first = int(np.argmax(bad))

@@ -47,6 +47,12 @@ class Reading:
                 "these must be of gap_rate and slip. Give masses and Jacobian instead, or before_gap_rate "
                 "and before_slip."
             )
+        bodily = [name for name in table.values if name.startswith(("mass_", "normal_", "tangential_"))]
+        if contact and bodily:
+            raise MeasurementError(
+                f"it has '{bodily[0]}' beside velocities of the contact; these come with a Delassus matrix "
+                "and no masses. Leave it out, or name the coordinates otherwise than gap_rate and slip."
+            )
         if contact:
             # Both directions, in their order, whatever that of the columns: one that lacks is asked for.
             slips = "slip" in angles or "gap_rate" not in angles
@@ -56,6 +62,8 @@ class Reading:
         table.refuse_unknown(units, flags)
         chosen = ~table.flagged(flags)
         if not chosen.any():
+            if not chosen.size:
+                raise MeasurementError("it has no impacts; there must be at least one. Write a row for each.")
             raise MeasurementError(
                 f"it has {chosen.size} impacts, of which the flags leave none; there must be at least one."
             )
@@ -83,7 +91,7 @@ class Reading:
         name = self.has(column, *coordinates)
         if name is None:
             missing = column.form.format(*coordinates)
-            example = self.table.how.format(name=missing, unit=from_cf(self.units[missing]))
+            example = self.table.example(missing, self.units[missing])
             raise MeasurementError(
                 f"{missing} is missing ({column.meaning}); it must be given, for each impact or once for "
                 f"all. Write {example}."
@@ -207,8 +215,7 @@ def _is_angle(table: Table, name: str) -> bool:
                 factor(given.strip(), unit)
                 return bool(angle)
     told = f"is in '{given}', which is no velocity" if given and given.strip() else "has no unit"
-    example = table.how.format(name=name, unit=kinds[0])
     raise MeasurementError(
-        f"{name} {told}; it must be one like {kinds[0]}, or {kinds[1]} where {name.partition('_')[2]} is an "
-        f"angle. Write {example}."
+        f"{name} {told}; it must be in one like {kinds[0]}, or {kinds[1]} where {name.partition('_')[2]} is "
+        f"an angle. Write {' or '.join(table.example(name, units) for units in columns.BEFORE.units)}."
     )

@@ -17,6 +17,10 @@ _TRUTHS: Final = {"": 0.0, "false": 0.0, "no": 0.0, "true": 1.0, "yes": 1.0}
 """What a flag may be beside a number."""
 
 
+LARGEST: Final = 1e60
+"""What numbers are below, so that their squares are numbers too."""
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Table:
@@ -36,20 +40,26 @@ class Table:
     words: Mapping[str, str] = field(default_factory=dict)
     how: str = "{name} [{unit}]"
 
+    def example(self, name: str, units: str) -> str:
+        """Give how a column is written in SI, for sentences."""
+        return name if units == "1" else self.how.format(name=name, unit=from_cf(units))
+
     def factor(self, name: str, units: str) -> float:
         """Give what the numbers of a column are multiplied by to be in SI; a fault where they cannot."""
         given, wanted = self.units[name], from_cf(units)
         if given is None or (not given.strip() and units != "1"):
             if units == "1":
                 return 1.0
-            example = self.how.format(name=name, unit=wanted)
-            raise MeasurementError(f"{name} has no unit; it must be one like {wanted}. Write {example}.")
+            raise MeasurementError(
+                f"{name} has no unit; it must have one like {wanted}. Write {self.example(name, units)}."
+            )
         try:
             return float(factor(given.strip() or "1", wanted))
         except UnitError as error:
             raise MeasurementError(
-                f"{name} is in '{given}', {error}; it must be a unit like {wanted}."
-            ) from None
+                f"{name} is in '{given}'; it must be in a unit of the same kind as {wanted}. Correct its "
+                "unit, or its numbers."
+            ) from error
 
     def numbers(self, name: str, units: str, chosen: Array | None = None) -> Array:
         """Give the chosen rows of a column in SI, shape (row,) or (); a fault where one is no number."""
@@ -57,11 +67,11 @@ class Table:
         rows = np.arange(len(self.places)) if chosen is None else np.flatnonzero(chosen)
         given = values[rows] if values.ndim else values
         found = _as_numbers(given)
-        if (bad := ~np.isfinite(found)).any():
+        if (bad := ~(np.abs(found) < LARGEST)).any():
             first = int(np.argmax(bad))
             place = f" in {self.places[rows[first]]}" if values.ndim else ""
             cell = np.atleast_1d(given)[first]
-            told = "is empty" if cell == "" else f"is '{cell}', which is not a finite number"
+            told = "is empty" if cell == "" else f"is '{cell}', which is no number that can be measured"
             way_out = " Complete it, or flag the impact in the column 'flag'." if values.ndim else ""
             raise MeasurementError(f"{name} {told}{place}; it must be a number.{way_out}")
         return found if scale == 1.0 else found * scale

@@ -257,8 +257,8 @@ def cantilever(
         modes: number of bending modes [1].
         damping_ratio: of every mode [1].
         gap: from the straight beam's end to the stop [m].
-        acceleration, frequency: of clamp and stop, shaken together, a cos(2 pi f t) from the clamp
-            towards the stop's side [m/s^2], [Hz].
+        acceleration, frequency: of clamp and stop, which are shaken as one: a cos(2 pi f t), positive from
+            the beam to the stop [m/s^2], [Hz].
         deflection: of the end towards the stop at the start [m], in the first mode.
 
     Example:

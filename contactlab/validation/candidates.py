@@ -1,13 +1,12 @@
 """The laws that are judged where none is named, and which of their numbers a fit can change anything with."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter
+from time import process_time
 from typing import Final, final
 
 import numpy as np
 
-from contactlab.arrays import Array
+from contactlab.fitting.least_squares import starting_points
 from contactlab.fitting.parameters import from_cube
 from contactlab.laws import (
     Composed,
@@ -37,8 +36,10 @@ _PROBED: Final = 12
 """Impacts by which it is told whether a number changes anything."""
 
 _SHARES: Final = (0.1, 0.5, 0.9)
-_OTHERS: Final = (0.2, 0.5)
-"""Places in its range at which a number is probed, and those at which the others are meanwhile."""
+"""Places in its range at which a number is probed."""
+
+_POINTS: Final = 8
+"""Of the others meanwhile, of a Latin hypercube: with large friction all contacts stick, whatever else."""
 
 _EXACT: Final = 1e-9
 """Relative change of a velocity of a rigid law that is one."""
@@ -113,14 +114,15 @@ class Probed:
 def probed(model: Model, impacts: MeasuredImpacts) -> Probed:
     """Find the numbers that change nothing of what a law predicts, and hold them at the law's own value.
 
-    Each goes through its range while the others stay in two places of theirs, on a dozen of the impacts.
+    Each goes through its range while the others stay where they are, in several places, on a dozen impacts.
     """
     some = impacts.part(np.unique(np.linspace(0, len(impacts) - 1, _PROBED).astype(np.int64)))
     # What is compiled at the first call is no time of the law.
-    model.after(_at(model, 0.5), some)
-    began = perf_counter()
-    model.after(_at(model, 0.5), some)
-    seconds = (perf_counter() - began) / len(some)
+    middle = from_cube(model.free, np.full(len(model.free), 0.5))
+    model.after(middle, some)
+    began = process_time()
+    model.after(middle, some)
+    seconds = (process_time() - began) / len(some)
     if not isinstance(model, LawModel):
         return Probed(model, (), seconds)
     acting = [place for place in range(len(model.free)) if _acts(model, place, some)]
@@ -128,17 +130,15 @@ def probed(model: Model, impacts: MeasuredImpacts) -> Probed:
     return Probed(replace(model, free=tuple(model.free[place] for place in acting)), held, seconds)
 
 
-def _at(model: Model, share: float, **others: float) -> Array:
-    return from_cube(model.free, [others.get(one.name, share) for one in model.free])
-
-
 def _acts(model: Model, place: int, impacts: MeasuredImpacts) -> bool:
     """Tell whether a number changes a velocity anywhere."""
     least = 10.0 * TOLERANCE if model.costly else _EXACT
     size = np.abs(impacts.velocity_before).max()
-    name = model.free[place].name
-    for other in _OTHERS:
-        found: Sequence[Array] = [model.after(_at(model, other, **{name: x}), impacts) for x in _SHARES]
+    for point in starting_points(len(model.free), _POINTS, seed=0):
+        found = []
+        for share in _SHARES:
+            point[place] = share
+            found.append(model.after(from_cube(model.free, point), impacts))
         for one in found[1:]:
             apart = np.abs(one - found[0])
             if (

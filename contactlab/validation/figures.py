@@ -8,6 +8,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 from matplotlib.style import context
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from contactlab.comparison.canvas import THIN, WIDTH, drawing, legend_above, style
 from contactlab.comparison.figures import METADATA
@@ -67,9 +68,9 @@ def draw_errors(data: xarray.Dataset) -> Figure:
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
     axes.set(xscale="log", xlabel="held-out prediction error")
-    for axis in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
-        axis("{x:.2g}")
-    axes.tick_params(axis="x", which="minor", labelsize=5)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:.2g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     return legend_above(figure, axes)
 
 
@@ -112,8 +113,9 @@ def draw_residuals(data: xarray.Dataset) -> Figure:
                 axes = panels[3 * row + column]
                 found = binned(x, missed)
                 axes.plot(found.at, found.median, label=law, **style(number))
-                band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
-                axes.fill_between(found.at, found.low, found.high, **band)
+                if number == 0:
+                    band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
+                    axes.fill_between(found.at, found.low, found.high, **band)
                 if column == 0:
                     axes.set_ylabel(words)
                 if row == 2:
@@ -137,8 +139,14 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
         words = f"no law explains: {odd.size} of {rate.size}"
         ring = {"s": 26.0, "facecolor": "none", "edgecolor": COLOURS["fault"], "linewidth": 0.9}
         axes.scatter(slip[odd], -rate[odd], label=words, **ring)
+        named: list[tuple[float, float]] = []
+        spread = np.ptp(slip), np.ptp(rate)
         for place in odd[np.argsort(-least[odd])][:MOST_NUMBERED]:
-            at = slip[place], -rate[place]
+            at = float(slip[place]), float(-rate[place])
+            # Numbers that would lie on each other are none.
+            if any(abs(at[0] - x) < 0.08 * spread[0] and abs(at[1] - y) < 0.04 * spread[1] for x, y in named):
+                continue
+            named.append(at)
             text = str(data["impact"].values[place])
             axes.annotate(text, at, (3, 3), textcoords="offset points", fontsize=6)
         legend_above(figure, axes)
@@ -147,9 +155,7 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
 
 
 def _compared(data: xarray.Dataset) -> list[str]:
-    """Give the laws whose residuals are drawn: the best of the first three groups, and the frictionless."""
+    """Give the laws whose residuals are drawn: the best of the first four groups."""
     laws = laws_in(data)
     _, firsts = np.unique(laws["group"].values, return_index=True)
-    names = [str(laws["law"].values[place]) for place in firsts[:3]]
-    plain = data["law"].values[data["kind"].values == BASELINE]
-    return [*names, *map(str, plain[plain == "frictionless"])]
+    return [str(laws["law"].values[place]) for place in firsts[:4]]

@@ -13,7 +13,7 @@ from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.files import whole_netcdf
 from contactlab.results.provenance import code_digest
 from contactlab.validation.models import LawModel, Model
-from contactlab.validation.prediction import COSTLY_STARTS, STARTS, SUBSET, Held, errors_of
+from contactlab.validation.prediction import Held, errors_of
 
 RIGID: Final = "rigid"
 COMPLIANT: Final = "compliant"
@@ -35,7 +35,7 @@ def digest_of(impacts: MeasuredImpacts) -> str:
 
 def key_of(model: Model, impacts: MeasuredImpacts, folds: int, seed: int) -> str:
     """Give the digest of all that an outcome depends on, 16 hexadecimal digits."""
-    settings = (STARTS, COSTLY_STARTS, SUBSET, folds, seed, digest_of(impacts), code_digest())
+    settings = (folds, seed, digest_of(impacts), code_digest())
     return sha256(repr((model, settings)).encode()).hexdigest()[:16]
 
 

@@ -1,8 +1,8 @@
 """Fitted on one part of the impacts, judged on another: what a model predicts of impacts it has not seen."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, final
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +16,28 @@ SMOOTH: Final = 0.01
 """Error [1] below which the loss is a parabola and above which it is the error itself: less than any camera
 sees, so that what is fitted is what is judged."""
 
-STARTS: Final = 8
-COSTLY_STARTS: Final = 3
+STARTS: Final = 4
+COSTLY_STARTS: Final = 2
 """Starts of a fit; those of a law that integrates every impact."""
+
+LOOKED: Final = 16
+COSTLY_LOOKED: Final = 12
+"""Points that are looked at for each of them."""
 
 ACCURACY: Final = 1e-6
 COSTLY_ACCURACY: Final = 1e-3
 """Relative change of the loss at which a start has ended: of a law that is integrated its error is larger."""
 
-SUBSET: Final = 150
-"""Impacts on which a costly law is fitted."""
+SEARCH: Final = 100
+SUBSET: Final = 400
+"""Impacts among which the optimum of a costly law is searched for, and those on which it is fitted then: with
+so many its parameters are known well enough that a law loses less than a thousandth by it."""
+
+
+class _Settings(TypedDict):
+    looks: int
+    step: float | None
+    accuracy: float
 
 
 @final
@@ -58,29 +70,37 @@ def held_out(model: Model, impacts: MeasuredImpacts, fold: NDArray[np.int64], nu
         ValueError: the model has an answer at none of the starts; a sentence.
     """
     places, others = np.flatnonzero(fold == number), np.flatnonzero(fold != number)
-    if model.costly and others.size > SUBSET:
-        others = np.sort(np.random.default_rng([seed, number, SUBSET]).choice(others, SUBSET, replace=False))
-    part = impacts.part(others)
-    fit = fitted(model, part, seed)
+    if model.costly:
+        others = np.random.default_rng([seed, number]).permutation(others)[:SUBSET]
+    fit = fitted(model, impacts.part(others), seed)
     here = impacts.part(places)
     predicted = model.after(fit.values, here)
     lost = np.asarray(np.isnan(predicted).any(axis=1))
     predicted = np.where(lost[:, None], here.velocity_before, predicted)
-    return Held(places, predicted, int(lost.sum()), fit, len(part))
+    return Held(places, predicted, int(lost.sum()), fit, others.size)
 
 
 def fitted(model: Model, impacts: MeasuredImpacts, seed: int) -> Fit:
     """Fit a model to impacts: the least sum of their errors.
 
     The mean of the errors is what judges, so it is what is fitted, not that of their squares; it also gives
-    an outlier no more weight than its error. Its kink at zero is smoothed, see `residuals`.
+    an outlier no more weight than its error. Its kink at zero is smoothed, see `residuals`. The optimum of a
+    costly model is searched for with the first `SEARCH` of the impacts.
     """
+    if not model.costly:
+        plain = _Settings(looks=LOOKED, step=model.step, accuracy=ACCURACY)
+        return best_fit(_residuals_of(model, impacts), model.free, STARTS, seed, **plain)
+    settings = _Settings(looks=COSTLY_LOOKED, step=model.step, accuracy=COSTLY_ACCURACY)
+    few = impacts.part(np.arange(min(SEARCH, len(impacts))))
+    found = best_fit(_residuals_of(model, few), model.free, COSTLY_STARTS, seed, **settings)
+    if len(few) == len(impacts) or not model.free:
+        return found
+    best = best_fit(_residuals_of(model, impacts), model.free, 1, seed, begin=found.values, **settings)
+    return replace(best, hits=found.hits)
 
-    def residuals_at(values: Array) -> Array:
-        return residuals(impacts, model.after(values, impacts))
 
-    starts, accuracy = (COSTLY_STARTS, COSTLY_ACCURACY) if model.costly else (STARTS, ACCURACY)
-    return best_fit(residuals_at, model.free, starts, seed, step=model.step, accuracy=accuracy)
+def _residuals_of(model: Model, impacts: MeasuredImpacts) -> Callable[[Array], Array]:
+    return lambda values: residuals(impacts, model.after(values, impacts))
 
 
 def residuals(impacts: MeasuredImpacts, predicted: Array) -> Array:

@@ -19,8 +19,8 @@ CAPTIONS: Final = {
     "paired_differences": "By how much the law of a row is worse than that of a column on the same impacts, "
     "in thousandths of the approach. Grey numbers are differences whose interval holds zero.",
     "residuals": "What laws miss, over incidence (0 is head-on), approach speed and slip: medians in bins of "
-    "equal numbers, bands the quartiles. Below: gap rate and slip after the impact, measured less predicted; "
-    "slip is positive along that before the impact.",
+    "equal numbers, the band the quartiles of the first. Below: gap rate and slip after the impact, "
+    "measured less predicted; slip is positive along that before the impact.",
     "impacts": "The impacts, with the least error that any law has. Rings: above noise under every law, the "
     "worst with their numbers in the file.",
 }

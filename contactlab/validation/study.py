@@ -14,7 +14,15 @@ from contactlab.validation.candidates import Probed, probed, usual_laws
 from contactlab.validation.dataset import assembled
 from contactlab.validation.folds import folds_of
 from contactlab.validation.models import ConstantImpulse, LawModel, Model, frictionless
-from contactlab.validation.prediction import COSTLY_STARTS, STARTS, SUBSET, Held
+from contactlab.validation.prediction import (
+    COSTLY_LOOKED,
+    COSTLY_STARTS,
+    LOOKED,
+    SEARCH,
+    STARTS,
+    SUBSET,
+    Held,
+)
 from contactlab.validation.work import perform
 
 FOLDS: Final = 5
@@ -22,6 +30,9 @@ ADMISSIBLE: Final = "best admissible impulse"
 FREE_IMPULSE: Final = "best impulse"
 KEPT: Final = "laws"
 """Folder of the outcomes of single laws, from which an interrupted study goes on."""
+
+OVERHEAD: Final = 2e-3
+"""Of the residuals of a rigid law, once [s]; for the bar alone."""
 
 Progress = Callable[[float], object]
 """Told the share of the work that is done, 0 to 1."""
@@ -128,9 +139,9 @@ def _place(keep: Path | None, one: Probed, impacts: MeasuredImpacts, folds: int,
 
 def _weight(one: Probed, impacts: int, folds: int) -> float:
     """Estimate what a fold of a model costs [s]: the points that are looked at and a dozen steps a start."""
-    costly = one.model.costly
-    size = len(one.model.free)
-    used = impacts * (folds - 1) / folds
-    used = min(used, SUBSET) if costly else used
-    evaluations = (COSTLY_STARTS if costly else STARTS) * (8 + 12 * (size + 1))
-    return one.seconds * (evaluations * used + impacts / folds)
+    around = 1 + len(one.model.free)
+    if not one.model.costly:
+        return OVERHEAD * STARTS * (LOOKED + 12 * around)
+    used = impacts - impacts // folds
+    searched = COSTLY_STARTS * (COSTLY_LOOKED + 8 * around) * min(used, SEARCH)
+    return one.seconds * (searched + 4 * around * min(used, SUBSET) + impacts / folds)

@@ -1,34 +1,22 @@
 """docs/writing_laws.md is right: every block runs, and every law of it keeps its contract."""
 
-import re
-from pathlib import Path
 from typing import Any
 
 import pytest
+from support.pages import DOCS, blocks, names_of
 
 from contactlab.laws import Composed, ContactLaw, Friction, NormalForce
 from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "writing_laws.md"
+PAGE = DOCS / "writing_laws.md"
 QUICK = ("declares_its_parameters", "kernel_is_consistent", "declares_what_it_breaks")
-
-
-def blocks() -> list[tuple[int, str]]:
-    """The Python blocks of the page, each with the number of lines before it."""
-    text = PAGE.read_text(encoding="utf-8")
-    found = re.finditer(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
-    return [(text[: each.start(1)].count("\n"), each[1]) for each in found]
 
 
 @pytest.fixture(scope="module")
 def names() -> dict[str, Any]:
     """What stands in the namespace of the page at its end."""
-    made: dict[str, Any] = {"__name__": "writing_laws"}
-    for line, block in blocks():
-        # As many lines before it as on the page, so that a failure names the line there.
-        exec(compile("\n" * line + block, PAGE, "exec"), made)
-    return made
+    return names_of(PAGE)
 
 
 def laws_of(names: dict[str, Any]) -> dict[str, ContactLaw]:
@@ -44,8 +32,8 @@ def laws_of(names: dict[str, Any]) -> dict[str, ContactLaw]:
 
 
 def test_every_block_of_the_guide_runs_in_order(names: dict[str, Any]) -> None:
-    assert len(blocks()) >= 15
-    assert sum(block.count("assert ") for _, block in blocks()) >= 14
+    assert len(blocks(PAGE)) >= 15
+    assert sum(block.count("assert ") for _, block in blocks(PAGE)) >= 14
     assert len(laws_of(names)) == 8
 
 

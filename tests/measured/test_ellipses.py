@@ -1,10 +1,15 @@
 """The published impacts of an ellipse, which lie beside the project or not at all."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas
 import pytest
+import scipy.io
 from support.measurements import ELLIPSES
 
-from contactlab.measured.ellipses import read_ellipses
+from contactlab.measured.ellipses import AXES, MASS, read_ellipses
+from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 
 pytestmark = pytest.mark.skipif(
@@ -44,3 +49,32 @@ def test_the_sign_of_the_tangential_arm_is_found_and_told(ellipses: MeasuredImpa
     assert "reversed" in ellipses.notes[0]
     assert "0.05 %" in ellipses.notes[0]
     assert "3.07 %" in ellipses.notes[0]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["as printed", "reversed"])
+def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_the_same_impacts(
+    tmp_path: Path, ellipses: MeasuredImpacts, sign: float
+) -> None:
+    table = scipy.io.loadmat(ELLIPSES)["bounce_array"].ravel()
+    states, normal, tangential = (np.vstack(table[name]) for name in ("states", "n", "d"))
+    inertia = MASS * sum(axis**2 for axis in AXES) / 4.0
+    words = f"# mass_x: {MASS} kg\n# mass_y: {MASS} kg\n# mass_angle: {inertia!r} kg m^2\n"
+    columns = {"flag": [int(flags.any()) for flags in table["flags"]]}
+    for at, (name, velocity, arm) in enumerate(
+        [("x", "m/s", ""), ("y", "m/s", ""), ("angle", "rad/s", " [m]")]
+    ):
+        columns[f"before_{name} [{velocity}]"] = states[:, 3 + at]
+        columns[f"after_{name} [{velocity}]"] = states[:, 9 + at]
+        columns[f"normal_{name}{arm}"] = normal[:, at]
+        columns[f"tangential_{name}{arm}"] = tangential[:, at] * (sign if at == 2 else 1.0)
+    path = tmp_path / "ellipses.csv"
+    path.write_text(words + pandas.DataFrame(columns).to_csv(index=False))
+    if sign > 0.0:
+        told = r"3\.1 % of the jump's energy .* and 0\.05 % with the sign of tangential_angle reversed"
+        with pytest.raises(ValueError, match=told):
+            read_impacts(path)
+    else:
+        found = read_impacts(path)
+        assert found.left_out == ellipses.left_out
+        for name in ("delassus", "velocity_before", "velocity_after", "kinetic_energy", "outside", "number"):
+            assert getattr(found, name) == pytest.approx(getattr(ellipses, name), rel=1e-9, abs=1e-12), name

@@ -6,6 +6,8 @@ from scipy.stats import bootstrap
 
 from contactlab.fitting.resampling import resampled
 from contactlab.validation.folds import folds_of
+from contactlab.validation.ranking import groups_of, order_of, pair_of, sentences
+from contactlab.validation.residuals import binned
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
@@ -54,3 +56,39 @@ def test_the_same_seed_resamples_the_same_bits():
     values = np.random.default_rng(1).random((50, 2))
 
     assert resampled(values, 3, 300).means.tobytes() == resampled(values, 3, 300).means.tobytes()
+
+
+def test_laws_are_ordered_by_their_means_and_parted_where_the_pairs_part_them():
+    rng = np.random.default_rng(5)
+    hard = rng.exponential(0.1, 500)
+    table = np.column_stack(
+        [hard + 0.01 + rng.normal(0.0, 0.02, 500), hard, hard + rng.normal(0.0, 0.02, 500)]
+    )
+    names, drawn = ("worst", "first", "like it"), resampled(table, seed=0)
+
+    assert order_of(drawn)[-1] == 0
+    assert [sorted(group) for group in groups_of(drawn, names)] == [[1, 2], [0]]
+    assert sentences(drawn, names)[0].startswith("The data cannot tell ")
+    pair = pair_of(drawn, names, 0, 1)
+    assert (pair.better, pair.worse, pair.parted) == ("first", "worst", True)
+    # The spread of the pairs over sqrt(500), though that of either law is five times as large.
+    reach = 1.96 * (table[:, 0] - table[:, 1]).std() / np.sqrt(500.0)
+    assert pair.sentence == f"first beats worst by {pair.apart:.4f} +- {0.5 * (pair.high - pair.low):.4f}"
+    assert 0.5 * (pair.high - pair.low) == pytest.approx(reach, rel=0.1)
+
+
+def test_two_laws_that_differ_by_round_off_predict_the_same():
+    errors = np.random.default_rng(0).exponential(0.1, (100, 1))
+    drawn = resampled(np.hstack([errors, errors + 1e-12]), seed=0)
+
+    assert pair_of(drawn, ("one", "other"), 0, 1).sentence == "one and other predict the same"
+    assert groups_of(drawn, ("one", "other")) == [[0, 1]]
+
+
+def test_bins_of_equal_numbers_have_the_quartiles_of_what_is_in_them():
+    x = np.random.default_rng(0).permutation(80).astype(float)
+    found = binned(x, 2.0 * x)
+
+    assert found.at == pytest.approx(4.5 + 10.0 * np.arange(8))
+    assert found.median == pytest.approx(2.0 * found.at)
+    assert found.high - found.low == pytest.approx(9.0)

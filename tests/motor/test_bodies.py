@@ -1,0 +1,117 @@
+"""Small plants do what their equations say, and need nothing but themselves."""
+
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import contactlab as cl
+from contactlab.motor.bodies import way_of
+
+
+def test_a_ball_that_falls_bounces_to_the_square_of_its_restitution() -> None:
+    height, e = 0.01, 0.8
+    fall = sqrt(2.0 * height / 9.81)
+    run = cl.simulate(cl.ball(0.1, height=height), cl.Newton(0.0, e), duration=3.0 * fall)
+    assert_allclose(run.contacts.start_time[0], fall, rtol=1e-9)
+    assert_allclose(run.contacts.separation_velocity[0], e * 9.81 * fall, rtol=1e-6)
+    assert_allclose(run["gap"].where(run["time"] > 1.1 * fall).max(), e**2 * height, rtol=1e-4)
+
+
+@pytest.mark.parametrize("gyration", [0.4, 2.0 / 3.0])
+def test_a_spinning_ball_that_grips_rolls_on(gyration: float) -> None:
+    motor = cl.ball(1e-3, speed=0.1, velocity=0.02, spin=0.03, gyration=gyration, gravity=0.0)
+    run = cl.simulate(motor, cl.LagrangeStick(friction_coefficient=0.9), duration=1e-5, record_interval=1e-6)
+    assert_allclose(run["slip_velocity"][0], 0.05, rtol=1e-12)
+    assert_allclose(run["slip_velocity"][-1], 0.0, atol=1e-15)
+    # Of the slip the centre gives its share by mass, the rotation the rest.
+    slip_taken = 0.05 * 1e-3 / (1.0 + 1.0 / gyration)
+    assert_allclose(-run.contacts.friction_impulse.sum(), slip_taken, rtol=1e-9)
+
+
+def test_an_oscillator_swings_as_its_equation_says_until_the_stop() -> None:
+    mass, stiffness, gap, start = 2.0, 800.0, 1e-3, -2e-3
+    omega = sqrt(stiffness / mass)
+    motor = cl.oscillator(mass, stiffness, gap=gap, displacement=start)
+    run = cl.simulate(motor, cl.Newton(0.0, 0.5), duration=0.15, record_interval=1e-4)
+    touch = (pi - np.arccos(0.5)) / omega
+    assert_allclose(run.contacts.start_time[0], touch, rtol=1e-9)
+    assert_allclose(run.contacts.approach_velocity[0], start * omega * sqrt(0.75), rtol=1e-9)
+    before = run["time"].values < touch
+    way = run["tip_normal_displacement"].values[before]
+    assert_allclose(way, start * np.cos(omega * run["time"].values[before]), atol=1e-12)
+
+
+def test_a_driven_oscillator_has_the_force_that_was_asked_for() -> None:
+    motor = cl.oscillator(2.0, 800.0, damping=0.4, gap=1.0, force=3.0, frequency=2.0)
+    run = cl.simulate(motor, cl.Newton(), duration=0.01, record_interval=1e-3)
+    # From rest, before the spring knows: F t^2 / 2 m.
+    assert_allclose(run["tip_normal_displacement"][-1], 3.0 * 0.01**2 / 4.0, rtol=1e-2)
+
+
+def test_a_mass_on_a_belt_sticks_until_its_spring_tears_it_off() -> None:
+    mass, stiffness, weight, mu, speed = 1.0, 1e3, 10.0, 0.3, 0.05
+    motor = cl.belt(mass, stiffness, weight=weight, belt_velocity=speed, velocity=speed)
+    run = cl.simulate(motor, cl.LagrangeStick(mu), duration=0.08, contact_step=1e-5, record_interval=1e-4)
+    tears = mu * weight / stiffness / speed
+    sticks = run["time"].values < 0.99 * tears
+    assert_allclose(way_of(run["tip_slope"].values)[sticks], speed * run["time"].values[sticks], atol=1e-9)
+    assert_allclose(run["friction_force"].max(), mu * weight, rtol=1e-6)
+    assert (run["slip_velocity"].values[run["time"].values > 1.05 * tears] < 0.0).all()
+    assert abs(float(run["energy_residual"][-1])) < 1e-5
+
+
+def test_a_cantilever_has_the_textbooks_modes() -> None:
+    length, thickness, steel = 0.1, 1e-3, cl.Steel()
+    motor = cl.cantilever(length, 0.01, thickness, modes=8)
+    unit = sqrt(steel.youngs_modulus * thickness**2 / (12.0 * steel.density)) / length**2 / (2.0 * pi)
+    found = motor.modes.natural_frequency / unit
+    assert_allclose(found[:4], [3.51602, 22.0345, 61.6972, 120.902], rtol=1e-5)
+    # Under a force at its end: sum phi^2/omega^2 = L^3 / 3 E I, and the slope there L^2 / 2 E I.
+    modes, rigidity = motor.modes, steel.youngs_modulus * 0.01 * thickness**3 / 12.0
+    deflection = (modes.tip_displacement**2 / modes.stiffness).sum()
+    slope = (modes.tip_displacement * modes.tip_slope / modes.stiffness).sum()
+    assert_allclose(deflection, length**3 / (3.0 * rigidity), rtol=1e-4)
+    assert_allclose(slope, length**2 / (2.0 * rigidity), rtol=1e-3)
+    # A clamp that is shaken slowly bends it as its weight would: L^4 rho A / 8 E I.
+    bent = -(modes.tip_displacement * modes.coupling[:, 0] / modes.stiffness).sum()
+    assert_allclose(bent, steel.density * 0.01 * thickness * length**4 / (8.0 * rigidity), rtol=1e-6)
+
+
+def test_a_motor_needs_modes_alone() -> None:
+    modes = cl.ball().modes
+    assert cl.Motor(modes).drive.frequency.size == 0
+    assert cl.Drive().phasors.shape == (2, 0)
+
+
+def test_a_plant_is_printed_drawn_saved_and_gone_on_with(tmp_path: Path) -> None:
+    motor = cl.cantilever(gap=1e-4, deflection=-5e-4, damping_ratio=0.01, acceleration=30.0, frequency=80.0)
+    run = cl.simulate(motor, cl.HertzPenalty(stiffness=1e9), duration=0.005, record_interval=1e-5)
+    assert run.complete
+    assert run.contacts.sizes["contact"] > 0
+    assert "hertz_penalty" in str(run)
+    run.plot().savefig(tmp_path / "run.png")
+    run.save(tmp_path / "run.nc")
+    assert_allclose(cl.load(tmp_path / "run.nc")["gap"], run["gap"])
+    longer = cl.simulate(start=run, duration=0.001)
+    assert_allclose(longer["gap"][0], run["gap"][-1])
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: cl.ball(0.0), "The mass is 0.0; it must be positive"),
+        (lambda: cl.ball(gyration=-1.0), "The gyration is -1.0"),
+        (lambda: cl.oscillator(-1.0), "The mass is -1.0"),
+        (lambda: cl.belt(1.0, belt_mass=0.0), "The belt mass is 0.0"),
+        (lambda: cl.cantilever(modes=0), "has 0 modes"),
+        (lambda: cl.cantilever(thickness=np.inf), "The thickness is inf"),
+        (lambda: cl.cantilever(modes=2.5), "The number of modes is 2.5"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_no_body_is_refused_in_a_sentence(make: object, words: str) -> None:
+    assert callable(make)
+    with pytest.raises((ValueError, TypeError), match=words):
+        make()
