@@ -11,9 +11,10 @@ from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 
 if TYPE_CHECKING:
-    from contactlab.fitting.fit import Data
+    from contactlab.fitting.answer import Answer
+    from contactlab.fitting.fit import Data, Question
 
-POINTS = 250
+POINTS = 150
 STARTS = 16
 IMPACTS = 200
 """Of made data, where their number is not given."""
@@ -84,12 +85,13 @@ def main(arguments: list[str]) -> int:
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError
     from contactlab.fitting.nested import NoSamplerError
+    from contactlab.laws import LawError
 
     try:
         return _make(given) if given.synthetic else _fit(given)
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error
-    except (ValueError, NoSamplerError) as error:
+    except (ValueError, LawError, NoSamplerError) as error:
         raise RefusalError(str(error)) from error
 
 
@@ -128,7 +130,7 @@ def _number(text: str) -> float:
 
 
 def _fit(given: Namespace) -> int:
-    from contactlab.fitting.fit import digest_told, fit, left_of_others, pose, read, save
+    from contactlab.fitting.fit import digest_told, left_of_others, pose, read, save
     from contactlab.fitting.nested import available
     from contactlab.fitting.page import as_text
     from contactlab.fitting.words import sorted_words
@@ -150,15 +152,7 @@ def _fit(given: Namespace) -> int:
             tell(f"'{left}' is of another fit, or of another version, and is removed.", sys.stderr)
             left.unlink()
         try:
-            with terminal.raising(), terminal.progress(len(questions), "laws", "The fit") as advance:
-                answers = fit(
-                    questions,
-                    output,
-                    points=given.points,
-                    seed=given.seed,
-                    starts=given.starts,
-                    advance=advance,
-                )
+            answers = _answered(questions, given)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
                 "Interrupted; the same command goes on from where it was some seconds ago."
@@ -171,6 +165,21 @@ def _fit(given: Namespace) -> int:
     print(as_text(answers))
     print(f"\nWritten to {output}: {', '.join(names)} and figures.")
     return COMPLETE
+
+
+def _answered(questions: "list[Question]", given: Namespace) -> "list[Answer]":
+    """Answer the questions; Ctrl-C waits for the end of an evaluation, of which others would print."""
+    from contactlab.fitting.fit import fit
+
+    total = len(questions)
+    with terminal.waiting() as look, terminal.progress(total, "laws", "The fit") as advance:
+
+        def tell_and_look(done: float) -> None:
+            advance(done)
+            look()
+
+        numbers = {name: getattr(given, name) for name in ("points", "seed", "starts")}
+        return fit(questions, given.output, **numbers, advance=tell_and_look)
 
 
 def _chosen(data: "Data", given: Namespace) -> "Data":

@@ -4,6 +4,7 @@ import json
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final, NamedTuple, final
 
@@ -129,6 +130,14 @@ class Answer:
             for k, one in enumerate(self.model.free)
         ]
 
+    def predictive_share(self) -> float:
+        """Give the share of the data that lie in the 90 % intervals of their replicas [1]."""
+        inside = []
+        for one in self.model.data:
+            low, high = np.quantile(self.replicas[one.name], ENDS, axis=0)
+            inside.append(((low <= one.values) & (one.values <= high)).ravel())
+        return float(np.mean(np.concatenate(inside)))
+
     def correlation(self) -> Array:
         """Give the posterior's correlation, shape (parameter, parameter)."""
         _, covariance = self.posterior.moments()
@@ -146,6 +155,10 @@ class Answer:
         said.append(
             f"ln Z = {found.log_evidence:.2f} +- {found.error:.2f}, {found.information:.1f} nat of "
             f"information, {found.calls} evaluations, {found.effective:.0f} effective samples."
+        )
+        said.append(
+            f"{self.predictive_share():.1%} of the data lie in the 90 % intervals of what is predicted of "
+            "them, noise included."
         )
         for one, row in zip(self.model.free, self.rows(), strict=True):
             share = [one.to_unit(row.low), one.to_unit(row.high)]
@@ -241,6 +254,7 @@ class Answer:
             "findings": "\n".join(self.sentences()),
             **self.origin,
             **versions(),
+            "dynesty_version": version("dynesty"),
             "git_revision": revision,
             "git_dirty": dirty,
         }

@@ -17,6 +17,7 @@ WIDTH: Final = 5.2  # inches; the words are still read where a phone makes it it
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24
 MOST: Final = 8  # parameters that a corner plot can show
+FEW: Final = 150  # impacts whose intervals are drawn one by one
 SHARES: Final = (0.9, 0.5)  # of the posterior inside its lines
 
 METADATA: Final[Any] = {"pdf": {"CreationDate": None}, "png": {"Software": None}}
@@ -80,7 +81,7 @@ def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:
     counts, across, up = np.histogram2d(x, y, BINS, spans, weights=weights)
     # A histogram's noise is no feature of the posterior.
     smooth = np.array([0.25, 0.5, 0.25])
-    for axis in (0, 1):
+    for axis in (0, 1, 0, 1):
         counts = np.apply_along_axis(np.convolve, axis, counts, smooth, mode="same")
     falling = np.sort(counts.ravel())[::-1]
     inside = np.cumsum(falling) / falling.sum()
@@ -138,7 +139,7 @@ def _over_time(answer: Answer) -> Figure:
 
 
 def _of_impacts(answer: Answer) -> Figure:
-    """Draw predicted over measured velocities, one panel a direction."""
+    """Draw predicted over measured velocities, one panel a direction, with 90 % intervals."""
     (one,) = answer.model.data
     low, high = np.quantile(answer.replicas[one.name], ENDS, axis=0)
     middle = np.median(answer.predictions[one.name], axis=0)
@@ -147,11 +148,17 @@ def _of_impacts(answer: Answer) -> Figure:
         measured = one.values[:, k]
         ends = [float(f(np.concatenate([measured, middle[:, k]]))) for f in (np.min, np.max)]
         axes.plot(ends, ends, color="0.5", linewidth=0.6, zorder=0)
-        errors = np.maximum([middle[:, k] - low[:, k], high[:, k] - middle[:, k]], 0.0)
-        axes.errorbar(
-            measured, middle[:, k], errors, fmt="o", markersize=2, elinewidth=0.4, alpha=0.7,
-            color=COLOURS["stick"],
-        )  # fmt: skip
+        if measured.size > FEW:
+            axes.plot(measured, middle[:, k], ".", markersize=2, alpha=0.4, color=COLOURS["stick"])
+            # An interval of middling length stands for all.
+            half = 0.5 * float(np.median(high[:, k] - low[:, k]))
+            for sign in (-1.0, 1.0):
+                line = [end + sign * half for end in ends]
+                axes.plot(ends, line, color="0.5", linewidth=0.6, linestyle=(0, (5, 1.5)), zorder=0)
+        else:
+            errors = np.maximum([middle[:, k] - low[:, k], high[:, k] - middle[:, k]], 0.0)
+            style: Any = {"fmt": "o", "markersize": 2, "elinewidth": 0.4, "color": COLOURS["stick"]}
+            axes.errorbar(measured, middle[:, k], errors, **style)
         axes.set_xlabel(f"{name} after the impact, measured (m/s)")
         axes.set_ylabel("predicted (m/s)")
     return figure

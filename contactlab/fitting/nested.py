@@ -11,6 +11,7 @@ bits. A run that is stopped goes on from its last checkpoint, with the same bits
 
 import multiprocessing
 import pickle
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ from contactlab.fitting.model import Model, log_likelihood
 from contactlab.fitting.parameters import Free, from_cube
 from contactlab.processes import START_METHOD, begin_worker, processors
 
-POINTS: Final = 250
+POINTS: Final = 150
 """Live points where nothing is said."""
 
 GROUP: Final = 8
@@ -35,6 +36,9 @@ GROUP: Final = 8
 
 EVERY: Final = 10.0
 """Seconds between two checkpoints."""
+
+UNBOUNDED: Final = 40
+"""Share of proposals from the whole prior that are taken [%], below which they are drawn from ellipsoids."""
 
 WORTH_A_PROCESS: Final = 1e-3
 """Seconds that a likelihood must take for processes to pay."""
@@ -122,6 +126,7 @@ def sample(
     seed: int = 0,
     checkpoint: Path | None = None,
     workers: int | None = None,
+    one_mode: bool = False,
     advance: Advance = bool,
 ) -> Posterior:
     """Sample the posterior of a model.
@@ -133,6 +138,7 @@ def sample(
         checkpoint: file in which a run that is stopped leaves how far it has come; one that is there is gone
             on with.
         workers: processes at work; None is one a processor where that pays.
+        one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
         advance: told the share that is done.
 
     Raises:
@@ -155,14 +161,19 @@ def sample(
                 pool=pool,
                 queue_size=GROUP,
                 use_pool={"update_bound": False},
+                bound="single" if one_mode else "multi",
+                first_update={"min_ncall": points, "min_eff": UNBOUNDED},
             )
         if not sampler.added_live:
-            sampler.run_nested(
-                print_func=_Watch(advance),
-                checkpoint_file=None if checkpoint is None else str(checkpoint),
-                checkpoint_every=EVERY,
-                resume=resumed,
-            )
+            with warnings.catch_warnings():
+                # Of proposals that are few among many: the evaluations are counted and told.
+                warnings.filterwarnings("ignore", "The enlargement factor", UserWarning)
+                sampler.run_nested(
+                    print_func=_Watch(advance),
+                    checkpoint_file=None if checkpoint is None else str(checkpoint),
+                    checkpoint_every=EVERY,
+                    resume=resumed,
+                )
         found = sampler.results
     log_weight = np.asarray(found["logwt"] - found["logz"][-1])
     # They add up to one but for round-off.
@@ -217,7 +228,11 @@ def _pool(model: Model, workers: int | None) -> Iterator[Any]:
     if count < 2 or START_METHOD is None:
         yield _Here()
         return
-    with multiprocessing.get_context(START_METHOD).Pool(count, begin_worker) as pool:
+    # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have.
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "This process", DeprecationWarning)
+        pool = multiprocessing.get_context(START_METHOD).Pool(count, begin_worker)
+    with pool:
         yield pool
 
 

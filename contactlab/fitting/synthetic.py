@@ -130,7 +130,7 @@ def truth_of(configuration: Mapping[str, Any]) -> dict[str, float | str]:
 
 
 def truth_in(measured: MeasuredSeries | MeasuredImpacts, law: str) -> dict[str, float]:
-    """Give the truth that data tell, by key; empty for those of the world, and where another law made them."""
+    """Give the truth that data tell, by key; empty where the world or another law made them."""
     if isinstance(measured, MeasuredSeries):
         text = measured.attributes.get(TRUTH, "{}")
     else:

@@ -152,6 +152,9 @@ def read_series(path: Path) -> MeasuredSeries:
             raise
         raise SeriesError(path, [f"it cannot be read as netCDF: {error}."]) from error
     faults: list[str] = []
+    if "time" not in data.variables:
+        words = "it has no time; there must be one, in seconds since the drive was switched on."
+        raise SeriesError(path, [words])
     time = _time(data, faults)
     there = [name for name in MEASURABLE if name in data.variables]
     if not there:
@@ -202,9 +205,6 @@ def _configuration(data: xarray.Dataset, faults: list[str]) -> dict[str, Any]:
 
 def _time(data: xarray.Dataset, faults: list[str]) -> Array:
     """Give the times; what is wrong with them is added to the faults."""
-    if "time" not in data.variables:
-        faults.append("it has no time; there must be one, in seconds since the drive was switched on.")
-        return np.empty(0)
     time = _column(data, "time", "s", data["time"].size, faults)
     if time is None:
         return np.empty(data["time"].size)

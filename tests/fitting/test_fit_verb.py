@@ -1,0 +1,196 @@
+"""Claims on `contactlab fit`: from made data to posterior and page, and what it refuses."""
+
+import json
+import os
+import signal
+import warnings
+
+import numpy as np
+import pytest
+import xarray
+
+from contactlab.cli import fit
+from contactlab.cli.terminal import RefusalError
+from contactlab.fitting import nested
+
+pytest.importorskip("dynesty", reason="pip install 'contactlab[fit]' brings it")
+
+RANGES = ["law.restitution=0.1..0.9", "contact.friction_coefficient=0.02..0.8"]
+
+
+def make(folder, *words):
+    assert fit.main(["--synthetic", *words, "--output", str(folder)]) == 0
+    return str(folder / "data.nc")
+
+
+@pytest.fixture(scope="module")
+def impacts(tmp_path_factory):
+    """A file of impacts under Newton's law."""
+    truth = ["law=newton", "law.restitution=0.6", "contact.friction_coefficient=0.2"]
+    return make(tmp_path_factory.mktemp("made"), "--impacts", "30", *truth, "--noise", "0.05")
+
+
+def test_two_laws_are_weighed_and_leave_posteriors_that_arviz_reads(impacts, tmp_path, capsys):
+    arguments = [impacts, "law=newton,lagrange_slip", *RANGES, "--points", "40", "--starts", "2", "--output"]
+    assert fit.main([*arguments, str(tmp_path / "a")]) == 0
+    said = capsys.readouterr().out
+
+    assert "The evidence for newton against lagrange_slip is decisive" in said
+    assert "starts found the optimum" in said
+    names = {path.name for path in (tmp_path / "a").iterdir()}
+    assert {"fit.html", "posterior_newton.nc", "corner_newton.png", "predictions_newton.pdf"} <= names
+    assert not [name for name in names if name.startswith(".")]
+    page = (tmp_path / "a" / "fit.html").read_text()
+    assert "decisive" in page
+    assert "http://" not in page
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import arviz
+
+        found = arviz.from_netcdf(tmp_path / "a" / "posterior_newton.nc")
+        table = arviz.summary(found, kind="stats")
+        loo = arviz.loo(found)
+    assert table.loc["law.restitution", "mean"] == pytest.approx(0.6, abs=0.05)
+    assert np.isfinite(loo.elpd_loo)
+    posterior = found.posterior
+    assert json.loads(posterior.attrs["truth"])["law.restitution"] == 0.6
+    assert posterior["law.restitution"].shape == (1, 1000)
+    assert found.posterior_predictive["velocity_after"].dims == ("chain", "draw", "impact", "direction")
+
+
+def test_the_same_fit_leaves_the_same_bytes(impacts, tmp_path):
+    for name in ("a", "b"):
+        fit.main(
+            [
+                impacts,
+                "law=newton",
+                *RANGES[:1],
+                "--points",
+                "25",
+                "--starts",
+                "2",
+                "--output",
+                str(tmp_path / name),
+            ]
+        )
+
+    for file in ("fit.html", "posterior.nc"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+
+
+def test_a_fit_that_was_stopped_is_gone_on_with_by_the_same_command(impacts, tmp_path, monkeypatch, capsys):
+    arguments = [impacts, "law=newton", *RANGES[:1], "--points", "25", "--starts", "2", "--output"]
+    fit.main([*arguments, str(tmp_path / "whole")])
+    with xarray.open_dataset(tmp_path / "whole" / "posterior.nc", group="posterior") as posterior:
+        asked_whole = 2 + int(posterior.attrs["calls"])
+    monkeypatch.setattr(nested, "EVERY", -1.0)
+    asked, calls = nested.log_likelihood, []
+
+    def counting(model, values):
+        calls.append(values)
+        if len(calls) == 150:
+            # As Ctrl-C does at a terminal.
+            os.kill(os.getpid(), signal.SIGINT)
+        return asked(model, values)
+
+    monkeypatch.setattr(nested, "log_likelihood", counting)
+    with pytest.raises(KeyboardInterrupt, match="the same command goes on"):
+        fit.main([*arguments, str(tmp_path / "stopped")])
+    assert [path.suffix for path in (tmp_path / "stopped").iterdir()] == [".checkpoint"]
+    assert 150 <= len(calls) < 200
+    fit.main([*arguments, str(tmp_path / "stopped")])
+
+    # It did not begin anew.
+    assert len(calls) < asked_whole + 100
+    whole, stopped = (tmp_path / name / "posterior.nc" for name in ("whole", "stopped"))
+    assert whole.read_bytes() == stopped.read_bytes()
+
+
+def test_friction_is_found_from_a_rotor_velocity_and_the_discrepancy_is_not_needed(tmp_path, capsys):
+    words = ["law=hertz_penalty", "solver.duration=3e-4", "record.interval=1e-5", "law.stiffness=1e10"]
+    data = make(tmp_path / "made", *words, "contact.friction_coefficient=0.3")
+    free = "contact.friction_coefficient=0.1..0.5"
+    assert (
+        fit.main(
+            [
+                data,
+                free,
+                "--discrepancy",
+                "both",
+                "--points",
+                "25",
+                "--starts",
+                "2",
+                "--output",
+                str(tmp_path),
+            ]
+        )
+        == 0
+    )
+
+    said = capsys.readouterr().out
+    assert "hertz_penalty + discrepancy or hertz_penalty" not in said
+    with xarray.open_dataset(tmp_path / "posterior_hertz_penalty.nc", group="posterior") as posterior:
+        draws = posterior["contact.friction_coefficient"].values
+        log_evidence = posterior.attrs["log_evidence"]
+    with xarray.open_dataset(tmp_path / "posterior_hertz_penalty_discrepancy.nc", group="posterior") as other:
+        assert other.attrs["log_evidence"] < log_evidence
+    assert abs(draws.mean() - 0.3) < 4.0 * draws.std() < 0.2
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["law=newton", "law.restitution=0.9..0.1"], "the end must be greater than the start"),
+        (["law=newton", "law.restitution=0.5..1.5"], "both must be at least 0 and at most 1, and 1.5 is not"),
+        (["law=newton", "law.restitutoin=0..1"], "Did you mean law.restitution"),
+        (
+            ["law=newton,poisson", "law.stiffness=1..2"],
+            "There is no number law.stiffness under any of these laws",
+        ),
+        (
+            ["law=newton", "rotor.inertia=1e-7..1e-5"],
+            "rotor.inertia is of the motor, and impacts are of the law",
+        ),
+        (["law.restitution=0..1"], "The data tell no law; name one"),
+        (["law=newton,newton"], "law=newton is given twice"),
+        (["law=newtn"], "newton"),
+        (["law=newton", "law.restitution=a..b"], "has an end which is not a number"),
+        (["law=newton", "--series", "gap"], "the data are impacts"),
+        (
+            ["law=newton", "--noise", "free", "--discrepancy", "on"],
+            "noise and discrepancy cannot be told apart",
+        ),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused_in_a_sentence_and_leaves_nothing(impacts, tmp_path, words, said):
+    with pytest.raises(RefusalError) as refused:
+        fit.main([impacts, *words, "--output", str(tmp_path / "out")])
+
+    assert said in str(refused.value)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["law=newton"], "there is no file; the first word must be one"),
+        (["data.nc", "--points", "3"], "--points is 3, it must be at least 25"),
+        (["data.nc", "--noise", "-1"], "--noise is -1, it must be greater than 0"),
+        (["data.nc", "--impacts", "3"], "it must come with --synthetic"),
+        (["--synthetic", "--discrepancy", "on"], "--discrepancy is of a fit"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(capsys, words, said):
+    with pytest.raises(SystemExit):
+        fit.main(words)
+
+    assert said in capsys.readouterr().err
+
+
+def test_a_file_that_is_not_there_and_missing_packages_are_refused(tmp_path, monkeypatch):
+    with pytest.raises(RefusalError, match="No such file"):
+        fit.main([str(tmp_path / "none.nc"), "law=newton", "--output", str(tmp_path / "out")])
+    monkeypatch.setattr(nested, "find_spec", {}.get)
+    with pytest.raises(RefusalError, match=r"pip install 'contactlab\[fit\]'"):
+        fit.main([str(tmp_path / "none.nc"), "law=newton", "--output", str(tmp_path / "out")])

@@ -1,0 +1,113 @@
+"""Claims on nested sampling: closed forms, quadrature, and the same bits however it is run."""
+
+import numpy as np
+import pytest
+from fitting.linear import Linear
+from scipy.special import logsumexp
+from scipy.stats import kstest
+
+import contactlab as cl
+from contactlab.fitting import nested
+from contactlab.fitting.evidence import Evidence, sentences, told
+from contactlab.fitting.impact_model import ImpactModel
+from contactlab.fitting.model import log_likelihood
+from contactlab.fitting.nested import sample
+from contactlab.fitting.parameters import free_parameters, from_cube
+from contactlab.fitting.synthetic import made_impacts
+
+pytest.importorskip("dynesty", reason="pip install 'contactlab[fit]' brings it")
+
+
+class Stop:
+    """Ctrl-C at the end of so many iterations."""
+
+    def __init__(self, after):
+        self.left = after
+
+    def __call__(self, _share):
+        self.left -= 1
+        if self.left == 0:
+            raise KeyboardInterrupt
+
+
+def test_evidence_mean_and_deviation_of_a_linear_model_are_its_closed_form():
+    model = Linear()
+    mean, covariance, log_evidence = model.closed_form()
+
+    found = sample(model, points=200, seed=3)
+
+    assert found.error < 0.25
+    assert found.log_evidence == pytest.approx(log_evidence, abs=3.0 * found.error)
+    own, spread = found.moments()
+    # So far off is a mean of so many effective samples.
+    assert np.abs(own - mean).max() < 4.0 * np.sqrt(covariance.max() / found.effective)
+    np.testing.assert_allclose(np.sqrt(np.diag(spread)), np.sqrt(np.diag(covariance)), rtol=0.12)
+    inside = found.quantiles((0.05, 0.95))
+    width = 2.0 * 1.6449 * np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(inside[:, 1] - inside[:, 0], width, rtol=0.12)
+
+
+def test_a_number_that_the_data_do_not_know_keeps_its_prior():
+    found = sample(Linear(idle=True), points=100, seed=4)
+    draws = found.draws(int(found.effective))[:, 2]
+
+    assert kstest(draws, "uniform", args=(-2.0, 4.0)).pvalue > 0.01
+    assert kstest(found.draws(200)[:, 1], "uniform", args=(-2.0, 4.0)).pvalue < 1e-6
+
+
+def test_evidence_of_impacts_is_that_of_quadrature():
+    law = cl.law("newton", restitution=0.6, friction_coefficient=0.2)
+    data = made_impacts(law, 5, 0.1, 2)
+    free = free_parameters(law, {"restitution": (0.2, 0.9), "friction_coefficient": (0.05, 0.5)})
+    model = ImpactModel(data, law, free, free, spread=False)
+    middles = (np.arange(40) + 0.5) / 40
+    grid = [log_likelihood(model, from_cube(free, (x, y))) for x in middles for y in middles]
+
+    found = sample(model, points=100, seed=1)
+
+    assert found.log_evidence == pytest.approx(logsumexp(grid) - np.log(1600), abs=3.0 * found.error)
+
+
+def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_a_stop(tmp_path, monkeypatch):
+    whole = sample(Linear(), points=25, seed=9, workers=1)
+    others = sample(Linear(), points=25, seed=9, workers=2)
+    monkeypatch.setattr(nested, "EVERY", -1.0)
+    checkpoint = tmp_path / "checkpoint"
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            sample(Linear(), points=25, seed=9, checkpoint=checkpoint, advance=Stop(60))
+    resumed = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
+    again = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, advance=Stop(1))
+
+    for other in (others, resumed, again):
+        assert other.samples.tobytes() == whole.samples.tobytes()
+        assert other.log_evidence == whole.log_evidence
+        assert other.draws(100).tobytes() == whole.draws(100).tobytes()
+    assert sample(Linear(), points=25, seed=10).samples.tobytes() != whole.samples.tobytes()
+
+
+def test_a_damaged_checkpoint_is_begun_anew(tmp_path):
+    checkpoint = tmp_path / "checkpoint"
+    checkpoint.write_bytes(b"half of a file")
+
+    found = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
+
+    assert found.log_evidence == sample(Linear(), points=25, seed=9).log_evidence
+
+
+@pytest.mark.parametrize(
+    ("difference", "error", "word"),
+    [(9.0, 0.3, "decisive"), (-4.0, 0.3, "very strong"), (2.5, 0.3, "strong"), (1.5, 0.3, "substantial"),
+     (1.0, 0.01, ""), (5.0, 2.0, "")],
+)  # fmt: skip
+def test_a_bayes_factor_is_told_above_three_and_above_three_of_its_errors(difference, error, word):
+    assert told(difference, error) == word
+
+
+def test_laws_that_are_too_close_are_said_to_be():
+    near, far = Evidence("a", 10.0, 0.3), Evidence("b", 10.4, 0.3)
+
+    assert sentences([near, far, Evidence("c", 0.0, 0.3)]) == [
+        "b or a: cannot tell (ln B = 0.4 +- 0.4).",
+        "The evidence for b against c is decisive: odds of 3.29e+04 to 1 (ln B = 10.4 +- 0.4).",
+    ]
