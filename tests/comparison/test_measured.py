@@ -1,6 +1,7 @@
 """Measurements in the comparison: which law is nearer to them, by how much, and what cannot be told."""
 
 import csv
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.comparison.findings import differences
 from contactlab.comparison.measurements import read_all
 from contactlab.comparison.report import page
-from contactlab.comparison.scorecard import as_latex, as_text
+from contactlab.comparison.scorecard import as_csv, as_latex, as_text
 from contactlab.impact import velocities_after
 from contactlab.laws import Newton
 from contactlab.measured.files import write_impacts
@@ -62,8 +63,8 @@ def measured(folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def data(runs: list[Path], measured: Path, folder: Path) -> xarray.Dataset:
-    return compare(runs, folder / "out", refine=False, transient=True, measured=[measured])
+def data(runs: list[Path], measured: Path) -> xarray.Dataset:
+    return compare(runs, refine=False, transient=True, measured=[measured])
 
 
 def test_the_error_of_the_law_that_made_them_is_the_noise(data: xarray.Dataset) -> None:
@@ -109,16 +110,15 @@ def test_what_pairs_do_not_tell_apart_is_said_so(runs: list[Path], folder: Path,
     assert "predict the impacts of A ball & a plate alike." in said
 
 
-def test_all_files_have_the_rows_and_where_they_are_from(
+def test_page_tables_and_file_have_the_rows_and_where_they_are_from(
     data: xarray.Dataset, folder: Path, measured: Path
 ) -> None:
-    (one,) = read_all([measured])
-    report = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    (one,), report = read_all([measured]), page(data, [])
     for words in ("A ball &amp; a plate", "drawn by a test", "400 impacts", one.digest, "is half of a 95 %"):
         assert words in report
-    with (folder / "out" / "scorecard.csv").open(encoding="utf-8") as file:
-        table = {line["metric"]: line for line in csv.DictReader(file)}
-    with xarray.open_dataset(folder / "out" / "metrics.nc") as written:
+    table = {line["metric"]: line for line in csv.DictReader(StringIO(as_csv(data)))}
+    data.to_netcdf(folder / "metrics.nc", engine="netcdf4")
+    with xarray.open_dataset(folder / "metrics.nc") as written:
         assert written["measured_digest"].values.tolist() == [one.digest]
         xarray.testing.assert_identical(written["nearer"].load(), data["nearer"])
     for key in ("impact_error", "impact_error_over_floor", "nearest_impacts"):
