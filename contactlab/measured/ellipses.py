@@ -7,6 +7,10 @@ them, any of which says that the impact is none of one clean contact.
 The disc has the axes 70 and 50 mm and a mass of 36.4 g, M = m diag(1, 1, (a^2 + b^2)/4) with a = 35 mm,
 b = 25 mm. It was tracked at 250 Hz: the gravity of one frame, 9.81 m/s^2 times 4 ms, is in the velocities.
 
+The arm in `d` is the height of the centre, as for an angle counted counter-clockwise. With its sign reversed
+sixty times less of the jumps' energy lies outside of what impulses can do: so the angle is counted clockwise,
+or x is mirrored. `n` is right either way, since the normal's arm changes its sign with the angle.
+
 Source: Fazeli, Zapolsky, Drumwright and Rodriguez (2020), Fundamental limitations in performance and
 interpretability of common planar rigid-body contact models, in Robotics Research, 555.
 """

@@ -255,3 +255,15 @@ def test_what_the_stated_errors_explain_is_no_wrong_sign(tmp_path: Path) -> None
     explained = float(found.notes[0].split("explain ")[1].split(" %")[0]) / 100.0
     # The median of the square of one error is 0.455 of its mean.
     assert share == pytest.approx(0.455 * explained, rel=0.2)
+
+
+def test_errors_that_are_stated_decide_how_much_is_too_much(tmp_path: Path) -> None:
+    """A wrong sign that they could hide is noted, and one that they cannot is refused."""
+    bodies = drawn_bodies(100, 4, noise=1e-3)
+    bodies.tangential[:, 2] *= -1.0
+    path, small, large = tmp_path / "impacts.csv", 1e-3, 1.0
+    turn = 1.0 / np.sqrt(1.7e-5 / 0.04)
+    with pytest.raises(ValueError, match=r"the stated errors explain .* with the sign of tangential_turn"):
+        read_impacts(written(bodies, path, x=small, y=small, turn=small * turn))
+    found = read_impacts(written(bodies, path, x=large, y=large, turn=large * turn))
+    assert "it would be" in found.notes[0]
