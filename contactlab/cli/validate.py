@@ -1,6 +1,7 @@
 """`contactlab validate DATA [law=A,B]`: laws against measured impacts that they were not fitted to."""
 
 import sys
+from argparse import Namespace
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +23,55 @@ def main(arguments: list[str]) -> int:
         RefusalError: data or laws cannot be used, or the folder cannot be written to.
         KeyboardInterrupt: with a sentence; the laws that have ended are kept.
     """
+    given = _given(arguments)
+    output: Path = given.output
+    check_output(output)
+    # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.cli.law_words import models_of
+    from contactlab.laws import LawError
+    from contactlab.measured.faults import MeasurementError
+    from contactlab.measured.files import read_impacts
+    from contactlab.sweeps.batch import WorkerError
+    from contactlab.validation import tables
+    from contactlab.validation.report import write
+    from contactlab.validation.study import KEPT, ValidationError, study
+
+    models = models_of(given.words)
+    try:
+        impacts = read_impacts(given.data)
+        announce = partial(tell, stream=sys.stderr)
+        with terminal.progress(100.0, "%", "The study") as show, terminal.raising():
+            data = study(
+                impacts,
+                models,
+                folds=given.folds,
+                seed=given.seed,
+                workers=given.workers,
+                keep=output,
+                progress=lambda share: show(100.0 * share),
+                announce=announce,
+            )
+    except (ValidationError, MeasurementError, WorkerError, LawError) as error:
+        raise RefusalError(str(error)) from error
+    except OSError as error:
+        if error.filename == str(given.data):
+            raise RefusalError(f"'{given.data}' cannot be read ({error.strerror}). Name a file.") from error
+        raise unwritable(output, error) from error
+    except KeyboardInterrupt:
+        words = f"Interrupted; laws that had ended are kept in {output / KEPT}, and the same command goes on."
+        raise KeyboardInterrupt(words) from None
+    try:
+        write(data, output)
+    except OSError as error:
+        raise unwritable(output, error) from error
+    said = [tables.headline(data), *tables.order(data), "", tables.as_text(data), "", *tables.warnings(data)]
+    print(*said, f"No law explains: {tables.unexplained(data)}", sep="\n")
+    print(f"\nWritten to {output}: validation.html, validation.nc and figures.")
+    return COMPLETE
+
+
+def _given(arguments: list[str]) -> Namespace:
+    """Read the arguments."""
     parser = Parser(
         "validate",
         ": every impact is held out once, laws are fitted to the others and predict it. Their errors have "
@@ -54,46 +104,4 @@ def main(arguments: list[str]) -> int:
         number = getattr(given, name)
         if number is not None and number < least:
             parser.error(f"--{name} is {number}; it must be at least {least}")
-    output: Path = given.output
-    check_output(output)
-    # Imported here: they bring the compiler, which --help does not need.
-    from contactlab.cli.law_words import models_of
-    from contactlab.measured.faults import MeasurementError
-    from contactlab.measured.files import read_impacts
-    from contactlab.sweeps.batch import WorkerError
-    from contactlab.validation import tables
-    from contactlab.validation.report import write
-    from contactlab.validation.study import KEPT, ValidationError, study
-
-    models = models_of(given.words)
-    try:
-        impacts = read_impacts(given.data)
-        announce = partial(tell, stream=sys.stderr)
-        with terminal.progress(100.0, "%", "The study") as show, terminal.raising():
-            data = study(
-                impacts,
-                models,
-                folds=given.folds,
-                seed=given.seed,
-                workers=given.workers,
-                keep=output,
-                progress=lambda share: show(100.0 * share),
-                announce=announce,
-            )
-    except (ValidationError, MeasurementError, WorkerError) as error:
-        raise RefusalError(str(error)) from error
-    except OSError as error:
-        if error.filename == str(given.data):
-            raise RefusalError(f"'{given.data}' cannot be read ({error.strerror}). Name a file.") from error
-        raise unwritable(output, error) from error
-    except KeyboardInterrupt:
-        words = f"Interrupted; laws that had ended are kept in {output / KEPT}, and the same command goes on."
-        raise KeyboardInterrupt(words) from None
-    try:
-        write(data, output)
-    except OSError as error:
-        raise unwritable(output, error) from error
-    said = [tables.headline(data), *tables.order(data), "", tables.as_text(data), "", *tables.warnings(data)]
-    print(*said, f"No law explains: {tables.unexplained(data)}", sep="\n")
-    print(f"\nWritten to {output}: validation.html, validation.nc and figures.")
-    return COMPLETE
+    return given

@@ -123,7 +123,9 @@ def test_the_restitution_of_head_on_impacts_is_the_median_of_theirs() -> None:
 
 def test_a_number_that_changes_nothing_is_held_and_one_that_no_impact_feels_cannot_be_told() -> None:
     stiff = probed(LawModel.of(cl.LagrangeAgeing()), struck_discs(TRUTH, 40, seed=0))
-    assert set(stiff.held) == {"strengthening", "ageing_time", "longest_age"}
+    # What sticks is not older than an impact, which takes no time.
+    assert {"strengthening", "ageing_time", "longest_age"} <= set(stiff.held)
+    assert "friction_coefficient" not in stiff.held
     # Small slips stick with any friction that is not small.
     sticking = struck_discs(cl.Newton(1.0, 0.5), 60, seed=0)
     before = sticking.velocity_before * [1.0, 0.05]
