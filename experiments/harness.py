@@ -237,19 +237,19 @@ def in_chunks(
 
 def perform(module: ModuleType, folder: Path, overrides: Sequence[str] = (), short: bool = False) -> Result:
     """Run an experiment and write its figure, dataset and table."""
-    name = module.__name__.rpartition(".")[2]
-    setup = setup_of(name, overrides)
+    setup = setup_of(_name(module), overrides)
     data: xarray.Dataset = module.study(setup, short)
+    data.attrs["configuration"] = yaml.safe_dump(setup.configuration, sort_keys=False)
+    return leave(module, data, folder)
+
+
+def leave(module: ModuleType, data: xarray.Dataset, folder: Path) -> Result:
+    """Write figure, dataset and table of what an experiment has found."""
     sentence, holds = module.finding(data)
     rows = pandas.DataFrame(module.table(data))
     folder.mkdir(parents=True, exist_ok=True)
     title = (module.__doc__ or "").partition("\n")[0]
-    data.attrs |= {
-        "title": title,
-        "finding": sentence,
-        "configuration": yaml.safe_dump(setup.configuration, sort_keys=False),
-        **versions(),
-    }
+    data.attrs |= {"title": title, "finding": sentence, **versions()}
     data.to_netcdf(folder / "data.nc", engine="netcdf4")
     rows.to_csv(folder / "table.csv", index=False, float_format="%.9g", lineterminator="\n")
     with plt.style.context(STYLE):
@@ -258,7 +258,11 @@ def perform(module: ModuleType, folder: Path, overrides: Sequence[str] = (), sho
         # No date in the file: the same run gives the same bytes.
         figure.savefig(folder / "figure.pdf", metadata={"CreationDate": None})
     plt.close(figure)
-    return Result(name, title, module.SAYS, sentence, holds, rows, folder)
+    return Result(_name(module), title, module.SAYS, sentence, holds, rows, folder)
+
+
+def _name(module: ModuleType) -> str:
+    return module.__name__.rpartition(".")[2]
 
 
 def show(result: Result) -> None:

@@ -65,6 +65,14 @@ def main(arguments: list[str]) -> int:
         help="half the range of a parameter over its value, contact.clearance=0.1, beside or in place of "
         "what the runs state in `uncertainty`; 0 is known exactly; may be given again",
     )
+    parser.add_argument(
+        "--measured",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="files of measured impacts (CSV or netCDF, docs/measured_data.md) or of measured series of this "
+        "motor (docs/fitting.md), which the laws are held against with the parameters of their runs",
+    )
     given = parser.read(arguments)
     output: Path = given.output
     check_output(output)
@@ -77,6 +85,7 @@ def main(arguments: list[str]) -> int:
             samples=given.samples,
             starts=given.starts,
             ranges=dict(given.range),
+            measured=given.measured,
             announce=partial(tell, stream=sys.stderr),
         )
     except ComparisonError as error:

@@ -6,6 +6,7 @@ from typing import Final
 
 import xarray
 
+from contactlab.comparison import measured
 from contactlab.comparison.causes import listed
 from contactlab.comparison.scorecard import Cell, rows
 from contactlab.comparison.weighing import CLEAR, on_other_basis, pairs, shares_said, weighed
@@ -29,15 +30,15 @@ def differences(data: xarray.Dataset) -> list[str]:
     """Say how far the laws lie apart, against what else could explain it, the rotor velocity first.
 
     Of settled motors that is everything in `contactlab.comparison.causes.CAUSES`; of runs as they were
-    recorded it is their numerical errors alone.
+    recorded it is their numerical errors alone. Of measured impacts it is which of them are in the file.
     """
     if "cause" in data.dims:
         velocity, *others = [*map(str, weighed(data))] or [""]
         between = [f"Between {low} and {high}: {verdict}" for low, high, verdict in _inner(data)]
         said = [velocity, on_other_basis(data), *between, *others, shares_said(data)]
-        return [*filter(None, said)]
+        return [*filter(None, said), *measured.differences(data)]
     known = {metric.key: _difference(metric, cells) for metric, cells in rows(data)}
-    return [known[key] for key in HEADLINES if known[key]]
+    return [*(known[key] for key in HEADLINES if known[key]), *measured.differences(data)]
 
 
 def _inner(data: xarray.Dataset) -> Iterator[tuple[str, str, str]]:

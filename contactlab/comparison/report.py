@@ -11,19 +11,24 @@ from tqdm import tqdm
 
 from contactlab.comparison.causes import settled_of, with_causes
 from contactlab.comparison.findings import conclusion, differences, first, verdicts
+from contactlab.comparison.measured import judged
+from contactlab.comparison.measurements import read_all
 from contactlab.comparison.page import bulleted, filled, pictured
 from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
 from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
 from contactlab.comparison.weighing import unclear
-from contactlab.metrics import FAIL, NOT_APPLICABLE, PASS, Metric
+from contactlab.metrics import CANNOT_TELL, FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
 SAMPLES: Final = 32  # rows of a design: a minute or two for three laws
 STARTS: Final = 6
 
 PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
+
+KINDS: Final = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none", CANNOT_TELL: "none"}
+"""Classes of the cells."""
 
 CAPTIONS: Final = {
     "settled_quantities": "{headline} Marks are the settled motor with every law, bars how far each cause "
@@ -54,6 +59,7 @@ def compare(
     samples: int = SAMPLES,
     starts: int = STARTS,
     ranges: Mapping[str, float] | None = None,
+    measured: Sequence[str | Path] = (),
     announce: Callable[[str], object] = bool,
 ) -> xarray.Dataset:
     """Compare contact laws in one motor, once it has settled.
@@ -73,6 +79,8 @@ def compare(
         starts: from which each law's steady states are looked for.
         ranges: half the range of a parameter over its value, by full key, beside or in place of what the
             section `uncertainty` of the runs states; 0 is known exactly.
+        measured: files of impacts (docs/measured_data.md) or of the motor's series that were measured; the
+            laws are held against them with the parameters of their runs.
         announce: told how long the drawn motors will take, before they are made.
 
     Returns:
@@ -88,6 +96,7 @@ def compare(
             [f"samples is {samples}; it must be a power of two, or 0 for none. {SAMPLES} is usual."]
         )
     runs, notes = collect(sources, transient=transient)
+    measurements = judged(read_all(measured), runs)
     bar = tqdm(runs, unit=" laws", disable=None, delay=1.0, leave=False)
     again = partial(refined, transient=transient, refine=refine, starts=starts)
     laws = [again(run) for run in bar]
@@ -96,7 +105,7 @@ def compare(
     if refine and not transient and (complete := settled_of(laws)):
         factors = factors_of(complete, ranges or {})
         drawn = _drawn(Design(complete, factors, samples), announce) if samples else None
-    data = scorecard(laws, notes)
+    data = scorecard(laws, notes, measurements)
     data = data.assign_attrs(first="") if transient else with_causes(data, laws, factors, drawn)
     if output is None:
         return data
@@ -128,7 +137,7 @@ def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
 def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
     labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
-    table, said_of = rows(data), differences(data)
+    table, said_of = rows(data), [_typeset(said) for said in differences(data)]
     shown = {path.stem: _picture(path, said_of, settled="cause" in data.dims) for path in pictures}
     code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
     versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
@@ -144,6 +153,7 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
         "pictures": "\n".join(shown.values()),
         "shares": _shares(data),
         "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{bulleted(v)}" for k, v in verdicts(data).items()),
+        "measured": _measured(data),
         "notes": f"<h2>Notes</h2>{bulleted(notes)}" if notes else "",
         "definitions": "\n".join(_definition(metric) for metric, _ in table),
         "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
@@ -152,15 +162,35 @@ def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
     return filled(PAGE, said)
 
 
+def _typeset(sentence: str) -> str:
+    """Give a sentence as a page has it; an error stays in the line of its number."""
+    return sentence.replace(" +- ", f"\u00a0{PLUS_MINUS}\u00a0")
+
+
 def _row(metric: Metric, cells: dict[str, Cell]) -> str:
     line = f"<tr><td title='{escape(metric.meaning)}'>{escape(metric.brief + metric.bracketed)}</td>"
     line += f"<td>{escape(metric.threshold)}</td>"
     for cell in cells.values():
-        kind = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none"}.get(cell.verdict, "")
+        kind = KINDS.get(cell.verdict, "")
         number, sign, error = cell.number.partition(f" {PLUS_MINUS}")
         small = f" <small>{PLUS_MINUS}{error}</small>" if sign else ""
         line += f"<td class='{kind}'>{number}{small} {cell.word}</td>"
     return f"{line}</tr>"
+
+
+def _measured(data: xarray.Dataset) -> str:
+    """Say where the rows come from that are measured; nothing where none is."""
+    if "measured" not in data.dims:
+        return ""
+    names = ("measured", "measured_contents", "measured_source", "measured_file", "measured_digest")
+    said = []
+    for title, contents, source, path, digest in zip(*(data[name].values for name in names), strict=True):
+        words = f"{title}: {contents}, as of {path}, SHA-256 {digest}."
+        said.append(f"{words} Source: {source}" if source else words)
+    return (
+        "<p>The last rows hold the laws, with the parameters as run, against what was measured; there \u00b1 "
+        f"is half of a 95 % interval by resampling the impacts. The data:</p>{bulleted(said)}"
+    )
 
 
 def _shares(data: xarray.Dataset) -> str:

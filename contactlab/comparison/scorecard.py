@@ -12,6 +12,8 @@ import xarray
 from yaml import safe_dump
 
 from contactlab import metrics
+from contactlab.comparison.measured import with_measurements
+from contactlab.comparison.measurements import Judged, row
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.settled import QUANTITIES
 from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS, Metric, NotApplicableError, Run
@@ -19,7 +21,7 @@ from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.provenance import checkout_state, versions
 
 EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
-FLAGS: Final = "not_applicable pass fail reported settled not_settled"
+FLAGS: Final = "not_applicable pass fail reported settled not_settled cannot_tell"
 """`VERDICTS` as words of the CF conventions."""
 
 ENERGY_TERMS: Final = {
@@ -42,17 +44,24 @@ LATEX: Final = str.maketrans(
 """Plain text for LaTeX, by `str.translate`."""
 
 
-def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Dataset:
+def scorecard(
+    laws: Sequence[Refined], notes: Sequence[str] = (), measured: Sequence[Judged] = ()
+) -> xarray.Dataset:
     """Judge every law.
 
     Returns:
-        A dataset with the dimensions `law`, `metric`, those first that have a threshold, and `term` (of the
-        energy flow).
+        A dataset with the dimensions `law`, `metric`, those first that have a threshold and those last that
+        come from measurements, and `term` (of the energy flow).
     """
-    every = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
+    own = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
+    every = [*own, *(metric for one in measured for metric in one.rows)]
     runs, judged = [law.run for law in laws], [_judged(law) for law in laws]
-    values = [[found.get(metric.key, nan) for metric in every] for found, _ in judged]
-    errors = [[error.get(metric.key, nan) for metric in every] for _, error in judged]
+    values = [[found.get(metric.key, nan) for metric in own] for found, _ in judged]
+    errors = [[error.get(metric.key, nan) for metric in own] for _, error in judged]
+    for one in measured:
+        values = [[*line, *more] for line, more in zip(values, one.values.T.tolist(), strict=True)]
+        errors = [[*line, *more] for line, more in zip(errors, one.errors.T.tolist(), strict=True)]
+    notes = [*notes, *(note for one in measured for note in one.notes)]
     verdicts = [
         [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)] for row in values
     ]
@@ -62,11 +71,12 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
     gone = [[flow[term] for term in ENERGY_TERMS] for flow in flows]
     flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
     both, units = ("law", "metric"), {"comment": "units differ by metric, see `units`"}
-    error = {"long_name": "error of the value by Richardson's estimate", **units}
+    # Of impacts that were measured it is what resampling them leaves open.
+    error = {"long_name": "error of the value: Richardson's, or half of a 95 % bootstrap interval", **units}
     energy = {"units": "J", "long_name": "where the work of the drive has gone"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
     code, (revision, dirty) = versions(), checkout_state()
-    return xarray.Dataset(
+    card = xarray.Dataset(
         {
             "value": (both, values, {"long_name": "value of the metric", **units}),
             "numerical_error": (both, errors, error),
@@ -101,6 +111,7 @@ def scorecard(laws: Sequence[Refined], notes: Sequence[str] = ()) -> xarray.Data
             "git_dirty": dirty,
         },
     )
+    return with_measurements(card, measured)
 
 
 def _judged(law: Refined) -> tuple[dict[str, float], dict[str, float]]:
@@ -157,16 +168,16 @@ class Cell:
 
     @property
     def number(self) -> str:
-        """The value with its numerical error, n/a where there is none."""
+        """The value with its error, n/a or the like where there is none."""
         if isnan(self.value):
-            return NOT_APPLICABLE
+            return self.verdict
         error = f" {PLUS_MINUS} {self.error:.1g}" if self.error > 0.0 else ""
         return f"{self.value:.4g}{error}".replace("-", MINUS)
 
     @property
     def word(self) -> str:
         """The verdict, empty where nothing is judged or the number says it."""
-        return "" if self.verdict in (REPORTED, NOT_APPLICABLE) else self.verdict
+        return "" if self.verdict == REPORTED or isnan(self.value) else self.verdict
 
 
 def rows(data: xarray.Dataset) -> list[tuple[Metric, dict[str, Cell]]]:
@@ -175,8 +186,16 @@ def rows(data: xarray.Dataset) -> list[tuple[Metric, dict[str, Cell]]]:
     table = []
     for key, *line in zip(data["metric"].values, *(data[n].values.T for n in names), strict=True):
         cells = (Cell(x, error, VERDICTS[flag]) for x, error, flag in zip(*line, strict=True))
-        table.append((EVERY[str(key)], dict(zip(laws, cells, strict=True))))
+        table.append((_metric(data, str(key)), dict(zip(laws, cells, strict=True))))
     return table
+
+
+def _metric(data: xarray.Dataset, key: str) -> Metric:
+    """Give the metric of a row; one that is measured is as the dataset has it."""
+    if key in EVERY:
+        return EVERY[key]
+    one = data.sel(metric=key)
+    return row(key, *(str(one[name].item()) for name in ("symbol", "meaning", "units", "metric_source")))
 
 
 def as_text(data: xarray.Dataset) -> str:
@@ -216,7 +235,7 @@ def as_latex(data: xarray.Dataset) -> str:
         lines.append([name, limit])
         for c in cells.values():
             number = f"${_power(f'{c.value:.3g}')}$ {c.word}".rstrip()
-            lines[-1].append(NOT_APPLICABLE if isnan(c.value) else number)
+            lines[-1].append(c.verdict if isnan(c.value) else number)
     head, *body = (" & ".join(line) + r" \\" for line in lines)
     start = rf"\begin{{tabular}}{{p{{0.3\textwidth}}l{'r' * len(labels)}}}"
     rules = (r"% \usepackage{booktabs} in the preamble.", start, r"\toprule", head, r"\midrule")

@@ -15,10 +15,10 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 Measure = Callable[[Any], float]
 
-VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled")
+VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled", "cannot tell")
 """In the order of their flags in a file. A metric without a threshold is only reported, and one that judges
-the length of a run, and no law, has words of its own."""
-NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED = VERDICTS
+the length of a run, and no law, has words of its own; of what was measured one may not be able to tell."""
+NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED, CANNOT_TELL = VERDICTS
 
 ROUND_OFF: Final = 1e-6
 """What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
@@ -41,6 +41,7 @@ class Metric:
     source: str = ""
     invariant: bool = False  # holds whatever the law: where it fails, the solver or the file is wrong
     needs_records: bool = True  # takes other records than the last
+    absent: str = NOT_APPLICABLE  # where there is no value
     usual: bool = False  # is kept where none is named, as one that costs next to nothing
 
     @property
@@ -69,9 +70,9 @@ class Metric:
         return self.unit and f" [{self.unit[1:]}]"
 
     def verdict(self, value: float) -> str:
-        """Give one of its `words`, NOT_APPLICABLE for a NaN, or REPORTED."""
+        """Give one of its `words`, what is `absent` for a NaN, or REPORTED."""
         if isnan(value):
-            return NOT_APPLICABLE
+            return self.absent
         if not self.threshold:
             return REPORTED
         return self.words[value > self.bound]
