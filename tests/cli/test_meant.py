@@ -119,6 +119,7 @@ def test_a_run_says_in_a_line_what_can_be_done_next(command: Command) -> None:
     )
 
 
+@pytest.mark.long
 def test_a_sweep_over_laws_says_what_can_be_done_next(command: Command, simulations: Simulations) -> None:
     _, out, _ = command("-m", "law=newton,poisson", "record.picture=false", "hydra.sweep.dir=two")
     assert out.splitlines()[-1] == "Next: `contactlab compare two` sets the laws side by side."

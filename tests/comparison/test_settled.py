@@ -115,6 +115,7 @@ def test_the_converged_basis_explains_the_default_motors_difference() -> None:
     assert "On the other basis: -1.44 (lagrange_stick) to -1.31 rad/s (hertz_penalty)" in differences(data)[1]
 
 
+@pytest.mark.long
 def test_parameters_within_their_ranges_explain_what_laws_that_are_close_differ_by() -> None:
     laws = [refined(Run.of(recorded("hertz_penalty", law__stiffness=k))) for k in (1e10, 1.1e10)]
     for number, law in enumerate(laws):

@@ -19,10 +19,11 @@ from support.command_line import cases
 from contactlab.engine import Flow, simulate
 from contactlab.laws import ContactLaw
 from contactlab.motor import NormalModes
+from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.testing.flights import DURATION, random_flight
-from contactlab.testing.plants import attempt, block, paper_motor, run, silent_drive, way_of
+from contactlab.testing.plants import attempt, block, paper_motor, run, way_of
 
 MASS, SPEED, HEIGHT = 2e-3, 0.1, 1e-6
 
@@ -137,9 +138,7 @@ def rocking(tip: float, inertia: float, rotor: float, weight: float, tilt: float
     )
     start = ModalState(roots * [weight / Pad().stiffness, tilt], np.array([0.0, roots[1] * turning]))
     preload = np.array([weight / roots[0], 0.0])
-    return Motor(
-        modes, silent_drive(), ContactGeometry(tip, 25e-3, 0.0), Rotor(rotor), preload=preload, start=start
-    )
+    return Motor(modes, Drive(), ContactGeometry(tip, 25e-3, 0.0), Rotor(rotor), preload=preload, start=start)
 
 
 def test_a_pad_that_tilts_rocks_the_tip_and_does_not_turn_the_rotor() -> None:

@@ -78,6 +78,7 @@ def test_the_same_fit_leaves_the_same_bytes(impacts, tmp_path):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
+@pytest.mark.long
 def test_a_fit_that_was_stopped_is_gone_on_with_by_the_same_command(impacts, tmp_path, monkeypatch, capsys):
     arguments = [impacts, "law=newton", *RANGES[:1], "--points", "25", "--starts", "2", "--output"]
     fit.main([*arguments, str(tmp_path / "whole")])
@@ -106,6 +107,7 @@ def test_a_fit_that_was_stopped_is_gone_on_with_by_the_same_command(impacts, tmp
     assert whole.read_bytes() == stopped.read_bytes()
 
 
+@pytest.mark.long
 def test_a_rotor_velocity_says_that_a_law_with_a_wrong_stiffness_is_wrong(tmp_path, capsys):
     words = ["law=hertz_penalty", "solver.duration=3e-4", "record.interval=1e-5", "law.stiffness=1e10"]
     data = make(tmp_path / "made", *words, "contact.friction_coefficient=0.3")

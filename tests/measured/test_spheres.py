@@ -9,14 +9,14 @@ import pytest
 import sphere_rebounds as spheres
 from oblique_spheres import DIP, RIGID_STICK, WITHIN
 from sphere_laws import ALUMINA_ON_GLASS, Pair
+from support.measurements import SPHERES
 
 import contactlab as cl
 from contactlab.laws.damping import Flores
 from contactlab.laws.normal import HertzPoint
 
-MEASURED = Path(__file__).resolve().parents[3] / "shared" / "data" / "sphere_impacts.csv"
 present = pytest.mark.skipif(
-    not MEASURED.is_file(), reason="the digitised impacts of Kharaz et al. are not here"
+    not SPHERES.is_file(), reason=f"The impacts of Kharaz et al. are not here; put them into {SPHERES}."
 )
 
 ANGLES = np.linspace(1.0, 85.0, 43)
@@ -32,7 +32,7 @@ def answers(chosen: cl.ContactLaw, incidence: np.ndarray) -> dict[str, np.ndarra
 
 @pytest.fixture(scope="module")
 def rebounds() -> spheres.Rebounds:
-    return spheres.read_rebounds(MEASURED)
+    return spheres.read_rebounds(SPHERES)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])

@@ -132,6 +132,7 @@ def test_eq_63_must_carry_the_load_or_the_rotor_runs_away_in_stick(law: ContactL
     assert abs(FLAT * trajectory.series["rotor_velocity"][-1]) < 0.01 * runaway
 
 
+@pytest.mark.long
 def test_the_slip_law_reverses_the_slip_in_nearly_every_impact() -> None:
     impacts = reversals = 0
     for changes in ({}, {"phase": 0.6}, {"clearance": 0.3e-6, "voltage_1": 150.0}):

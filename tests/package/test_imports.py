@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("picture", ["false", "true"])
 def test_the_plotting_is_imported_for_a_picture_alone(picture: str, tmp_path: Path) -> None:
     short = ("solver.duration=1e-4", "hydra.run.dir=here", f"record.picture={picture}")

@@ -220,6 +220,7 @@ SAMPLES = [
 ]
 
 
+@pytest.mark.long
 def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> None:
     found = sweep(SAMPLES, duration=1e-3, workers=1)
     assert found["clearance"].dims == ("run",)

@@ -129,6 +129,7 @@ def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Sim
     assert not np.isfinite(found["peak_force"]).any()
 
 
+@pytest.mark.long
 def test_a_sweep_that_was_extended_is_one_grid_with_the_empty_cells_told(
     command: Command, simulations: Simulations
 ) -> None:

@@ -135,6 +135,7 @@ def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     assert Path("undisturbed/run.nc").read_bytes() == (folder / "run.nc").read_bytes()
 
 
+@pytest.mark.long
 def test_a_map_is_one_array_of_tasks_a_chunk_each(cluster: Cluster, tmp_path: Path, command: Command) -> None:
     before = {job.id for job in cluster.jobs()}
     arguments = [

@@ -78,6 +78,7 @@ def test_another_configuration_in_the_same_folder_is_run(
     assert len(simulations.seen) == 3
 
 
+@pytest.mark.long
 def test_runs_of_another_version_code_or_law_are_run_again(
     command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -72,6 +72,7 @@ class TestOnAnotherMotor(LawContract):
 """
 
 
+@pytest.mark.long
 def test_another_project_has_the_contract_in_three_lines_and_may_bring_its_motor(tmp_path: Path) -> None:
     (tmp_path / "test_it.py").write_text(ELSEWHERE)
     command = [sys.executable, "-m", "pytest", "-q", "-rp", "-p", "no:cacheprovider", "test_it.py"]

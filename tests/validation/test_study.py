@@ -65,6 +65,7 @@ def test_every_impact_is_held_out_once_and_baselines_and_floors_stand_beside(dat
     assert any("lagrange_stick" in line for line in tables.order(data))
 
 
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_bits_whatever_the_workers_and_goes_on_where_it_was(
     impacts: MeasuredImpacts, data: xarray.Dataset, tmp_path: Path
 ) -> None:

@@ -25,11 +25,11 @@ Technol. 14, 435; test 4 Kharaz, Gorham and Salman (2001), Powder Technol. 120, 
 import csv
 from dataclasses import dataclass, replace
 from math import atan, cos, degrees, pi, radians, sin, sqrt
-from pathlib import Path
 from typing import final
 
 import pytest
 from scipy.special import gamma
+from support.measurements import SPHERES
 
 from contactlab.laws import ContactLaw, HertzPenalty
 from contactlab.laws.composed import Composed
@@ -40,7 +40,6 @@ from contactlab.motor.motor import ModalState, Motor
 from contactlab.testing.plants import block, first, run
 from contactlab.trajectory import Trajectory
 
-MEASURED = Path(__file__).resolve().parents[4] / "shared" / "data" / "sphere_impacts.csv"
 HEIGHT = 1e-9  # [m] from which everything falls
 
 
@@ -177,12 +176,12 @@ ERRORS = {"rebound_angle_deg": 1.1, "spin_rad_per_s": 72.0, "tangential_restitut
 
 
 @pytest.mark.skipif(
-    not MEASURED.is_file(),
-    reason=f"The digitised impacts of Kharaz et al. are not here; put them into {MEASURED}.",
+    not SPHERES.is_file(),
+    reason=f"The digitised impacts of Kharaz et al. are not here; put them into {SPHERES}.",
 )
 def test_4_spheres_on_glass_rebound_as_measured_within_what_one_spring_can_say() -> None:
     """From 9 degrees on the restitution is good to 0.05; its dip below 5/7 is there."""
-    lines = [line for line in MEASURED.read_text().splitlines() if not line.startswith("#")]
+    lines = [line for line in SPHERES.read_text().splitlines() if not line.startswith("#")]
     mass, glass = OXIDE.mass(2.5e-3), Material(7.0e10, 0.25, 2500.0)
     both = OXIDE, glass
     effective = 1.0 / sum((1.0 - each.ratio**2) / each.modulus for each in both)
