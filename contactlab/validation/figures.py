@@ -21,6 +21,9 @@ from contactlab.validation.residuals import abscissas, binned, residuals_of
 MOST_NUMBERED: Final = 12
 """Impacts that are named in the map."""
 
+NEGLIGIBLE: Final = 1e-3
+"""Share of the least error of a law below which a floor is none, and not drawn."""
+
 MARKS: Final = {RIGID: ("o", "C0"), COMPLIANT: ("s", "C1"), BASELINE: ("x", "0.3")}
 """Mark and colour of a kind."""
 
@@ -57,14 +60,17 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         bars = {"linestyle": "", "marker": mark, "color": colour, "label": kind, "capsize": 2.0}
         if places.size:
             axes.errorbar(errors, places, xerr=reach, markersize=2.5, elinewidth=0.9, **bars)
-    for floor in floors_in(data).transpose("law", ...)["law"].values:
+    floors = floors_in(data)
+    # Where velocities of the contact are all that was measured, an impulse makes any of them.
+    least = NEGLIGIBLE * float(shown["prediction_error"].min())
+    for floor in floors["law"].values[floors["prediction_error"].values > least]:
         here = data.sel(law=floor)
         axes.axvspan(*here["prediction_error_interval"].values, color="0.85", zorder=0)
         axes.axvline(float(here["prediction_error"]), **THIN)
-    floor = floors_in(data).isel(law=0)
-    words = "floor: best admissible impulse of each impact "
-    at = (float(floor["prediction_error"]), len(labels) - 0.5)
-    axes.annotate(words, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
+        at = (float(here["prediction_error"]), len(labels) - 0.5)
+        if floor == floors["law"].values[0]:
+            words = "floor: best admissible impulse of each impact "
+            axes.annotate(words, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
     axes.set(xscale="log", xlabel="held-out prediction error")

@@ -15,7 +15,8 @@ PAGE: Final = Path(__file__).with_name("validation.html")  # the page without it
 
 CAPTIONS: Final = {
     "prediction_error": "Mean held-out error of every law with its 95 % interval. Bands are floors: the "
-    "errors of the best impulse of each impact, which have seen what they are judged by.",
+    "errors of the best impulse of each impact, which have seen what they are judged by; none is "
+    "drawn at zero.",
     "paired_differences": "By how much the law of a row is worse than that of a column on the same impacts, "
     "in thousandths of the approach. Grey numbers are differences whose interval holds zero.",
     "residuals": "What laws miss, over incidence (0 is head-on), approach speed and slip: medians in bins of "
