@@ -220,7 +220,7 @@ def crowded(clearance: float) -> Motor:
         tip_slope=np.append(few.tip_slope, few.tip_slope[1] * weak),
         shape_coupling=few.shape_coupling,
     )
-    phasors = np.array([60.0, 60.0, *[20.0] * 7]) * np.exp(1j * np.arange(18.0).reshape(2, 9))
+    phasors = np.array([60.0, 60.0, *[20.0] * 7]) * np.exp(1j * np.add.outer([0.0, 6.0], np.arange(9.0)))
     frequencies = 3210.0 * np.array([1.0, 2.0, 0.5, 1.5, 3.0, 2.5, 0.75, 1.25, 1.75])
     return replace(motor, modes=modes, drive=Drive(frequencies, phasors))
 
