@@ -133,6 +133,7 @@ def worst_share(limit: dict[str, float], end: dict[str, float], travel: dict[str
     return max(abs(limit[k] - end[k]) / travel[k] for k in end)
 
 
+@pytest.mark.long
 @motors
 def test_siconos_extrapolates_to_our_extrapolated_rigid_motion(siconos: str, name: str) -> None:
     limit, ours = siconos_limit(foreign_runs(siconos, name)), our_limit(name)

@@ -31,6 +31,7 @@ def test_every_error_applies_to_the_sources_as_they_are(tmp_path: Path) -> None:
     assert not stale, "\n".join(stale)
 
 
+@pytest.mark.long
 def test_an_error_is_caught() -> None:
     # Of the resonator: no kernel has to be compiled for it.
     (mutation,) = (m for m in check.MUTATIONS if m.name == QUICK)

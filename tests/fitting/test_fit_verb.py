@@ -58,6 +58,7 @@ def test_two_laws_are_weighed_and_leave_posteriors_that_arviz_reads(impacts, tmp
     assert found.posterior_predictive["velocity_after"].dims == ("chain", "draw", "impact", "direction")
 
 
+@pytest.mark.long
 def test_the_same_fit_leaves_the_same_bytes(impacts, tmp_path):
     for name in ("a", "b"):
         fit.main(

@@ -138,6 +138,7 @@ def test_frames_do_not_depend_on_their_order() -> None:
     assert not np.array_equal(drawing.frame(70), first)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("_short", "run_file")
 def test_a_gif_keeps_the_colours_of_the_modes(command: Command) -> None:
     assert command("animate", "run.nc", "--fps", "50")[0] == 0

@@ -202,6 +202,7 @@ def test_a_launcher_that_fails_is_a_sentence_and_what_there_is_is_collected(
     assert "3 absent" in out
 
 
+@pytest.mark.long
 def test_the_jobs_of_a_sweep_are_composed_as_hydra_composes_them(
     command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
