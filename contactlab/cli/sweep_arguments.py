@@ -76,7 +76,7 @@ class Arguments:
         options = tuple(chosen.values())
         if options not in self._composed:
             self._composed[options] = self._placed(chosen)
-        everything: dict[str, Any] = OmegaConf.to_container(self._composed[options])  # type: ignore[assignment]
+        everything = _contents(self._composed[options])
         return {key: value for key, value in everything.items() if key not in ("hydra", "sweep")}
 
     def _placed(self, chosen: Mapping[str, Value]) -> DictConfig:
@@ -87,7 +87,7 @@ class Arguments:
         # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        everything: dict[str, Any] = OmegaConf.to_container(composed, resolve=False)  # type: ignore[assignment]
+        everything = _contents(composed)
         sweep = everything["hydra"]["sweep"]
         sweep["subdir"] = str(sweep["subdir"]).replace("${hydra:", "${hydra.")
         place = OmegaConf.create(everything)
@@ -192,3 +192,9 @@ def _text(value: Value) -> str:
     if isinstance(value, str):
         return value if re.fullmatch(r"[\w.+-]+", value, re.ASCII) else quoted(value)
     return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _contents(composed: DictConfig) -> dict[str, Any]:
+    """Give what a configuration holds, references as they stand."""
+    everything: Any = OmegaConf.to_container(composed)
+    return dict(everything)

@@ -1,1 +1,1 @@
-"""What of a law is free, and the values of it that measurements are met best with."""
+"""Numbers of laws and motors from what was measured: the best, their posterior, and evidence between laws."""

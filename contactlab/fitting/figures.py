@@ -104,7 +104,10 @@ def _label(axes: Axes, below: Any, beside: Any, *, bottom: bool, left: bool) -> 
     for row, wanted, name in ((below, bottom, "x"), (beside, left, "y")):
         words = row.name.replace(".", ".\n").replace("_", " ")
         unit = "" if row.unit == "1" else f"\n({row.unit})"
-        axes.tick_params(axis=name, **{f"label{'bottom' if name == 'x' else 'left'}": wanted})  # type: ignore[arg-type]
+        if name == "x":
+            axes.tick_params(axis="x", labelbottom=wanted)
+        else:
+            axes.tick_params(axis="y", labelleft=wanted)
         getattr(axes, f"{name}axis").get_offset_text().set_visible(wanted)
         if wanted:
             getattr(axes, f"set_{name}label")(f"{words}{unit}", fontsize=6)

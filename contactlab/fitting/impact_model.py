@@ -7,8 +7,8 @@ from typing import final
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.fitting.likelihood import approach_scale, impact_terms
 from contactlab.fitting.model import LARGEST, LOWEST, Measured
-from contactlab.fitting.noise import approach_scale, impact_terms
 from contactlab.fitting.parameters import Free, with_values
 from contactlab.impact import Impacts
 from contactlab.laws import ContactLaw

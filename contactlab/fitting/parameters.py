@@ -175,4 +175,5 @@ def _replaced(owner: _Law, values: Mapping[str, float]) -> _Law:
     for part in dict.fromkeys(name.partition(".")[0] for name in values if "." in name):
         below = {name.partition(".")[2]: x for name, x in values.items() if name.startswith(f"{part}.")}
         given[part] = _replaced(getattr(owner, part), below)
-    return replace(own, **given)  # type: ignore[no-any-return]
+    made: _Law = replace(own, **given)
+    return made

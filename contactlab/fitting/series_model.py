@@ -10,8 +10,8 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
 from contactlab.datasheet.electrodes import currents
+from contactlab.fitting.likelihood import series_terms, wandering
 from contactlab.fitting.model import Measured, size_prior
-from contactlab.fitting.noise import series_terms, wandering
 from contactlab.fitting.parameters import Free
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries

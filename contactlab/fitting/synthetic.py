@@ -11,7 +11,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.datasheet.electrodes import currents
-from contactlab.fitting.noise import approach_scale
+from contactlab.fitting.likelihood import approach_scale
 from contactlab.impact import velocities_after
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts

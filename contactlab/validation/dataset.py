@@ -8,7 +8,7 @@
 | kind, group, unanswered, fitted_on, held, unmoved, cannot_tell, at_end | law | |
 | value, range, units | law, fold_number, parameter | of the fit without that fold; NaN for no such number |
 | difference, difference_interval | law, other (, end) | of the mean errors, law less other, by pairs |
-| velocity_before, velocity_after, fold, noise_bound, unexplained | impact | as measured, and see `noise` |
+| velocity_before, velocity_after, fold, noise_bound, unexplained | impact | as measured; see `unexplained` |
 
 Laws are in the order of their errors, those of the kinds rigid and compliant first; then baselines, floors.
 """
@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from contactlab.fitting.resampling import LEVEL, RESAMPLES, Resampled, resampled
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import checkout_state, code_digest, versions
-from contactlab.validation.noise import noise_of, unexplained
 from contactlab.validation.outcome import BASELINE, COMPLIANT, END, FLOOR, RIGID, digest_of
 from contactlab.validation.ranking import groups_of, sentences
+from contactlab.validation.unexplained import noise_of, unexplained
 
 JUDGED = (RIGID, COMPLIANT)
 _TEXTS = ("cannot_tell", "at_end")

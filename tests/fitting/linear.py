@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contactlab.fitting.likelihood import series_terms
 from contactlab.fitting.model import Measured
-from contactlab.fitting.noise import series_terms
 from contactlab.fitting.parameters import Free
 from contactlab.parameter import Parameter
 

@@ -6,8 +6,8 @@ from scipy.stats import multivariate_normal
 
 import contactlab as cl
 from contactlab.fitting.impact_model import ImpactModel
+from contactlab.fitting.likelihood import approach_scale, impact_terms, series_terms, wandering
 from contactlab.fitting.model import IMPOSSIBLE, log_likelihood
-from contactlab.fitting.noise import approach_scale, impact_terms, series_terms, wandering
 from contactlab.fitting.parameters import free_parameters
 from contactlab.fitting.synthetic import made_impacts, with_noise, without_errors
 

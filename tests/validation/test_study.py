@@ -14,9 +14,9 @@ from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.validation import tables
 from contactlab.validation.candidates import probed, usual_law, usual_laws
 from contactlab.validation.models import ConstantImpulse, LawModel, frictionless
-from contactlab.validation.noise import noise_of, unexplained
 from contactlab.validation.prediction import fitted, residuals
 from contactlab.validation.study import ValidationError, study
+from contactlab.validation.unexplained import noise_of, unexplained
 
 TRUTH = cl.Poisson(0.2, 0.6)
 SPREAD = 0.05
