@@ -35,7 +35,14 @@ def openness(residual: float, drive_work: float, load_work: float, start: float)
 
 
 class Ending(IntEnum):
-    """How a run ended."""
+    """How a run ended.
+
+    >>> import contactlab as cl
+    >>> cl.simulate(cl.build(), duration=1e-4).ending is cl.Ending.COMPLETE
+    True
+    >>> [ending.name.lower() for ending in cl.Ending]
+    ['complete', 'diverged', 'chattered', 'interrupted', 'unbalanced', 'stalled', 'inconsistent']
+    """
 
     COMPLETE = 0
     DIVERGED = 1

@@ -112,6 +112,13 @@ class Ball:
 class Basins:
     """Where starts go.
 
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
+        >>> found = cl.basins(cl.build(), axes)
+        >>> found.to_xarray()["label"].dims, found.unresolved
+        (('rotor_velocity', 'drive_phase'), 0)
+
     Args:
         setup: of the motor; its own start is changed in two coordinates.
         axes: values of two of `COORDINATES`, in SI.
@@ -192,6 +199,13 @@ def basins(
 
     A motion that comes into a `Ball` about a known orbit belongs to it; one that comes into none within
     some hundred periods goes on as `contactlab.steady` does, and adds what it finds.
+
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> axes = {"rotor_velocity": np.linspace(-2.0, 2.0, 3), "drive_phase": np.array([0.0, 0.5])}
+        >>> found = cl.basins(cl.build(), axes)
+        >>> found.labels.tolist(), found.shares, f"{found.attractors[0].velocity[0]:.4f} rad/s"
+        ([[0, 0], [0, 0], [0, 0]], (1.0,), '-2.1911 rad/s')
 
     Args:
         setup: the motor.

@@ -32,6 +32,14 @@ OF_INTERVALS: Final = ("normal_force", "friction_force")
 class Steady:
     """The steady state that a motor comes to.
 
+        >>> import contactlab as cl
+        >>> found = cl.steady(cl.build())
+        >>> value, error = found.velocity
+        >>> found.kind, round(value, 6), error < 1e-6
+        ('periodic', -2.191106, True)
+        >>> round(found.peak_force, 2), round(found.contact_share, 3)
+        (8.71, 0.199)
+
     Args:
         setup: what moves, its load included.
         kind: 'periodic', 'quasi-periodic', 'chaotic', 'irregular' where the two cannot be told apart,

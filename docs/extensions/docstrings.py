@@ -39,11 +39,17 @@ def as_text(app: Sphinx, what: str, name: str, one: Any, options: Any, lines: li
 def translated(lines: list[str]) -> list[str]:
     """Give a docstring in reStructuredText."""
     made: list[str] = []
-    section = literal = False
+    section = literal = example = False
     for line in lines:
         margin = len(line) - len(line.lstrip())
         if not line.strip():
             made.append("")
+            example = False
+            continue
+        if example or (margin == 0 and line.startswith(">>>")):
+            made += [] if example else [".. code-block:: pycon", ""]
+            made.append(f"    {line}")
+            example = True
             continue
         if margin == 0:
             section, literal = bool(SECTION.match(line)), False
