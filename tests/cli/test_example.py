@@ -14,6 +14,7 @@ from contactlab.cli import example
 from contactlab.measured.files import read_impacts
 
 ROOT = Path(__file__).resolve().parents[2]
+ONE_CONTACT = next((ROOT / example.GALLERY).glob("*_one_contact.py"))
 
 
 def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(command: Command) -> None:
@@ -30,7 +31,7 @@ def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(comman
 @pytest.mark.parametrize(
     ("name", "copies"),
     [
-        ("one_contact", {"one_contact.py": "docs/gallery/plot_2_one_contact.py"}),
+        ("one_contact", {"one_contact.py": f"docs/gallery/{ONE_CONTACT.name}"}),
         ("drops", {"drops.csv": "docs/gallery/drops.csv"}),
         (
             "own_law",
