@@ -25,6 +25,7 @@ def test_a_picture_is_small_and_has_a_ground_of_its_own(name: str, most: int) ->
         assert image.convert("RGBA").getchannel("A").getextrema() == (255, 255)
 
 
+@pytest.mark.long
 def test_the_motor_ends_where_it_begins_and_moves_between() -> None:
     frames = frames_of(STATIC / "motor.gif")
     assert len(frames) == readme_pictures.FRAMES
