@@ -88,6 +88,7 @@ from contactlab.orbits import (
     Basins as Basins,
     Branch as Branch,
     BrokenOffError as BrokenOffError,
+    Converged as Converged,
     NoBranchError as NoBranchError,
     NoPeriodError as NoPeriodError,
     NotSettledError as NotSettledError,
@@ -95,6 +96,7 @@ from contactlab.orbits import (
     attractors as attractors,
     basins as basins,
     branch as branch,
+    converged as converged,
     steady as steady,
 )
 from contactlab.parameter import Parameter as Parameter
