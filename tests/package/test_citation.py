@@ -62,7 +62,8 @@ def test_the_first_two_lines_of_bash_in_the_readme_are_its_two_commands() -> Non
     """As `.ci/run` takes them."""
     blocks = re.findall(r"^```bash\n(.*?)^```", read("README.md"), re.M | re.DOTALL)
     first, second, *_ = "".join(blocks).splitlines()
-    assert first.startswith("python3 -m venv ") and first.endswith(" contactlab")
+    assert first.startswith("python3 -m venv ")
+    assert first.endswith(" contactlab")
     assert second == 'pip install -e ".[test]" && pytest'
 
 
