@@ -16,7 +16,9 @@ def test_readme_is_read_in_minutes() -> None:
 
 def test_the_commands_that_install_are_run_for_every_change() -> None:
     steps = (ROOT / ".ci/run").read_text(encoding="utf-8")
-    installing = re.findall(r"^<!-- not run: `.ci/run` runs it -->\n```bash\n(.*)\n```$", README, re.MULTILINE)
+    installing = re.findall(
+        r"^<!-- not run: `.ci/run` runs it -->\n```bash\n(.*)\n```$", README, re.MULTILINE
+    )
     assert len(installing) == 2
     assert all(command in steps for command in installing)
 

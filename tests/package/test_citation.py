@@ -71,15 +71,6 @@ def test_every_python_that_is_promised_is_tried(project: dict[str, Any]) -> None
     assert f"for version in {' '.join(promised)}; do" in read(".ci/run")
 
 
-def test_the_first_two_lines_of_bash_in_the_readme_are_its_two_commands() -> None:
-    """As `.ci/run` takes them."""
-    blocks = re.findall(r"^```bash\n(.*?)^```", read("README.md"), re.M | re.DOTALL)
-    first, second, *_ = "".join(blocks).splitlines()
-    assert first.startswith("python3 -m venv ")
-    assert first.endswith(" contactlab")
-    assert second == 'pip install -e ".[test]" && pytest'
-
-
 def test_the_paper_cites_what_it_lists_and_lists_what_it_cites(project: dict[str, Any]) -> None:
     head, text = read("paper/paper.md").removeprefix("---\n").split("\n---\n", 1)
     listed = re.findall(r"^@\w+\{(\w+),$", read("paper/paper.bib"), re.M)
