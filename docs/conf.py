@@ -4,6 +4,7 @@ Nothing is fetched: formulas are MathML, the theme brings its fonts, and no othe
 """
 
 import sys
+import tomllib
 from pathlib import Path
 
 from pygments.lexers import TextLexer
@@ -57,6 +58,9 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
 }
 
+# Where the project is hosted stands in its metadata alone, once it is.
+metadata = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
 html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "contactlab"
@@ -70,6 +74,7 @@ html_theme_options = {
     "show_nav_level": 2,
     "navigation_with_keys": False,
     "secondary_sidebar_items": ["page-toc"],
+    "external_links": [{"name": name, "url": url} for name, url in metadata.get("urls", {}).items()],
     "footer_start": ["copyright"],
     "footer_end": [],
     "pygments_light_style": "a11y-high-contrast-light",
