@@ -116,6 +116,8 @@ class Basins:
         >>> import numpy as np
         >>> axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
         >>> found = cl.basins(cl.build(), axes)
+        >>> found
+        <Basins: 2 starts over rotor_velocity and drive_phase, 1 attractors>
         >>> found.to_xarray()["label"].dims, found.unresolved
         (('rotor_velocity', 'drive_phase'), 0)
 
@@ -130,6 +132,10 @@ class Basins:
     axes: dict[str, Array]
     labels: NDArray[np.int8]
     attractors: tuple[Steady, ...]
+
+    def __repr__(self) -> str:
+        over = " and ".join(self.axes)
+        return f"<Basins: {self.labels.size} starts over {over}, {len(self.attractors)} attractors>"
 
     @cached_property
     def shares(self) -> tuple[float, ...]:

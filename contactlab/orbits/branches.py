@@ -54,6 +54,11 @@ class Branch:
     points: tuple[BranchPoint, ...]
     end: str
 
+    def __repr__(self) -> str:
+        first, last = self.points[0].value, self.points[-1].value
+        span = f"from {first:.6g} to {last:.6g} {self.unit}"
+        return f"<Branch: {len(self.points)} orbits over {self.parameter}, {span}; {len(self.events)} events>"
+
     @property
     def events(self) -> tuple[BranchPoint, ...]:
         """The points at which something happens, see `Mark`."""

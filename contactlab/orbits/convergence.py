@@ -35,6 +35,10 @@ class Converged:
     values: tuple[float, ...]
     steps: tuple[Steady, ...]
 
+    def __repr__(self) -> str:
+        velocity, error = self.velocity
+        return f"<Converged: {self.best.kind}, {velocity:.6g} +- {error:.1g} rad/s over {self.control}>"
+
     @property
     def best(self) -> Steady:
         """The steady state at the finest step."""

@@ -34,6 +34,8 @@ class Steady:
 
         >>> import contactlab as cl
         >>> found = cl.steady(cl.build())
+        >>> found
+        <Steady: periodic, -2.19111 rad/s under hertz_penalty>
         >>> value, error = found.velocity
         >>> found.kind, round(value, 6), error < 1e-6
         ('periodic', -2.191106, True)
@@ -64,6 +66,9 @@ class Steady:
     belt: float | None = None
     brake: float | None = None
     phase: float = 0.0
+
+    def __repr__(self) -> str:
+        return f"<Steady: {self.kind}, {self.velocity[0]:.6g} rad/s under {self.setup.law.title}>"
 
     @property
     def period(self) -> float:
@@ -118,7 +123,7 @@ class Steady:
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Mean rotor velocity and its error [rad/s], at this step of the solver: `cl.converged` tells the step's."""
+        """Mean rotor velocity and its error at this step [rad/s]; `contactlab.converged` adds the step's."""
         if self.belt is not None:
             return self.belt, 0.0
         mean, error = self.average("rotor_angle")

@@ -12,6 +12,7 @@ from support.command_line import Command, left_behind
 import contactlab as cl
 from contactlab.cli import example
 from contactlab.measured.files import read_impacts
+from contactlab.results.provenance import digest_of
 
 ROOT = Path(__file__).resolve().parents[2]
 ONE_CONTACT = next((ROOT / example.GALLERY).glob("*_one_contact.py"))
@@ -120,6 +121,14 @@ def test_a_wheel_has_the_examples_where_they_are_looked_for(
     monkeypatch.setattr(example, "__file__", str(site / "contactlab/cli/example.py"))
     assert command("example") == before
     assert next(example.examples()).source.is_relative_to(site)
+
+
+def test_the_examples_of_a_wheel_are_no_part_of_the_code_that_a_run_depends_on(tmp_path: Path) -> None:
+    (tmp_path / "examples").mkdir()
+    (tmp_path / "engine.py").write_text("step = 1")
+    before = digest_of(tmp_path)
+    (tmp_path / "examples/run.py").write_text("a = 1")
+    assert digest_of(tmp_path) == before
 
 
 def test_the_measured_example_is_explained_by_the_law_that_it_names_and_by_no_other() -> None:
