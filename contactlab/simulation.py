@@ -52,8 +52,8 @@ class Solution:
         >>> run = cl.simulate(cl.build(), duration=5e-4)
         >>> run.ending, run.contacts.sizes["contact"]
         (<Ending.COMPLETE: 0>, 2)
-        >>> run["normal_force"].attrs["units"], round(run["normal_force"].values.max(), 1)
-        ('N', np.float64(9.9))
+        >>> run["normal_force"].attrs["units"], run["normal_force"].max().round(1).item()
+        ('N', 9.9)
 
     Args:
         tree: as `contactlab.results.netcdf.to_datatree` describes it.

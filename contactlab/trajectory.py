@@ -45,9 +45,13 @@ class Ending(IntEnum):
     """
 
     COMPLETE = 0
+    """It reached its end with a closed energy ledger."""
     DIVERGED = 1
+    """Its state is no motor's any more, or its law answered with no number."""
     CHATTERED = 2
+    """It has too many touch-downs and friction switches within a period of what drives it."""
     INTERRUPTED = 3
+    """Somebody stopped it; what there was is kept."""
     UNBALANCED = 4
     """It reached its end, but its energy ledger is open by more than LEDGER_LIMIT."""
     STALLED = 5
