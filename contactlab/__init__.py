@@ -87,10 +87,12 @@ from contactlab.orbits import (
     Attractor as Attractor,
     Basins as Basins,
     Branch as Branch,
+    Converged as Converged,
     Steady as Steady,
     attractors as attractors,
     basins as basins,
     branch as branch,
+    converged as converged,
     steady as steady,
 )
 from contactlab.parameter import Parameter as Parameter

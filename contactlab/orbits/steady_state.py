@@ -110,7 +110,7 @@ class Steady:
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Mean rotor velocity and its error [rad/s]."""
+        """Mean rotor velocity and its error [rad/s], at this step of the solver: `cl.converged` tells the step's."""
         if self.belt is not None:
             return self.belt, 0.0
         mean, error = self.average("rotor_angle")
