@@ -126,7 +126,8 @@ def short_signature(
 ) -> tuple[str, str] | None:
     """Leave out of a signature what stands elsewhere, as the declarations of a dataclass in its table."""
     if what != "class":
-        return _readable(signature or ""), _readable(returned or "")
+        # A property has none.
+        return (_readable(signature), _readable(returned or "")) if signature else None
     if not dataclasses.is_dataclass(one):
         # What an enumeration or the base of laws is called with is called by nobody.
         return ("", "") if issubclass(one, Enum | Declared) else None
