@@ -17,6 +17,7 @@ TESTS = Path(__file__).resolve().parents[1]
 DOCS = TESTS.parent / "docs"
 PAGES = [
     "tutorial.md",
+    "install.md",
     "steady.md",
     "datasheet.md",
     *(f"howto/{path.name}" for path in sorted((DOCS / "howto").glob("*.md"))),
