@@ -7,7 +7,8 @@ from pathlib import Path
 
 import first_hour
 import pytest
-from first_hour import Step, commands_of, main, page, steps_of
+from first_hour import BEGIN, END, Step, main, page_of, put_into
+from readme_commands import FIGURE, GREEN, commands_of, steps_of
 
 ROOT = Path(__file__).resolve().parents[2]
 OLD = """
@@ -48,10 +49,10 @@ def test_the_readme_as_it_is_has_both_commands() -> None:
 
 def test_what_a_shell_keeps_stands_before_every_later_step() -> None:
     steps = dict(steps_of(NEW, tests=True))
-    assert [*steps] == [*first_hour.FIGURE, "second run", *first_hour.GREEN[-2:]]
+    assert [*steps] == [*FIGURE, "second run", *GREEN[-2:]]
     assert steps["environment"] == "python3 -m venv .venv"
     assert steps["tests"] == ". .venv/bin/activate && pytest"
-    assert [*dict(steps_of(NEW, tests=False))] == [*first_hour.FIGURE, "second run"]
+    assert [*dict(steps_of(NEW, tests=False))] == [*FIGURE, "second run"]
 
 
 def test_a_readme_without_the_commands_is_told() -> None:
@@ -67,12 +68,12 @@ def test_the_second_run_is_not_waited_for() -> None:
     every = zip(
         ("environment", "install", "first run", "second run"), (1.0, 20.0, 300.0, 4000.0), strict=True
     )
-    told = page([of_step(*each) for each in every])
+    told = page_of([of_step(*each) for each in every])
     assert "| 321 s (642 s) |" in told
 
 
 def test_a_failed_step_reaches_nothing() -> None:
-    told = page([of_step("environment", 1.0), of_step("install", 1.0, passed=False)])
+    told = page_of([of_step("environment", 1.0), of_step("install", 1.0, passed=False)])
     assert "1 s (2 s), failed | not reached |" in told
 
 
@@ -82,6 +83,7 @@ def test_a_failed_step_reaches_nothing() -> None:
         ("tests", "'tests' is none of python=..., commit=..."),
         ("tests=no", "tests=no must be true or false."),
         ("commit=nosuch", "There is no commit 'nosuch'"),
+        ("page=README.md", "README.md is no page with a table of this script"),
         ("python=2.0", "Python 2.0 is not on this machine."),
     ],
 )
@@ -91,6 +93,19 @@ def test_what_cannot_be_measured_is_told_in_a_sentence(
     assert main([f"output={tmp_path / 'left'}", word]) == 2
     assert told in capsys.readouterr().err
     assert not (tmp_path / "left").exists()
+
+
+def test_the_table_of_a_page_is_made_anew_and_nothing_else(tmp_path: Path) -> None:
+    there = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
+    page = tmp_path / "install.md"
+    page.write_text(there, encoding="utf-8")
+    put_into(page, "| a |")
+    put_into(page, "| b |")
+    made = page.read_text(encoding="utf-8")
+    assert f"{BEGIN}\n\n| b |\n{END}" in made
+    assert "| a |" not in made
+    outside = made.partition(BEGIN)[0], made.partition(END)[2]
+    assert outside == (there.partition(BEGIN)[0], there.partition(END)[2])
 
 
 @pytest.mark.long
@@ -110,7 +125,7 @@ def test_a_project_is_cloned_and_its_steps_are_run_and_measured(
     monkeypatch.setenv("MPLBACKEND", "agg")
     assert main([f"python={sys.executable}", "tests=false", f"output={left}"]) == 0
     rows = [line.split(",") for line in (left / "steps.csv").read_text().splitlines()]
-    assert [row[2] for row in rows[1:]] == [*first_hour.FIGURE, "second run"]
+    assert [row[2] for row in rows[1:]] == [*FIGURE, "second run"]
     assert all(0.0 < float(row[4]) < 100.0 for row in rows[1:])
     assert float(rows[3][4]) > 0.1
     assert any(line.split(",")[2] == "pip" for line in (left / "packages.csv").read_text().splitlines())
