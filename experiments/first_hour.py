@@ -1,12 +1,13 @@
 """From nothing to the first figure, and to green tests: what a new user waits for, step by step.
 
 python experiments/first_hour.py [python=3.11,3.12,3.13] [commit=HEAD] [before=COMMIT]
-                                 [tests=true] [output=DIR]
+                                 [tests=true] [output=DIR] [page=docs/install.md]
 
 A commit is cloned into an empty folder and README's two commands are read out of the clone and run, each
 by every Python in an environment of its own, with no compiled code of an earlier run and no cache but pip's
 own. `before=COMMIT` measures that commit first, to be compared. `python` is a version that is looked for as
-`.ci/run` does, or a path. `tests=false` leaves README's second command out.
+`.ci/run` does, or a path. `tests=false` leaves README's second command out, `page` is one whose table is
+made anew.
 
 OUTPUT has steps.csv, packages.csv (what each installed package takes on the disk) and table.md. Processor
 time is that of all processes that a step starts and waits for. The status is 1 where a step fails.
@@ -16,7 +17,6 @@ It needs Python and git alone.
 import csv
 import json
 import os
-import re
 import resource
 import shutil
 import subprocess
@@ -27,6 +27,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
+from readme_commands import FIGURE, GREEN, steps_of
+
 ROOT = Path(__file__).resolve().parents[1]
 VERSIONS = ("3.11", "3.12", "3.13")
 GIVEN = {
@@ -35,17 +37,17 @@ GIVEN = {
     "before": "",
     "tests": "true",
     "output": "outputs/experiments/first_hour",
+    "page": "",
 }
 """Keys and their defaults."""
+
+BEGIN = "<!-- Made by experiments/first_hour.py: begin. Do not edit. -->"
+END = "<!-- Made by experiments/first_hour.py: end. -->"
 
 DONE, FAILED, REFUSED = 0, 1, 2
 ENVIRONMENT = ".venv"
 OF_OTHERS = ("PYTHON", "VIRTUAL_ENV", "NUMBA_", "MPL", "OPENBLAS_", "OMP_", "CONTACTLAB_", "PYTEST_")
 """Settings of whoever measures, which a new user has not."""
-
-FIGURE = ("environment", "install", "first run")
-GREEN = (*FIGURE, "install for tests", "tests")
-"""The steps that are waited for until the first figure is there, and until the tests are green."""
 
 SIZES = """
 import json
@@ -89,49 +91,6 @@ class Package:
     python: str
     name: str
     size: float
-
-
-def commands_of(readme: str) -> tuple[str, str]:
-    """The commands of README that make the environment, and that run the tests.
-
-    Raises:
-        ValueError: there is none in an indented or fenced block.
-    """
-    fenced, lines = False, []
-    for line in readme.splitlines():
-        if line.startswith("```"):
-            fenced = not fenced and line.startswith("```bash")
-        elif fenced or line.startswith("    "):
-            lines.append(line.strip())
-    found = [
-        next((line for line in lines if re.search(word, line)), "") for word in (r"-m venv", r"\bpytest$")
-    ]
-    if not all(found):
-        raise ValueError("README has no command that makes an environment, or none that runs the tests.")
-    return found[0], found[1]
-
-
-def steps_of(readme: str, tests: bool) -> Iterator[tuple[str, str]]:
-    """Give the steps of both commands: their name, and what a shell is told, what it keeps included.
-
-    The second run comes at the end of the first command.
-    """
-    first, second = commands_of(readme)
-    kept = ""
-    for of_tests, command in ((False, first), *(((True, second),) if tests else ())):
-        for part in command.split(" && "):
-            if part.startswith((". ", "source ")):
-                kept += f"{part} && "
-                continue
-            if part.startswith("pip "):
-                yield "install for tests" if of_tests else "install", kept + part
-            elif of_tests:
-                yield "tests", kept + part
-            elif "-m venv" in part:
-                yield "environment", kept + part
-            else:
-                yield "first run", kept + part
-                yield "second run", kept + part
 
 
 def found_python(asked: str) -> str:
@@ -212,7 +171,7 @@ def _size(folder: Path) -> float:
     return sum(path.lstat().st_blocks for path in folder.rglob("*")) * 512 / 1e6
 
 
-def page(steps: Sequence[Step]) -> str:
+def page_of(steps: Sequence[Step]) -> str:
     """The steps as Markdown: a row a commit and Python, processor time with the clock's in brackets."""
     names = list(dict.fromkeys(step.name for step in steps))
     sums = {"first figure": FIGURE, "green tests": GREEN} if "tests" in names else {"first figure": FIGURE}
@@ -249,7 +208,13 @@ def write(found: Sequence[Step | Package], folder: Path) -> None:
                 (f"{cell:.2f}" if isinstance(cell, float) else cell for cell in astuple(row)) for row in rows
             )
     steps = [each for each in found if isinstance(each, Step)]
-    (folder / "table.md").write_text(page(steps), encoding="utf-8")
+    (folder / "table.md").write_text(page_of(steps), encoding="utf-8")
+
+
+def put_into(page: Path, table: str) -> None:
+    """Put the table between the marks of a page."""
+    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
+    page.write_text(f"{before}{BEGIN}\n\n{table}\n{END}{rest.partition(END)[2]}", encoding="utf-8")
 
 
 def asked(words: Sequence[str]) -> dict[str, str]:
@@ -266,6 +231,9 @@ def asked(words: Sequence[str]) -> dict[str, str]:
         given[key] = text
     if given["tests"] not in ("true", "false"):
         raise ValueError(f"tests={given['tests']} must be true or false.")
+    page = Path(given["page"])
+    if given["page"] and not (page.is_file() and BEGIN in page.read_text(encoding="utf-8")):
+        raise ValueError(f"{page} is no page with a table of this script; docs/install.md is one.")
     return given
 
 
@@ -297,6 +265,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 write(found, folder)
                 if isinstance(each, Step):
                     print(f"{each.commit}, Python {each.python}, {each.name}: {_seconds([each])}", flush=True)
+    if given["page"]:
+        put_into(Path(given["page"]), page_of([each for each in found if isinstance(each, Step)]))
     print(f"\n{(folder / 'table.md').read_text(encoding='utf-8')}\nWritten to {folder}.")
     return DONE if all(each.passed for each in found if isinstance(each, Step)) else FAILED
 
