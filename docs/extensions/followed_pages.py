@@ -1,4 +1,4 @@
-"""Pictures of pages, made by the commands that stand before them: the page is followed at every build."""
+"""Pictures of pages, made by the commands that stand before them: a page is followed when it is read."""
 
 import sys
 from pathlib import Path
