@@ -26,6 +26,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "math_markup",
     "made_pages",
+    "followed_pages",
     "docstrings",
 ]
 exclude_patterns = ["gallery/**", "extensions/**", "sg_execution_times.rst"]

@@ -1,7 +1,7 @@
-"""What a page tells its reader to run: blocks in their order, what they print, and the pictures that come of them.
+"""What a page tells its reader to run: blocks in their order, what they print, and pictures that they make.
 
-A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`. A block of text is what
-the block before it prints, where `...` stands for anything and white space for any other. A line
+A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`. A block of text is
+what the block before it prints, where `...` stands for anything and white space for any other. A line
 `<!-- picture: PATH, words -->` is a picture that what stands before it has made.
 """
 

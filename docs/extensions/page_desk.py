@@ -3,9 +3,9 @@
 import json
 import os
 import subprocess
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from tempfile import TemporaryFile
+from tempfile import mkstemp
 from threading import Timer
 from typing import Final, Self, final
 
@@ -31,7 +31,7 @@ class _Told:
     """A program that is told one thing after the other, and says when each is done."""
 
     def __init__(self, command: list[str], folder: Path, environment: Mapping[str, str]) -> None:
-        self._errors = TemporaryFile()
+        self._errors, self._path = mkstemp()
         self._program = subprocess.Popen(
             command,
             cwd=folder,
@@ -63,8 +63,7 @@ class _Told:
                 printed.append(line)
         finally:
             watch.cancel()
-        self._errors.seek(0)
-        raise PageError("".join(printed) + self._errors.read().decode())
+        raise PageError("".join(printed) + Path(self._path).read_text(encoding="utf-8"))
 
     def close(self) -> None:
         """End the program."""
@@ -73,7 +72,8 @@ class _Told:
         self._program.stdin.close()
         self._program.wait()
         self._program.stdout.close()
-        self._errors.close()
+        os.close(self._errors)
+        Path(self._path).unlink()
 
 
 @final
@@ -125,16 +125,13 @@ def surroundings(python: Path) -> dict[str, str]:
     return {**os.environ, "PATH": os.pathsep.join([str(python.parent), os.environ["PATH"]])}
 
 
-def follow(
-    page: Path, folder: Path, desk: Desk, after: Callable[[Block, str], None] = lambda block, printed: None
-) -> None:
-    """Do in their order what a page says, and look whether it comes out as it says.
+def follow(page: Path, folder: Path, desk: Desk) -> Iterator[tuple[Block, str]]:
+    """Do in their order what a page says, look whether it comes out so, and give blocks and what they print.
 
     Args:
         page: in Markdown.
         folder: where the desk is.
         desk: at which it is done.
-        after: told each block and what it printed.
 
     Raises:
         PageError: a block fails or prints something else, or a picture is not there; with its line.
@@ -151,4 +148,4 @@ def follow(
             raise PageError(f"{where}:\n{each.code}\n{error}") from error
         if each.said is not None and not agrees(each.said, printed):
             raise PageError(f"{where}:\n{each.code}\nprinted\n\n{printed}\nand not\n\n{each.said}")
-        after(each, printed)
+        yield each, printed

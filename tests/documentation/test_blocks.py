@@ -1,7 +1,7 @@
 """The documentation is right: every command and Python block of a page runs, in order, in an empty folder.
 
-A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`. A block of text is what
-the block before it prints, where `...` stands for anything.
+A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`. A block of text is
+what the block before it prints, where `...` stands for anything.
 """
 
 import sys
@@ -66,7 +66,7 @@ def desk(folder: Path) -> Desk:
 @pytest.mark.parametrize("page", PAGES)
 def test_every_block_of_a_page_runs_in_order_and_prints_what_the_page_says(page: str, tmp_path: Path) -> None:
     with desk(tmp_path) as at:
-        follow(DOCS / page, tmp_path, at)
+        assert len(list(follow(DOCS / page, tmp_path, at))) == len(blocks(of(page)))
 
 
 def test_blocks_share_a_shell_and_a_session_and_outputs_belong_to_what_ran(tmp_path: Path) -> None:
@@ -76,9 +76,8 @@ def test_blocks_share_a_shell_and_a_session_and_outputs_belong_to_what_ran(tmp_p
     assert [one.said for one in blocks(PAGE)] == ["one two\n3.1... four\n", None]
     page = tmp_path / "page.md"
     page.write_text(PAGE)
-    printed: list[str] = []
     with desk(tmp_path) as at:
-        follow(page, tmp_path, at, lambda block, words: printed.append(words))
+        printed = [words for _, words in follow(page, tmp_path, at)]
         assert at.shell("echo $WORD").split() == ["kept"]
     assert printed[1].split() == ["None"]
     assert "![nothing at all](folder/made.png)" in with_pictures(PAGE, "folder")
@@ -98,7 +97,7 @@ def test_a_page_that_is_wrong_is_told(wrong: str, told: str, tmp_path: Path) -> 
     page = tmp_path / "page.md"
     page.write_text(wrong)
     with desk(tmp_path) as at, pytest.raises(PageError, match=f"(?s){told}"):
-        follow(page, tmp_path, at)
+        list(follow(page, tmp_path, at))
 
 
 def test_an_output_is_compared_word_by_word() -> None:
