@@ -26,6 +26,7 @@ extensions = [
     "math_markup",
     "made_pages",
     "docstrings",
+    "whole_site",
 ]
 exclude_patterns = ["gallery/**", "extensions/**", "sg_execution_times.rst"]
 # Names of the code stand in single backticks, in docstrings as in Markdown.
