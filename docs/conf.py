@@ -28,6 +28,7 @@ extensions = [
     "made_pages",
     "followed_pages",
     "docstrings",
+    "whole_site",
 ]
 exclude_patterns = ["gallery/**", "extensions/**", "sg_execution_times.rst"]
 # Names of the code stand in single backticks, in docstrings as in Markdown.
@@ -65,11 +66,18 @@ metadata = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="ut
 html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "contactlab"
+html_favicon = "static/logo.svg"
 html_static_path = ["static"]
 html_css_files = ["contactlab.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
+    "logo": {
+        "text": "contactlab",
+        "image_light": "_static/logo.svg",
+        "image_dark": "_static/logo.svg",
+        "alt_text": "",
+    },
     "show_prev_next": True,
     "header_links_before_dropdown": 7,
     "show_nav_level": 2,
