@@ -132,6 +132,11 @@ def factor(given: str, unit: str) -> Decimal:
     return have[0] / wanted[0]
 
 
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit."""
+    return bool(text.strip()) and _root(text.strip()) is not None
+
+
 @cache
 def _registry() -> "pint.UnitRegistry[Decimal]":
     # Imported here: plain numbers, which most runs are given, need neither library nor registry.

@@ -94,8 +94,9 @@ def collect(
     """
     directory = Path(directory)
     if not directory.is_dir():
+        what = "a file" if directory.exists() else "not there"
         raise SweepError(
-            f"'{directory}' is not there; it must be a folder of runs. "
+            f"'{directory}' is {what}; it must be a folder of runs. "
             "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
         )
     plan = read_plan(directory)
