@@ -103,6 +103,8 @@ from contactlab.suggestion import suggestion
         (["law=[newton,poisson]"], "run all by contactlab -m law=newton,poisson."),
         (["~law=newton"], "~law=newton would take away what is not there;"),
         (["collect", "here", "--output", "all.csv"], "--output is 'all.csv'; it must end in .nc."),
+        (["-m", "contact.clearance=linspce(0,2 um,3)"], "Values are listed by linspace(FIRST,LAST,COUNT),"),
+        (["-m", "contact.clearance=logspace(0,2 um,3)"], "geomspace(FIRST,LAST,COUNT) or range"),
         (["+drive.phase=2"], "it must be set, drive.phase=VALUE. Leave out the +."),
     ],
 )
