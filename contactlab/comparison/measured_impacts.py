@@ -15,7 +15,7 @@ from contactlab.impact import velocities_after
 from contactlab.laws import LawError
 from contactlab.measured import floors
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.metrics import Metric
+from contactlab.metrics import CANNOT_TELL, NOT_APPLICABLE, Metric
 
 SEED: Final = 1
 """Of the resamples: the same comparison gives the same bits."""
@@ -45,19 +45,34 @@ def by_impacts(
     columns = np.column_stack([errors[:, known], *nearest, best]) if known.size else best[:, None]
     drawn = resampled(columns, SEED)
     means = columns.mean(axis=0)
+    # Where impulses can make every measured velocity, what they leave is rounding alone.
+    told = means[-1] > floors.ROUND_OFF
+    if not told:
+        notes.append(
+            f"impact_error_over_floor does not apply to {one.title}: admissible impulses give its "
+            f"velocities to {means[-1]:.1g} of the approach, which is round-off and no floor."
+        )
     for i, law in enumerate(known):
         j = known.size + i
         values[0, law], spread[0, law] = means[i], _half(drawn.interval(i))
-        if means[-1] > 0.0:
+        if told:
             values[1, law], spread[1, law] = means[i] / means[-1], _half_of_ratio(drawn, i)
         if known.size > 1:
             values[2, law], spread[2, law] = means[j], _half(drawn.interval(j))
     for i, j in permutations(range(known.size), 2):
         nearer[known[i], known[j]] = drawn.difference(j, i)
-    return Judged(one, _impact_rows(one, mark), values, spread, nearer, tuple(notes))
+    return Judged(
+        one,
+        _impact_rows(one, mark, CANNOT_TELL if told else NOT_APPLICABLE),
+        values,
+        spread,
+        nearer,
+        tuple(notes),
+    )
 
 
-def _impact_rows(one: Measurement, mark: str) -> tuple[Metric, ...]:
+def _impact_rows(one: Measurement, mark: str, without_floor: str) -> tuple[Metric, ...]:
+    """Give the rows; the words are of the one over the floor, where it has no value."""
     source = "; ".join(filter(None, (one.title, one.source)))
     return (
         row(
@@ -75,6 +90,7 @@ def _impact_rows(one: Measurement, mark: str) -> tuple[Metric, ...]:
             "impulses which do not pull, close or gain energy, and 1 the best",
             "1",
             source,
+            without_floor,
         ),
         row(
             f"nearest_impacts{mark}",

@@ -109,9 +109,9 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
     return found
 
 
-def row(key: str, symbol: str, meaning: str, units: str, source: str) -> Metric:
+def row(key: str, symbol: str, meaning: str, units: str, source: str, absent: str = CANNOT_TELL) -> Metric:
     """Give a row of the scorecard whose values come from measurements, and not from a run alone."""
-    return Metric(key, _not_of_a_run, symbol, meaning, units, source=source, absent=CANNOT_TELL)
+    return Metric(key, _not_of_a_run, symbol, meaning, units, source=source, absent=absent)
 
 
 def _not_of_a_run(_: object) -> float:

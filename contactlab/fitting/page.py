@@ -22,7 +22,9 @@ CAPTIONS: Final = {
     "of many impacts one interval, of middling length, stands as dashed lines for all.",
 }
 
-HEADS: Final = ("best", "mean", "sd", "5 %", "95 %", "truth")
+HEADS: Final = ("best", "mean", "sd", "5 %", "95 %")
+TRUTH: Final = "truth"
+"""The last column, of data that were made."""
 
 
 def page(answers: Sequence[Answer], pictures: Mapping[str, Iterable[Path]]) -> str:
@@ -48,7 +50,7 @@ def as_text(answers: Sequence[Answer]) -> str:
     """Write tables and sentences for a terminal."""
     lines = []
     for one in answers:
-        rows = [("", *HEADS), *((row.name, *cells(row)) for row in one.rows())]
+        rows = table(one.rows())
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines += [f"{one.label}", *(_aligned(row, widths) for row in rows), *one.sentences(), ""]
     if len(answers) > 1:
@@ -58,7 +60,14 @@ def as_text(answers: Sequence[Answer]) -> str:
     return "\n".join(lines).rstrip()
 
 
-def cells(row: Row) -> list[str]:
+def table(rows: Sequence[Row]) -> list[list[str]]:
+    """Write heads and rows of the table of a posterior; the truth is a column where any is known."""
+    known = any(row.covered is not None for row in rows)
+    heads = ["", *HEADS, *([TRUTH] if known else [])]
+    return [heads, *([row.name, *_cells(row)][: len(heads)] for row in rows)]
+
+
+def _cells(row: Row) -> list[str]:
     """Write the numbers of a row; the unit stands with the mean."""
     numbers = (row.best, row.mean, row.deviation, row.low, row.high, row.truth)
     found = ["" if np.isnan(number) else f"{number:.4g}" for number in numbers]
@@ -77,14 +86,14 @@ def _aligned(row: Sequence[str], widths: Sequence[int]) -> str:
 def _answer(answer: Answer, pictures: Iterable[Path]) -> str:
     rows = answer.rows()
     names = [row.name for row in rows]
-    table = _table(["", *HEADS], [[row.name, *cells(row)] for row in rows])
+    heads, *lines = table(rows)
     related = [
         [name, *(f"{number:.2f}" for number in line)]
         for name, line in zip(names, answer.correlation(), strict=True)
     ]
     shown = "\n".join(_picture(path) for path in pictures)
     correlation = f"<h3>Correlation</h3>{_table(['', *names], related)}" if len(rows) > 1 else ""
-    return f"<h2>{escape(answer.label)}</h2>{table}{_list(answer.sentences())}{shown}{correlation}"
+    return f"<h2>{escape(answer.label)}</h2>{_table(heads, lines)}{_list(answer.sentences())}{shown}{correlation}"
 
 
 def _evidence(answers: Sequence[Answer]) -> str:

@@ -13,14 +13,15 @@ The nearest point of it is found in closed form, by trying all that it can be.
 """
 
 from itertools import combinations
+from typing import Final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.measured.impacts import MeasuredImpacts
 
-_ROUND_OFF = 1e-9
-"""By how much of the radius of the disc a point may lie outside of what is admissible."""
+ROUND_OFF: Final = 1e-9
+"""By how much of the radius of the disc, the approach, a point may lie outside of what is admissible."""
 
 
 def best_impulses(impacts: MeasuredImpacts) -> Array:
@@ -68,7 +69,7 @@ def best_admissible_impulses(impacts: MeasuredImpacts, friction_coefficient: flo
     excess = [_length(candidates - centre) - radius]
     excess += [offset - np.einsum("cni,ni->cn", candidates, normal) for normal, offset in lines]
     # What does not exist is NaN, and so not below any bound.
-    admissible = np.all([each <= _ROUND_OFF * radius for each in excess], axis=0)
+    admissible = np.all([each <= ROUND_OFF * radius for each in excess], axis=0)
     distance = np.where(admissible, _length(candidates - measured), np.inf)
     nearest = candidates[np.argmin(distance, axis=0), np.arange(len(impacts))]
     return np.asarray(np.linalg.solve(root.transpose(0, 2, 1), nearest[..., None])[..., 0])

@@ -82,7 +82,7 @@ def blocks(text: str) -> list[Block]:
 
 
 def pictures(text: str) -> list[Picture]:
-    """Give the pictures of a page, in their order; its blocks, which may be made at build, are not looked at."""
+    """Give the pictures of a page, in their order, whatever its blocks are, which may be made at build."""
     return [
         Picture(each["path"], each["words"], text[: each.start()].count("\n") + 1)
         for each in _ITEM.finditer(text)

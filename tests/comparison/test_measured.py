@@ -1,6 +1,8 @@
 """Measurements in the comparison: which law is nearer to them, by how much, and what cannot be told."""
 
 import csv
+import re
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -20,6 +22,7 @@ from contactlab.laws import Newton
 from contactlab.measured.files import write_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
+from contactlab.metrics import NOT_APPLICABLE, VERDICTS
 
 COUNT, NOISE = 400, 0.02
 """Impacts, and the error of their velocities after, over the approach, in the norm of the kinetic energy."""
@@ -80,6 +83,20 @@ def test_the_error_of_the_law_that_made_them_is_the_noise(data: xarray.Dataset) 
     assert (over_floor > 1.0).all()
     ratio = row["value"] / row["value"][0]
     np.testing.assert_allclose(over_floor / over_floor[0], ratio, rtol=1e-12)
+
+
+def test_over_a_floor_that_is_round_off_no_error_is_told(runs: list[Path], folder: Path) -> None:
+    """A law's own impacts, by contact velocities, are admissible to the last digits."""
+    delassus, before = (getattr(impacts(), name) for name in ("delassus", "velocity_before"))
+    exact = replace(impacts(), velocity_after=velocities_after(Newton(0.1, 0.6), delassus, before))
+    write_impacts(exact, folder / "exact.csv")
+    data = compare(runs[:2], refine=False, transient=True, measured=[folder / "exact.csv"])
+    row = data.sel(metric="impact_error_over_floor")
+    assert np.isnan(row["value"]).all()
+    assert (row["verdict"] == VERDICTS.index(NOT_APPLICABLE)).all()
+    assert "impact_error_over_floor does not apply to A ball & a plate: " in data.attrs["notes"]
+    assert re.search(r"impact_error_over_floor.* n/a +n/a", as_text(data))
+    assert float(data["value"].sel(metric="impact_error")[1]) > 0.01
 
 
 def test_each_impact_is_nearest_to_one_law_where_no_two_are_alike(data: xarray.Dataset) -> None:

@@ -12,15 +12,19 @@ from page_blocks import Block, PageError, Picture, agrees, blocks, items, with_p
 from page_desk import Desk, follow, surroundings
 
 TESTS = Path(__file__).resolve().parents[1]
-DOCS = TESTS.parent / "docs"
-ELSEWHERE = {"impacts.md": "test_impact.py", "writing_laws.md": "laws/test_guide.py"}
+ROOT = TESTS.parent
+ELSEWHERE = {
+    "docs/howto/own_law_package.md": "documentation/test_own_law_package.py",
+    "docs/impacts.md": "test_impact.py",
+    "docs/writing_laws.md": "laws/test_guide.py",
+}
 """Pages whose blocks another test runs, which holds them to more."""
 
 PAGES = [
     page
-    for path in sorted(DOCS.rglob("*.md"))
-    if (page := path.relative_to(DOCS).as_posix()) not in ELSEWHERE
-    if not page.startswith("examples/") and blocks(path.read_text(encoding="utf-8"))
+    for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    if (page := path.relative_to(ROOT).as_posix()) not in ELSEWHERE
+    if not page.startswith("docs/examples/") and blocks(path.read_text(encoding="utf-8"))
 ]
 PAGE = """
 ```bash
@@ -55,7 +59,7 @@ open("made.png", "w").close()
 
 
 def of(page: str) -> str:
-    return (DOCS / page).read_text(encoding="utf-8")
+    return (ROOT / page).read_text(encoding="utf-8")
 
 
 def desk(folder: Path) -> Desk:
@@ -66,7 +70,7 @@ def desk(folder: Path) -> Desk:
 @pytest.mark.parametrize("page", PAGES)
 def test_every_block_of_a_page_runs_in_order_and_prints_what_the_page_says(page: str, tmp_path: Path) -> None:
     with desk(tmp_path) as at:
-        assert len(list(follow(DOCS / page, tmp_path, at))) == len(blocks(of(page)))
+        assert len(list(follow(ROOT / page, tmp_path, at))) == len(blocks(of(page)))
 
 
 def test_blocks_share_a_shell_and_a_session_and_outputs_belong_to_what_ran(tmp_path: Path) -> None:
@@ -108,19 +112,19 @@ def test_an_output_is_compared_word_by_word() -> None:
 
 
 def test_no_page_of_tasks_is_without_a_block_that_runs() -> None:
-    tasks = {f"howto/{path.name}" for path in (DOCS / "howto").glob("*.md")}
-    assert tasks - set(PAGES) == {"howto/index.md"}
+    tasks = {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs/howto").glob("*.md")}
+    assert tasks - {*PAGES, *ELSEWHERE} == {"docs/howto/index.md"}
 
 
 @pytest.mark.parametrize("page", ELSEWHERE)
 def test_a_page_whose_blocks_another_test_runs_has_them_and_is_read_there(page: str) -> None:
     assert blocks(of(page))
-    assert page in (TESTS / ELSEWHERE[page]).read_text(encoding="utf-8")
+    assert Path(page).name in (TESTS / ELSEWHERE[page]).read_text(encoding="utf-8")
 
 
 def test_no_block_that_can_be_pasted_is_indented() -> None:
     """A command that is set by spaces alone is run by no test."""
-    for path in sorted(DOCS.rglob("*.md")):
+    for path in sorted((ROOT / "docs").rglob("*.md")):
         lines = path.read_text(encoding="utf-8").splitlines()
         indented = [line for line in lines if line.startswith(("    contactlab ", "    python ", "    pip "))]
         assert not indented, path.name
@@ -130,4 +134,4 @@ def test_every_python_block_can_be_compiled() -> None:
     for page in PAGES:
         for block in blocks(of(page)):
             if block.language == "python":
-                compile("\n" * block.line + block.code, DOCS / page, "exec")
+                compile("\n" * block.line + block.code, ROOT / page, "exec")

@@ -12,6 +12,8 @@ import xarray
 from contactlab.cli import fit
 from contactlab.cli.terminal import RefusalError
 from contactlab.fitting import nested
+from contactlab.fitting.answer import Row
+from contactlab.fitting.page import table
 
 pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
 
@@ -56,6 +58,18 @@ def test_two_laws_are_weighed_and_leave_posteriors_that_arviz_reads(impacts, tmp
     assert json.loads(posterior.attrs["truth"])["law.restitution"] == 0.6
     assert posterior["law.restitution"].shape == (1, 1000)
     assert found.posterior_predictive["velocity_after"].dims == ("chain", "draw", "impact", "direction")
+
+
+def test_the_truth_is_a_column_where_any_is_known_and_none_elsewhere():
+    known = Row("restitution", "1", 0.6, 0.61, 0.01, 0.59, 0.63, 0.65)
+    unknown = Row("noise", "1", np.nan, 0.02, 0.001, 0.018, 0.022, np.nan)
+    heads, first, second = table([known, unknown])
+    assert heads == ["", "best", "mean", "sd", "5 %", "95 %", "truth"]
+    assert first[-1] == "0.65 (outside)"
+    assert second == ["noise", "", "0.02", "0.001", "0.018", "0.022", ""]
+    heads, line = table([unknown])
+    assert heads[-1] == "95 %"
+    assert line == second[:-1]
 
 
 @pytest.mark.long
