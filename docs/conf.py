@@ -69,6 +69,8 @@ html_theme_options = {
     "header_links_before_dropdown": 9,
     "show_nav_level": 2,
     "navigation_with_keys": False,
+    # Ten links and a field would be two lines on a desk.
+    "navbar_persistent": ["search-button"],
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
     "footer_end": [],
