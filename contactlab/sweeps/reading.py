@@ -26,7 +26,7 @@ def read_json(kind: type[Kind], text: str | bytes) -> Kind:
 def _made(kind: Any, value: Any) -> Any:
     """Make what is annotated of what JSON says, which has lists for tuples, and objects for dataclasses."""
     form, inner = get_origin(kind) or kind, get_args(kind)
-    if is_dataclass(form) and isinstance(value, dict):
+    if isinstance(form, type) and is_dataclass(form) and isinstance(value, dict):
         hints = get_type_hints(form)
         return form(**{name: _made(hints[name], one) for name, one in value.items() if name in hints})
     if form is tuple and isinstance(value, list):
