@@ -31,7 +31,7 @@ def docs(session: nox.Session) -> None:
 
 
 @nox.session
-def paper(session: nox.Session) -> None:
-    """Make the figure of the paper."""
+def pictures(session: nox.Session) -> None:
+    """Make the pictures of README, the home page and the paper."""
     session.install("-e", ".")
-    session.run("python", "paper/figures.py")
+    session.run("python", "experiments/readme_pictures.py")

@@ -10,7 +10,7 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 `simulate` runs it with a law, and `compare` judges laws side by side.
 """
 
-from contactlab.comparison import compare as compare
+from contactlab.comparison import ComparisonError as ComparisonError, compare as compare
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
 from contactlab.datasheet import characterise as characterise
 from contactlab.impact import impact as impact
@@ -87,16 +87,27 @@ from contactlab.orbits import (
     Attractor as Attractor,
     Basins as Basins,
     Branch as Branch,
+    BrokenOffError as BrokenOffError,
+    Converged as Converged,
+    NoBranchError as NoBranchError,
+    NoPeriodError as NoPeriodError,
+    NotSettledError as NotSettledError,
     Steady as Steady,
     attractors as attractors,
     basins as basins,
     branch as branch,
+    converged as converged,
     steady as steady,
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
-from contactlab.sweeps import collect as collect, sweep as sweep
+from contactlab.sweeps import (
+    SweepError as SweepError,
+    WorkerError as WorkerError,
+    collect as collect,
+    sweep as sweep,
+)
 from contactlab.trajectory import Ending as Ending
 
 __version__ = versions()["contactlab_version"]

@@ -48,6 +48,13 @@ class Solution:
         solution.save("run.nc")                 and back by `contactlab.load`
         contactlab.simulate(start=solution)     goes on where it ended
 
+        >>> import contactlab as cl
+        >>> run = cl.simulate(cl.build(), duration=5e-4)
+        >>> run.ending, run.contacts.sizes["contact"]
+        (<Ending.COMPLETE: 0>, 2)
+        >>> run["normal_force"].attrs["units"], run["normal_force"].max().round(1).item()
+        ('N', 9.9)
+
     Args:
         tree: as `contactlab.results.netcdf.to_datatree` describes it.
         setup: what ran, from which it can be run again or go on; None for a file that does not tell,
@@ -168,7 +175,7 @@ def simulate(
     Raises:
         TypeError: an argument of another kind.
         ValueError: an argument out of range, one too many or one too few.
-        contactlab.laws.LawError: the law contradicts itself, or its code raised an exception.
+        LawError: the law contradicts itself, or its code raised an exception.
     """
     numbers = (duration, record_interval, contact_step, tolerance)
     given: dict[str, Any] = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
@@ -208,6 +215,11 @@ def simulate(
 
 def load(path: str | Path) -> Solution:
     """Give the solution that a run.nc holds, checked to be as its run left it.
+
+        >>> import contactlab as cl
+        >>> cl.simulate(cl.build(), duration=5e-4).save("run.nc")
+        >>> cl.load("run.nc").contacts["peak_normal_force"].values.round(2)
+        array([3.63, 9.87])
 
     Raises:
         ValueError: it cannot be read, or is no run of contactlab's; a sentence.

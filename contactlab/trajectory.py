@@ -35,12 +35,23 @@ def openness(residual: float, drive_work: float, load_work: float, start: float)
 
 
 class Ending(IntEnum):
-    """How a run ended."""
+    """How a run ended.
+
+    >>> import contactlab as cl
+    >>> cl.simulate(cl.build(), duration=1e-4).ending is cl.Ending.COMPLETE
+    True
+    >>> [ending.name.lower() for ending in cl.Ending]
+    ['complete', 'diverged', 'chattered', 'interrupted', 'unbalanced', 'stalled', 'inconsistent']
+    """
 
     COMPLETE = 0
+    """It reached its end with a closed energy ledger."""
     DIVERGED = 1
+    """Its state is no motor's any more, or its law answered with no number."""
     CHATTERED = 2
+    """It has too many touch-downs and friction switches within a period of what drives it."""
     INTERRUPTED = 3
+    """Somebody stopped it; what there was is kept."""
     UNBALANCED = 4
     """It reached its end, but its energy ledger is open by more than LEDGER_LIMIT."""
     STALLED = 5

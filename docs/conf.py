@@ -4,6 +4,7 @@ Nothing is fetched: formulas are MathML, the theme brings its fonts, and no othe
 """
 
 import sys
+import tomllib
 from pathlib import Path
 
 from pygments.lexers import TextLexer
@@ -25,7 +26,9 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "math_markup",
     "made_pages",
+    "followed_pages",
     "docstrings",
+    "whole_site",
 ]
 exclude_patterns = ["gallery/**", "extensions/**", "sg_execution_times.rst"]
 # Names of the code stand in single backticks, in docstrings as in Markdown.
@@ -57,21 +60,30 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
 }
 
+# Where the project is hosted stands in its metadata alone, once it is.
+metadata = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
 html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "contactlab"
+html_favicon = "static/logo.svg"
 html_static_path = ["static"]
 html_css_files = ["contactlab.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
+    "logo": {
+        "text": "contactlab",
+        "image_light": "_static/logo.svg",
+        "image_dark": "_static/logo.svg",
+        "alt_text": "",
+    },
     "show_prev_next": True,
-    "header_links_before_dropdown": 9,
+    "header_links_before_dropdown": 7,
     "show_nav_level": 2,
     "navigation_with_keys": False,
-    # Ten links and a field would be two lines on a desk.
-    "navbar_persistent": ["search-button"],
     "secondary_sidebar_items": ["page-toc"],
+    "external_links": [{"name": name, "url": url} for name, url in metadata.get("urls", {}).items()],
     "footer_start": ["copyright"],
     "footer_end": [],
     "pygments_light_style": "a11y-high-contrast-light",

@@ -1,4 +1,4 @@
-"""What a run costs alone, in a batch, and as a job of a sweep: the table of the README.
+"""What a run costs alone, in a batch, and as a job of a sweep: the table of docs/howto/sweep.md.
 
     python experiments/benchmark_sweep.py [--runs N] [--jobs N] [--repeats N]
 

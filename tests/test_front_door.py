@@ -22,8 +22,8 @@ from contactlab.trajectory import Ending
 
 PACKAGE = Path(cl.__file__).parent
 
-README = (PACKAGE.parent / "README.md").read_text(encoding="utf-8")
-PYTHON = re.findall(r"## From Python\n\n```python\n(.*?)```", README, re.DOTALL)[0]
+PAGE = (PACKAGE.parent / "docs" / "python.md").read_text(encoding="utf-8")
+PYTHON = re.findall(r"^```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE)[0]
 
 CONFIGURED = """
 import contactlab as cl
@@ -78,7 +78,7 @@ def test_no_module_goes_through_the_front_door() -> None:
                 assert "contactlab" not in {name.name for name in node.names}, file
 
 
-@pytest.mark.parametrize("text", [PYTHON, CONFIGURED], ids=["of the README", "configured"])
+@pytest.mark.parametrize("text", [PYTHON, CONFIGURED], ids=["of the page", "configured"])
 def test_an_example_is_short_and_runs(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

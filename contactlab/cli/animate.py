@@ -1,6 +1,5 @@
 """`contactlab animate RUN.nc`: tip, rotor and contact force of a run in slow motion, as GIF or MP4."""
 
-import re
 import sys
 from argparse import Namespace
 from functools import partial
@@ -46,9 +45,7 @@ def main(arguments: list[str]) -> int:
         ("fps", "N", "25", "frames a second, 1 to 50; the default is %(default)s"),
     ):
         parser.add_argument(f"--{option}", metavar=metavar, default=default, help=text)
-    # Argparse takes -1e-3 for an option.
-    joined = re.sub(r"(?<![^\0])(--[a-z]+)\0(?=-[\d.])", r"\1=", "\0".join(arguments))
-    wanted = parser.read(joined.split("\0") if arguments else [])
+    wanted = parser.read(arguments)
     try:
         _animate(wanted)
     except KeyboardInterrupt:

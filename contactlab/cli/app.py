@@ -6,10 +6,8 @@ ours, `contactlab.cli.checking`, and sweeps by our sweeper: a faulty one leaves 
 
 import os
 import re
-import shlex
 import sys
 import warnings
-from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
 
@@ -23,6 +21,7 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import for_hydra
 from contactlab.cli.checking import typed
 from contactlab.cli.jobs import perform
+from contactlab.cli.next_step import after_a_run
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
 from contactlab.config import ConfigurationError, build
 from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences
@@ -86,22 +85,11 @@ def run(settings: DictConfig) -> int:
         with terminal.ending_at_once():
             status = COMPLETE if perform(setup, directory, job) else INCOMPLETE
         if status == COMPLETE and not swept:
-            terminal.tell(next_step(directory, job.overrides), sys.stdout)
+            here = Path(hydra_config.runtime.cwd)
+            terminal.tell(after_a_run(directory, job.overrides, here), sys.stdout)
     if status and not swept:
         sys.exit(status)
     return status
-
-
-def next_step(directory: Path, overrides: Sequence[str]) -> str:
-    """Say in a line what can be done after a run: with its folder, and with the motor that was asked for."""
-    here = Path.cwd()
-    folder = directory.relative_to(here) if directory.is_relative_to(here) else directory
-    of_motor = [line for line in overrides if not line.lstrip("+~").startswith(("hydra", "sweep", "record"))]
-    steady = shlex.join(["contactlab", "steady", *of_motor])
-    if len(steady) > MOST_CHARACTERS:
-        steady = "contactlab steady with these arguments"
-    watch = shlex.join(["contactlab", "animate", str(folder)])
-    return f"Next: `{watch}` shows it in slow motion, `{steady}` finds the settled motor."
 
 
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:

@@ -17,6 +17,7 @@ VERBS = {
     "characterise": "make the data sheet of a motor: speed-torque curve, power, efficiencies, start and stop",
     "collect": "put the runs of a sweep into one dataset over their parameters",
     "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
+    "example": "copy a script, measured impacts or the package of a law to begin from",
     "fit": "find numbers of law and motor from measurements, with posterior and evidence",
     "laws": "list every installed law and part, with all that it declares",
     "steady": "find what the motor does once it has settled: velocity, torque, stability",
@@ -30,6 +31,9 @@ INSTEAD = {
     "compile": "warm-up",
     "config": "--cfg job",
     "datasheet": "characterise",
+    "demo": "example",
+    "examples": "example",
+    "gallery": "example",
     "list": "laws",
     "ls": "laws",
     "multirun": "-m",
@@ -43,9 +47,16 @@ INSTEAD = {
 }
 """What others call a verb, and what stands behind `contactlab` for it: a run has no verb."""
 
+_CHOICES = {
+    **dict.fromkeys(("--cfg", "-c"), ("job", "hydra", "all")),
+    **dict.fromkeys(
+        ("--info", "-i"), ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath")
+    ),
+}
+"""What Hydra's flags may be followed by that take a word of some; that of `--info` may be left out."""
+
 _VALUED = {
-    "--cfg",
-    "-c",
+    *_CHOICES,
     "--package",
     "-p",
     "--config-path",
@@ -55,10 +66,8 @@ _VALUED = {
     "--config-dir",
     "-cd",
     "--experimental-rerun",
-    "--info",
-    "-i",
 }
-"""Hydra's flags that take a value; that of `--info` may be left out."""
+"""Hydra's flags that take a value."""
 
 _LONG_FLAGS = {
     *(flag for flag in _VALUED if flag.startswith("--")),
@@ -71,8 +80,8 @@ _LONG_FLAGS = {
     "--shell-completion",
 }
 
-LONGEST_SHORT = 3
-"""Letters of the longest of Hydra's short flags, its dash among them."""
+_FLAGS = {*_LONG_FLAGS, *_VALUED, "-h", "-r", "-m", "-sc", "--"}
+"""All of Hydra's flags."""
 
 NO_TEXT = re.compile("[\0\ud800-\udfff]")
 """What the bytes of an argument become that are no UTF-8."""
@@ -104,14 +113,46 @@ class Parser(ArgumentParser):
         Raises:
             SystemExit: something is wrong with them, or only help was asked for.
         """
-        if "" in arguments:
+        if any(not word.strip() or re.fullmatch("--[a-z-]+=", word) for word in arguments):
             self.error("an argument is empty, as of a shell variable that is not set")
-        found, unknown = self.parse_known_intermixed_args(arguments)
+        self._check_units(arguments)
+        if "KEY=VALUE" in self.format_usage():
+            self._check_whole(arguments)
+        # Argparse takes -1e-3 for an option.
+        joined = re.sub(r"(?<![^\0])(--[a-z]+)\0(?=-[\d.])", r"\1=", "\0".join(arguments))
+        found, unknown = self.parse_known_intermixed_args(joined.split("\0") if arguments else [])
         if unknown:
             options = [one for one in unknown if one.startswith("-")]
             hint = self._meant(options[0], arguments) if options else ""
             self.error(f"{' '.join(unknown)} is not understood", hint)
         return found
+
+    def _check_units(self, arguments: Sequence[str]) -> None:
+        """Refuse the value of an option that a space has split from its unit."""
+        for option, value, unit in zip(arguments, arguments[1:], arguments[2:], strict=False):
+            if not (option.startswith("--") and re.fullmatch(r"-?[\d.]+", value)) or unit.startswith("-"):
+                continue
+            # Imported here: it brings Hydra, which --help does not need.
+            from contactlab.config.quantity import is_unit
+
+            if is_unit(unit) and not Path(unit).exists():
+                meant = f"{option} '{value} {unit}'"
+                self.error(f"{option} {value} {unit} has a space before the unit", f"Did you mean {meant}?")
+
+    def _check_whole(self, arguments: Sequence[str]) -> None:
+        """Refuse an argument that spaces have split, with the one that was meant."""
+        # Imported here: it brings Hydra, which --help does not need.
+        if all("=" in word or word.startswith("-") for word in arguments):
+            return
+        from contactlab.config.slips import joined, spelled
+
+        for group in joined(arguments):
+            if len(group) > 1 and not group[0].startswith("-"):
+                meant = shlex.quote(spelled(group))
+                self.error(
+                    f"{' '.join(group)} is {len(group)} words; an argument must be one",
+                    f"Did you mean {meant}?",
+                )
 
     def _meant(self, option: str, arguments: Sequence[str]) -> str:
         """Ask what an unknown option may stand for: an argument of a run, where the verb takes any."""
@@ -151,21 +192,17 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
         RefusalError: with a sentence on what can be no argument.
     """
     # Imported here: it brings Hydra, which no verb's --help needs.
-    from contactlab.config.composition import as_choice
+    from contactlab.config.composition import readable
 
     overrides: list[str] = []
     flags: list[str] = []
     for argument in arguments:
         if NO_TEXT.search(argument):
             raise RefusalError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
-        name = argument.partition("=")[0]
-        if name not in _LONG_FLAGS and name.startswith("-") and len(name) > LONGEST_SHORT:
-            if meant := _argument_for(argument, arguments):
-                words = f"{argument} is no option; arguments of a run have no dashes."
-                raise RefusalError(f"{words} Did you mean {meant}?")
-            if name.startswith("--"):
-                hint = suggestion(argument, sorted(_LONG_FLAGS), _near(argument, arguments))
-                raise RefusalError(f"unrecognized arguments: {argument}. {hint}")
+        if (name := argument.partition("=")[0]) not in _FLAGS and re.match("-.", name):
+            _refuse_flag(argument, arguments)
+        if not argument.strip():
+            raise RefusalError("An argument is empty, as of a shell variable that is not set. Leave it out.")
         if argument.startswith("="):
             raise RefusalError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
         if argument in VERBS and not (flags and flags[-1] in _VALUED):
@@ -173,7 +210,37 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
             raise RefusalError(f"{argument} is a verb; it stands first: contactlab {argument} {rest}")
         is_value = bool(flags) and flags[-1] in _VALUED and "=" not in argument
         (flags if argument.startswith("-") or is_value else overrides).append(argument)
-    return [*(_quoted(as_choice(override)) for override in overrides), *flags]
+    _check_values(flags)
+    return [*(_quoted(readable(override)) for override in overrides), *flags]
+
+
+def _refuse_flag(flag: str, arguments: Sequence[str]) -> NoReturn:
+    """Refuse what begins with a dash and is none of Hydra's flags, with what was meant."""
+    if meant := _argument_for(flag, arguments):
+        words = f"{flag} is no option; arguments of a run have no dashes."
+        raise RefusalError(f"{words} Did you mean {meant}?")
+    name = f"--{flag.lstrip('-').lower()}"
+    # A letter is near many words.
+    known = sorted(each for each in _LONG_FLAGS if len(name) > len("--x") or each.startswith(name))
+    hint = suggestion(name, known, _near(flag, arguments))
+    raise RefusalError(f"unrecognized arguments: {flag}. {hint}")
+
+
+def _check_values(flags: Sequence[str]) -> None:
+    """Refuse flags that take a value and have none, or one that is not for them."""
+    for flag, behind in zip(flags, [*flags[1:], ""], strict=False):
+        name, sign, own = flag.partition("=")
+        value = own if sign else "" if behind.startswith("-") else behind
+        if name not in _VALUED or (not value and _CHOICES.get(name) == _CHOICES["--info"]):
+            continue
+        among = _CHOICES.get(name)
+        if among and value not in among:
+            words = f"{name} is '{value}'" if value else f"{name} has no value"
+            raise RefusalError(f"{words}; it must be one of {', '.join(among)}, as in {name} {among[0]}.")
+        if not value:
+            raise RefusalError(
+                f"{name} has no value; one must follow it. contactlab --hydra-help tells of it."
+            )
 
 
 def _argument_for(option: str, arguments: Sequence[str], *, near: bool = False) -> str:

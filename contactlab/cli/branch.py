@@ -43,8 +43,15 @@ def main(arguments: list[str]) -> int:
     given = parser.read(arguments)
     spans = [span for word in given.words if (span := RANGE.fullmatch(word))]
     if len(spans) != 1:
-        parser.error(f"{len(spans)} of the arguments have a range KEY=START..END; it must be one")
+        words = f"{len(spans)} of the arguments have a range KEY=START..END; it must be one"
+        parser.error(words, "Write it like 'contact.clearance=1 um..4 um'.")
     span = spans[0]
+    if span["key"].startswith(("record.", "sweep.", "solver.duration", "solver.until")):
+        raise RefusalError(
+            f"{span['key']} says how runs are made or kept; an orbit has none. Name another number."
+        )
+    if span["key"] == "belt" and given.belt is not None:
+        raise RefusalError(f"{span.string} and --belt are both given; it must be one of them. Leave one out.")
     if not 0.0 < given.step <= 1.0:
         parser.error(f"--step is {given.step:g}, it must be greater than 0 and at most 1")
     check_output(given.output)

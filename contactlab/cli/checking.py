@@ -123,6 +123,12 @@ def _faults_of(override: Override) -> Iterator[str]:
             f"{line} gives a value to a group of keys; it must be a choice, {group}=NAME. "
             f"Choose one of {', '.join(options)}."
         )
+    if isinstance(value, list) and "." not in key and loader.get_group_options(group):
+        several = ",".join(map(str, value))
+        yield (
+            f"{line} chooses {len(value)} options of a group, of which a run has one. Choose one, or run all "
+            f"by contactlab -m {key}={several}."
+        )
     # A law, a part, a basis comes with its parameters, and is not renamed by a key.
     for told in filter(None, map(group_told_by, below)):
         yield (

@@ -25,6 +25,11 @@ def main(arguments: list[str]) -> int:
         help="time series that go into the group 'series'; the runs must be recorded at the same times",
     )
     given = parser.read(arguments)
+    if given.output is not None and given.output.suffix != ".nc" and not given.output.is_dir():
+        parser.error(
+            f"--output is '{given.output}'; it must end in .nc",
+            "The dataset is netCDF-4: choose such a name.",
+        )
     try:
         _collect(Path(given.directory), given.output, given.series)
     except KeyboardInterrupt:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
 from contactlab.cli.jobs import check_output, unwritable
+from contactlab.cli.next_step import tell_next
 from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 
 if TYPE_CHECKING:
@@ -222,4 +223,5 @@ def _make(given: Namespace) -> int:
     except OSError as error:
         raise unwritable(given.output, error) from error
     print(f"{said} under {setup.law.name}, with {noise:g} of noise: written to {place}.")
+    tell_next("fit", [str(place), *given.words], "finds the numbers again")
     return COMPLETE

@@ -68,32 +68,39 @@ def _status(verb: str = "", *arguments: str) -> int:
 
 def _refuse_what_is_no_verb(word: str, *arguments: str) -> None:
     """Refuse a first word that is neither a verb nor an argument of a run, with what it may stand for."""
-    if not word or "=" in word or word.startswith(("-", "~")) or NO_TEXT.search(word):
+    if not word.strip() or "=" in word or word.startswith(("-", "~")) or NO_TEXT.search(word):
         return
     if word == "map":
         raise RefusalError(
             "There is no verb 'map' any more; sweeps run without it: contactlab -m KEY=VALUES ... "
             "sweep.keep=metrics keeps numbers alone."
         )
+    # Imported here: it brings Hydra, which no verb's --help needs.
+    from contactlab.config.slips import argument_for, joined, line_for
+
     said = f"There is no verb '{word}'"
     if word.lower() in INSTEAD:
         instead = INSTEAD[word.lower()]
-        rest = shlex.join(arguments) if instead in ("", "-m") else ""
+        rest = line_for(arguments) if instead in ("", "-m") else ""
         line = " ".join(filter(None, ("contactlab", instead, rest)))
         if not instead:
             raise RefusalError(f"{said}; a run has none. Did you mean {line}, without a verb?")
         raise RefusalError(f"{said}. Did you mean {line}? contactlab --help lists what there is.")
+    if len(joined([word, *arguments])[0]) > 1 or argument_for(word):
+        raise RefusalError(f"{said}. Did you mean contactlab {line_for([word, *arguments])}?")
     said = f"{said}; it must be one of {', '.join(VERBS)}."
     if Path(word).exists():
-        line = f"contactlab verify {shlex.quote(word)}"
+        line = f"contactlab {_verb_for(Path(word))} {shlex.quote(word)}"
         raise RefusalError(f"{said} It stands before a run or a folder of runs, as in {line}.")
-    # Imported here: it brings Hydra, which no verb's --help needs.
-    from contactlab.config.slips import argument_for
-
-    if meant := argument_for(word):
-        raise RefusalError(f"{said} Did you mean contactlab {meant}?")
     if hint := suggestion(word, VERBS):
         raise RefusalError(f"{said} {hint}")
     near = argument_for(word, near=True)
     hint = f"Did you mean contactlab {near}?" if near else "contactlab --help lists both."
     raise RefusalError(f"{said} An argument of a run has the form KEY=VALUE or GROUP=OPTION. {hint}")
+
+
+def _verb_for(place: Path) -> str:
+    """Give the verb that takes what is there: a run, a folder of runs, or measured impacts."""
+    if place.is_dir():
+        return "verify" if (place / "run.nc").exists() else "collect"
+    return "validate" if place.suffix == ".csv" else "verify"

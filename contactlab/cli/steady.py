@@ -5,6 +5,7 @@ from pathlib import Path
 
 from contactlab.cli.arguments import Parser, number_in
 from contactlab.cli.jobs import check_output, unwritable
+from contactlab.cli.next_step import tell_next
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
 from contactlab.config import ConfigurationError, build
 from contactlab.orbits.search import LONGEST
@@ -86,6 +87,7 @@ def main(arguments: list[str]) -> int:
         raise unwritable(output, error) from error
     print(*(f"{label:<{width}}{text}" for label, text in lines.items()), sep="\n")
     print(f"Written to {output}: steady.nc and steady.png.")
+    tell_next("characterise", given.overrides, "makes the motor's data sheet")
     return COMPLETE
 
 

@@ -7,7 +7,6 @@ runs leave their folders, a job a chunk where they leave their metrics alone.
 
 import os
 import platform
-import shlex
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -27,6 +26,7 @@ from contactlab.cli.checking import announce, announce_series, misplaced, sets_f
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.cost import TRIALS, announce_time
 from contactlab.cli.jobs import refusals, write_log
+from contactlab.cli.next_step import tell_next
 from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, build, validate
@@ -107,10 +107,7 @@ class Sweeping:
         status = self._folders(store, arguments)
         collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
         if status == COMPLETE and any(axis.key == "law" for axis in plan.axes):
-            tell(
-                f"Next: `contactlab compare {shlex.quote(str(folder))}` sets the laws side by side.",
-                sys.stdout,
-            )
+            tell_next("compare", [str(folder)], "sets the laws side by side")
         return status
 
     def _folders(self, store: Store, arguments: Arguments) -> int:

@@ -8,6 +8,7 @@ from pathlib import Path
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
 from contactlab.cli.jobs import check_output, unwritable
+from contactlab.cli.next_step import tell_next
 from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 
 FOLDS = 5
@@ -67,6 +68,9 @@ def main(arguments: list[str]) -> int:
     said = [tables.headline(data), *tables.order(data), "", tables.as_text(data), "", *tables.warnings(data)]
     print(*said, f"No law explains: {tables.unexplained(data)}", sep="\n")
     print(f"\nWritten to {output}: validation.html, validation.nc and figures.")
+    tell_next(
+        "fit", [str(given.data), *given.words], "gives their numbers with a posterior, and the evidence"
+    )
     return COMPLETE
 
 

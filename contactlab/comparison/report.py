@@ -67,6 +67,13 @@ def compare(
     Every difference is weighed against the numerical error, the resonator's basis, the parameters within
     their ranges and other starts; `contactlab.comparison.weighing` has the rule.
 
+        >>> import contactlab as cl
+        >>> setups = [cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")]
+        >>> runs = [cl.simulate(setup, duration=5e-4) for setup in setups]
+        >>> found = cl.compare(runs, refine=False, transient=True)
+        >>> found["value"].sel(metric="contact_count").to_series().to_dict()
+        {'newton': 2.0, 'hertz_penalty': 2.0}
+
     Args:
         sources: run folders, their datasets, folders of such folders, or runs in memory; all of one
             motor with one drive.

@@ -1,6 +1,7 @@
 """Configurations from overrides, by Hydra: files of `conf/`, and behind them what the classes declare."""
 
 import re
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Final, final
@@ -20,7 +21,7 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
 from contactlab.config.options import conf_directory, content, groups, help_on_keys, known_keys
-from contactlab.config.slips import argument_for
+from contactlab.config.slips import argument_for, joined, spelled
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
@@ -36,11 +37,29 @@ SEVERAL: Final = (
 """What is wrong with an override that is swept."""
 
 
+QUOTE: Final = (
+    "Quote it if the value has a space, 'KEY=1 um', and the value too if it has special characters, "
+    "\"KEY='a (b)'\". A verb stands first."
+)
+"""How an argument is written that cannot be read."""
+
+LISTS: Final = (
+    "Values are listed by linspace(FIRST,LAST,COUNT), geomspace(FIRST,LAST,COUNT) or range(START,STOP,STEP)."
+)
+"""How many values are written in one argument."""
+
+_BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·][^,='\"]*)(?=,|$)")
+"""A number with a unit that has letters beyond those of Hydra's grammar."""
+
 _IN_OUR_WORDS: Final = {
     r"An item is already at '([^']+)'": (
         "+{0} would add a key that there is; it must be set, {0}=VALUE. Leave out the +."
     ),
     r"(?:argument|parameters) '(.+?)'(?: requires --multirun)?$": SEVERAL,
+    r"Could not delete '([^']+)'": (
+        "~{0} would take away what is not there; every group must have a choice. Leave it out, or choose "
+        "another option by GROUP=OPTION."
+    ),
 }
 """What Hydra says of an override, and what is said instead."""
 
@@ -49,21 +68,22 @@ def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
     """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
     try:
         with started():
-            composed = hydra.compose(CONFIG_NAME, overrides=[*map(as_choice, overrides)])
+            composed = hydra.compose(CONFIG_NAME, overrides=[*map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
         raise ConfigurationError(sentences(error, overrides)) from error
     return resolved(composed)
 
 
-def as_choice(override: str) -> str:
-    """Give an override without its plus where it chooses from a group: every group has a choice already.
+def readable(override: str) -> str:
+    """Give an override as Hydra reads it: a choice without plus, units with letters of their own in quotes.
 
-    So `+experiment=case_a` can only mean `experiment=case_a`.
+    Every group has a choice already, so that `+experiment=case_a` can only mean `experiment=case_a`.
     """
     plain = override.lstrip("+")
     group, sign, _ = plain.partition("=")
-    return plain if plain != override and sign and group in {*groups(), EXPERIMENT} else override
+    chosen = plain if plain != override and sign and group in {*groups(), EXPERIMENT} else override
+    return _BEYOND.sub(r"'\1'", chosen)
 
 
 def resolved(config: DictConfig) -> dict[str, Any]:
@@ -82,10 +102,10 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
         case ConfigurationError():
             return error.faults
         case errors.OverrideParseException():
-            return [_unreadable(str(error.override))]
+            return [_unreadable(str(error.override), lines)]
         case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
-            hint = suggestion(option, error.options, "Choose one of them.")
+            hint = suggestion(option, error.options, _elsewhere(group, option) or "Choose one of them.")
             return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
         case errors.SearchPathException():
             return [f"{one_line(error)} It must be a folder; create it."]
@@ -115,21 +135,36 @@ def _in_our_words(said: str) -> str:
     return ""
 
 
-def _unreadable(override: str) -> str:
-    """Say that an argument is none, and what it may stand for."""
-    meant = "=" not in override and argument_for(override, near=True)
-    way_out = (
-        "Quote it if the value has a space, 'KEY=1 um', and the value too if it has special "
-        "characters, \"KEY='1 µm'\". A verb stands first."
-    )
-    if meant:
-        way_out = f"Did you mean {meant}?"
+def _elsewhere(group: str, option: str) -> str:
+    """Ask for the part of a law that was taken for a law; empty for none."""
+    families = [family for family, options in groups().items() if "/" in family and option.lower() in options]
+    if group != "law" or not families:
+        return ""
+    return f"Did you mean law=composed {families[0]}={option.lower()}?"
+
+
+def _unreadable(override: str, lines: Sequence[str]) -> str:
+    """Say that an argument is none, and what it may stand for, together with the words around it."""
+    if not override.strip():
+        return "An argument is empty, as of a shell variable that is not set. Leave it out."
+    together = next((group for group in joined(lines) if override in group), [override])
+    argument = spelled(together)
+    meant = ""
+    if len(together) > 1 or argument != override:
+        meant = argument_for(argument) or shlex.quote(argument)
+    elif "=" not in override:
+        meant = argument_for(override, near=True)
+    way_out = LISTS if re.search(r"=\s*'?(lin|log|geom|[a-z]+space)\w*\(", override) else QUOTE
+    way_out = f"Did you mean {meant}?" if meant else way_out
     return f"{override} cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION. {way_out}"
 
 
 def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
     """Say that there is no such key, or none with what the overrides choose."""
     path = key.replace("/", ".")
+    given = next((line for line in lines if line.lstrip("+").startswith(f"{key}=")), "")
+    if "." not in path and (meant := argument_for(given)):
+        return f"{key} is not a known key. Did you mean {meant}?"
     group = path.rpartition(".")[0].replace(".", "/")
     chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
     hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})

@@ -76,7 +76,8 @@ def example_in(unit: str) -> str:
     if unit[0] == "1":
         return ""
     # No prefix goes before a kilogram.
-    return f"'2 g{unit[2:]}'" if unit.startswith("kg") else f"'2 m{unit}'"
+    prefix = "k" if unit == "Hz" else "m"
+    return f"'2 g{unit[2:]}'" if unit.startswith("kg") else f"'2 {prefix}{unit}'"
 
 
 def describe(value: object) -> str:
@@ -130,6 +131,11 @@ def factor(given: str, unit: str) -> Decimal:
         expected = "a pure number" if unit == "1" else unit
         raise UnitError(f"whose unit '{given.strip()}' cannot be converted to {expected}")
     return have[0] / wanted[0]
+
+
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit."""
+    return bool(text.strip()) and _root(text.strip()) is not None
 
 
 @cache

@@ -44,6 +44,11 @@ Values = Mapping[str, Any]
 class Setup:
     """A run, ready to start: the arguments of `contactlab.engine.simulation` and their origin.
 
+        >>> import contactlab as cl
+        >>> setup = cl.build(["law=newton", "solver.duration=5 ms"])
+        >>> setup.law.name, setup.duration, setup.configuration["contact"]["clearance"]
+        ('newton', 0.005, 1e-06)
+
     Args:
         motor, law: what runs.
         duration, record_interval: simulated time, and time between records [s].

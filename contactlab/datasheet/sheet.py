@@ -29,6 +29,11 @@ def characterise(setups: Setup | Sequence[Setup], output: str | Path | None = No
         cl.characterise(cl.build(["law=newton"]))
         cl.characterise([cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")], "sheet")
 
+        >>> import contactlab as cl
+        >>> sheet = cl.characterise(cl.build(["law=hertz_penalty"]))
+        >>> abs(sheet["velocity"]).max().round(3).item(), sheet["velocity"].attrs["units"]
+        (2.739, 'rad s-1')
+
     Args:
         setups: motors with their laws; duration and record interval mean nothing here.
         output: folder for sheet.nc, sheet.png, sheet.pdf and sheet.html; None writes nothing.

@@ -177,7 +177,7 @@ def fit(
         advance: told how many questions are answered, parts of one included.
 
     Raises:
-        contactlab.fitting.nested.NoSamplerError: dynesty is not installed.
+        NoSamplerError: dynesty is not installed.
         ValueError: a law predicts nothing anywhere in the ranges.
     """
     answers = []

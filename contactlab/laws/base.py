@@ -73,7 +73,13 @@ class Tangential(Remembering):
 
 
 class ContactLaw(Declared, Tangential):
-    """A contact law. Subclass one of the two families; `contactlab.testing` checks what it declares."""
+    """A contact law. Subclass one of the two families; `contactlab.testing` checks what it declares.
+
+    >>> import contactlab as cl
+    >>> law = cl.law("hertz_penalty", stiffness=2e10)
+    >>> law.name, law.equation, isinstance(law, cl.PenaltyLaw)
+    ('hertz_penalty', 'N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0', True)
+    """
 
     WORDS = ("name", "equation", "source", "default_contact_step")
 
@@ -102,6 +108,24 @@ class PenaltyLaw(ContactLaw):
 
     Set-valued friction needs nothing but `force`, which gives its bound. Any other says so in
     `friction_kind` and has a second kernel, `friction_force`.
+
+        >>> from dataclasses import dataclass
+        >>> from typing import Annotated
+        >>> import contactlab as cl
+        >>> @dataclass(frozen=True)
+        ... class Spring(cl.PenaltyLaw):
+        ...     name = "spring"
+        ...     equation = "N = k d"
+        ...     source = "Hooke (1678)"
+        ...     default_contact_step = 4e-6
+        ...     stiffness: Annotated[float, cl.Parameter("k", "N m-1", "stiffness", above=0.0)] = 1e7
+        ...     @staticmethod
+        ...     def force(gap, gap_rate, slip, approach, parameters):
+        ...         normal = -parameters[0] * gap
+        ...         return normal, 0.0, -0.5 * normal * gap, 0.0
+        ...
+        >>> Spring(1e7).force(-2e-6, 0.0, 0.0, 0.0, (1e7,))[0]
+        20.0
     """
 
     @property
@@ -152,7 +176,13 @@ class PenaltyLaw(ContactLaw):
 
 
 class MultiplierLaw(ContactLaw):
-    """A rigid law: holds the gap at zero by the impulse of one step."""
+    """A rigid law: holds the gap at zero by the impulse of one step.
+
+    >>> import contactlab as cl
+    >>> law = cl.Newton(friction_coefficient=0.3, restitution=0.5)
+    >>> isinstance(law, cl.MultiplierLaw), law.default_contact_step
+    (True, 5e-08)
+    """
 
     projects: ClassVar[bool] = True
     """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
@@ -190,6 +220,13 @@ class NormalForce(Declared, Remembering):
 
     The kernel of a part reads its coefficients, as many as they are, from the place `at` of the law's array.
     It has `elastic`, or where it has internal variables `force`.
+
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> part = cl.Linear(stiffness=2e7)
+        >>> force, energy, stiffness, slope = part.elastic(1e-6, np.array(part.coefficients()), 0)
+        >>> cl.Composed(normal=part).title, float(force)
+        ('composed of normal linear, damping none, friction coulomb', 20.0)
     """
 
     family: ClassVar[str] = "normal"
@@ -224,7 +261,14 @@ class NormalForce(Declared, Remembering):
 
 
 class Damping(Declared):
-    """A part of a composed law: what the elastic force becomes while the bodies move."""
+    """A part of a composed law: what the elastic force becomes while the bodies move.
+
+    >>> import contactlab as cl
+    >>> law = cl.Composed(damping=cl.HuntCrossley(restitution=0.7, impact_speed=0.1))
+    >>> after = cl.impact(law, [[1 / 2e-3, 0.0], [0.0, 3.5 / 2e-3]], [-0.1, 0.0])["velocity_after"]
+    >>> f"{after.values[0, 0]:.4f} m/s"
+    '0.0700 m/s'
+    """
 
     family: ClassVar[str] = "damping"
     any_force: ClassVar[bool] = True
@@ -250,6 +294,11 @@ class Friction(Declared, Tangential):
     """A part of a composed law: set-valued friction needs nothing but its cone, any other a kernel too.
 
     Where static friction is larger than kinetic it has a field `static_ratio`, mu_s / mu.
+
+        >>> import contactlab as cl
+        >>> friction = cl.Stribeck(0.25, static_ratio=2.0)
+        >>> friction.friction_limit, friction.exact_stick
+        (0.5, True)
     """
 
     family: ClassVar[str] = "friction"

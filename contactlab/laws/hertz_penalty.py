@@ -69,6 +69,10 @@ def hertz_stiffness(
     R_e is the geometric mean of the two relative radii, exact for a circular contact and good to
     a fraction of a percent in K while r is well below R (Johnson 1985, sec. 4.2). The radii r of the tip
     and R of the rotor are in m, Young's modulus E of both bodies in Pa.
+
+        >>> import contactlab as cl
+        >>> f"{cl.hertz_stiffness(tip_radius=1e-3, rotor_radius=25e-3):.3e}"
+        '4.818e+09'
     """
     effective_modulus = youngs_modulus / (2.0 * (1.0 - poisson_ratio**2))
     effective_radius = ((1.0 / tip_radius) * (1.0 / tip_radius + 1.0 / rotor_radius)) ** -0.5

@@ -39,6 +39,11 @@ ODD, EVEN = -1, 1
 class InternalVariable:
     """One number that a law remembers.
 
+        >>> import contactlab as cl
+        >>> bend = cl.InternalVariable("bend", "z", "m", "bend of the bristles")
+        >>> bend.initial, bend.life
+        (0.0, 'contact')
+
     Args:
         name: its word; datasets record it as `internal_NAME`.
         symbol: as in the equations.

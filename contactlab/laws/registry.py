@@ -106,7 +106,12 @@ def origins(family: str = "") -> tuple[Origin, ...]:
 
 
 def law_names(family: str = "") -> list[str]:
-    """Give the names by which a law, or a part of a family, can be chosen, in their order."""
+    """Give the names by which a law, or a part of a family, can be chosen, in their order.
+
+    >>> import contactlab as cl
+    >>> cl.law_names("damping")
+    ['flores', 'hunt_crossley', 'lankarani_nikravesh', 'linear', 'none']
+    """
     return sorted({origin.name for origin in origins(family) if not origin.fault})
 
 
@@ -154,6 +159,10 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
 
     The parts of a composed law are given as they are, or by name where their defaults are wanted:
     `law("composed", normal="linear", friction=LuGre(0.2))`.
+
+        >>> import contactlab as cl
+        >>> cl.law("newton", restitution=0.4)
+        Newton(friction_coefficient=0.3, restitution=0.4)
 
     Raises:
         TypeError: the name is no text, or a parameter is one that the law has not, or is no number.

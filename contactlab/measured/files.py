@@ -13,8 +13,8 @@ from contactlab.measured.assembly import assemble
 from contactlab.measured.columns import CONTACT, known_names
 from contactlab.measured.csv_files import read_csv, write_csv
 from contactlab.measured.ellipses import read_ellipses
-from contactlab.measured.faults import MeasurementError
-from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.faults import MeasurementError as MeasurementError
+from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
 from contactlab.measured.netcdf_files import read_netcdf, write_netcdf
 from contactlab.measured.table import Table
 from contactlab.parameter import from_cf

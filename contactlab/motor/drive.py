@@ -45,6 +45,11 @@ class TwoMode(Checked):
 class Drive:
     """Any number of tones on each electrode; `Drive()` has none.
 
+        >>> import contactlab as cl
+        >>> drive = cl.Drive.two_mode(100.0, 50.0, frequency=3000.0, frequency_ratio=2.0)
+        >>> drive.frequency, drive.phasors.shape
+        (array([3000., 6000.]), (2, 2))
+
     Args:
         frequency: of each tone [Hz], shape (tone,), positive.
         phasors: complex amplitudes [V], shape (electrode, tone); U sin(w t + phi) has the phasor

@@ -162,6 +162,10 @@ class FiniteElementResonator(PatchedBeam):
 
     A pseudo-mode is no resonance. `NormalModes.shape_coupling` has the couplings of these modes, scaled
     to int psi^2 dx = L as the paper's beam shapes are; a mode's sign is that of u + L theta at the tip.
+
+        >>> import contactlab as cl
+        >>> cl.FiniteElementResonator().modes.natural_frequency[:2].round(1)
+        array([2137.5, 3766.3])
     """
 
     kept_modes: Annotated[int, _KEPT] = 6

@@ -23,7 +23,12 @@ from contactlab.parameter import Parameter, positive
 @final
 @dataclass(frozen=True)
 class ContactGeometry(Checked):
-    """Lengths of the contact; a negative clearance, for compliant laws only, presses the tip on the rotor."""
+    """Lengths of the contact; a negative clearance, for compliant laws only, presses the tip on the rotor.
+
+    >>> import contactlab as cl
+    >>> cl.ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.5e-6)
+    ContactGeometry(tip_length=0.019, rotor_radius=0.025, clearance=5e-07)
+    """
 
     tip_length: Annotated[float, positive("L_tip", "m", "from the beam to the tip end")] = 19e-3
     rotor_radius: Annotated[float, positive("R", "m", "radius of the rotor")] = 25e-3

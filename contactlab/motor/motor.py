@@ -19,6 +19,11 @@ class NormalModes:
 
         qdd_j + c_j qd_j + k_j q_j = sum_e coupling[j, e] U_e(t) + tip force terms
 
+        >>> import contactlab as cl
+        >>> modes = cl.RitzResonator(shapes=2).modes
+        >>> modes.natural_frequency.round(1), modes.coupling.shape
+        (array([3438. , 6400.5]), (2, 2))
+
     Args:
         stiffness: k_j = omega_j^2 [1/s^2], shape (mode,).
         damping: c_j = 2 zeta_j omega_j [1/s], shape (mode,).
@@ -86,7 +91,13 @@ _START = Parameter("Omega(0)", "rad s-1", "velocity at the start")
 @final
 @dataclass(frozen=True)
 class Rotor(Checked):
-    """A rigid rotor, J Omegadot = -R F - C_r Omega - tau."""
+    """A rigid rotor, J Omegadot = -R F - C_r Omega - tau.
+
+    >>> import contactlab as cl
+    >>> rotor = cl.Rotor(inertia=5e-5, load_torque=-1e-3)
+    >>> rotor
+    Rotor(inertia=5e-05, damping=0.0, load_torque=-0.001, initial_velocity=0.0)
+    """
 
     inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
     damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
@@ -97,7 +108,16 @@ class Rotor(Checked):
 @final
 @dataclass(frozen=True)
 class ModalState:
-    """Normal coordinates at t = 0: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (mode,)."""
+    """Normal coordinates at t = 0: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (mode,).
+
+    >>> import contactlab as cl
+    >>> import numpy as np
+    >>> modes = cl.RitzResonator(shapes=2).modes
+    >>> bent = cl.ModalState(displacement=np.array([0.0, 1e-9]), velocity=np.zeros(2))
+    >>> motor = cl.Motor(modes, start=bent)
+    >>> f"{0.5 * modes.stiffness @ bent.displacement**2:.2e} J"
+    '8.09e-10 J'
+    """
 
     displacement: Array
     velocity: Array
@@ -110,6 +130,13 @@ class Motor(Checked):
 
     A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
     is a belt: `contactlab.motor.bodies` makes balls, oscillators, masses on belts and cantilevers so.
+
+        >>> import contactlab as cl
+        >>> drive = cl.Drive.two_mode(100.0, 100.0, frequency=3210.0)
+        >>> motor = cl.Motor(cl.RitzResonator().modes, drive, rotor=cl.Rotor(inertia=1e-5))
+        >>> run = cl.simulate(motor, cl.Newton(restitution=0.4), duration=2e-3)
+        >>> f"{run['rotor_velocity'][-1]:.3f} rad/s"
+        '-0.042 rad/s'
 
     Args:
         modes, drive, geometry, rotor: the resonator in any basis, and what acts on it; without a drive there

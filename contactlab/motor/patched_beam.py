@@ -74,7 +74,12 @@ def bending_vector(poisson_ratio: float) -> Array:
 @final
 @dataclass(frozen=True)
 class Steel(Checked):
-    """An isotropic beam material."""
+    """An isotropic beam material.
+
+    >>> import contactlab as cl
+    >>> cl.RitzResonator(steel=cl.Steel(youngs_modulus=195e9)).modes.natural_frequency[:2].round(1)
+    array([3182.7, 5379.1])
+    """
 
     youngs_modulus: Annotated[float, positive("E", "Pa", "Young's modulus")] = 210e9
     poisson_ratio: Annotated[float, _POISSON] = 0.3
@@ -100,6 +105,12 @@ class Piezoceramic(Checked):
     The modulus is b c^E b' (eq. 30), the coupling nu_p e33 - e31 (eq. 31). The defaults are PZ26 with
     both identified from the couplings and frequencies of Table 1; `PiezoceramicDatasheet` has the
     catalogue's values.
+
+        >>> import contactlab as cl
+        >>> layer = cl.Piezoceramic(loss_tangent=0.02)
+        >>> modes = cl.RitzResonator(piezoceramic=layer).modes
+        >>> (1e9 * modes.capacitance.diagonal()).round(3) # nF
+        array([1.831, 1.831])
     """
 
     bending_modulus: Annotated[float, positive("c_p", "Pa", "bending modulus")] = 94.295e9

@@ -112,6 +112,15 @@ class Ball:
 class Basins:
     """Where starts go.
 
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
+        >>> found = cl.basins(cl.build(), axes)
+        >>> found
+        <Basins: 2 starts over rotor_velocity and drive_phase, 1 attractors>
+        >>> found.to_xarray()["label"].dims, found.unresolved
+        (('rotor_velocity', 'drive_phase'), 0)
+
     Args:
         setup: of the motor; its own start is changed in two coordinates.
         axes: values of two of `COORDINATES`, in SI.
@@ -123,6 +132,10 @@ class Basins:
     axes: dict[str, Array]
     labels: NDArray[np.int8]
     attractors: tuple[Steady, ...]
+
+    def __repr__(self) -> str:
+        over = " and ".join(self.axes)
+        return f"<Basins: {self.labels.size} starts over {over}, {len(self.attractors)} attractors>"
 
     @cached_property
     def shares(self) -> tuple[float, ...]:
@@ -192,6 +205,13 @@ def basins(
 
     A motion that comes into a `Ball` about a known orbit belongs to it; one that comes into none within
     some hundred periods goes on as `contactlab.steady` does, and adds what it finds.
+
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> axes = {"rotor_velocity": np.linspace(-2.0, 2.0, 3), "drive_phase": np.array([0.0, 0.5])}
+        >>> found = cl.basins(cl.build(), axes)
+        >>> found.labels.tolist(), found.shares, f"{found.attractors[0].velocity[0]:.4f} rad/s"
+        ([[0, 0], [0, 0], [0, 0]], (1.0,), '-2.1911 rad/s')
 
     Args:
         setup: the motor.

@@ -35,6 +35,11 @@ class NoBranchError(ValueError):
 class Branch:
     """A branch of periodic orbits.
 
+        >>> import contactlab as cl
+        >>> found = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6)
+        >>> found.to_xarray()["rotor_velocity"].values[[0, -1]].round(3)
+        array([-2.191, -2.142])
+
     Args:
         setup: at the start of the branch.
         parameter, unit, meaning: what changes along it: a key, its SI unit and what it is.
@@ -48,6 +53,11 @@ class Branch:
     meaning: str
     points: tuple[BranchPoint, ...]
     end: str
+
+    def __repr__(self) -> str:
+        first, last = self.points[0].value, self.points[-1].value
+        span = f"from {first:.6g} to {last:.6g} {self.unit}"
+        return f"<Branch: {len(self.points)} orbits over {self.parameter}, {span}; {len(self.events)} events>"
 
     @property
     def events(self) -> tuple[BranchPoint, ...]:
@@ -109,6 +119,11 @@ def branch(
 
     It begins with the orbit that the motor settles in at the start, and goes on through folds, along
     unstable orbits too, until the number leaves its range or no orbit goes on; `Branch.end` says which.
+
+        >>> import contactlab as cl
+        >>> found = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.1e-6)
+        >>> found.end
+        'It ends where the range of the parameter does, at 1.1e-06.'
 
     Args:
         setup: the motor as `contactlab.build` gives it.

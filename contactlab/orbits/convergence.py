@@ -18,6 +18,13 @@ from contactlab.orbits.search import Steady, steady
 class Converged:
     """A steady state at finer and finer steps.
 
+        >>> import contactlab as cl
+        >>> found = cl.converged(cl.build(["law=hertz_penalty"]))
+        >>> found.control, len(found.steps)
+        ('tolerance', 3)
+        >>> f"{found.best.velocity[0]:.5f} rad/s"
+        '-2.19111 rad/s'
+
     Args:
         control: what is refined, 'contact_step' of a rigid law or 'tolerance' of a compliant one.
         values: of it, coarsest first.
@@ -27,6 +34,10 @@ class Converged:
     control: str
     values: tuple[float, ...]
     steps: tuple[Steady, ...]
+
+    def __repr__(self) -> str:
+        velocity, error = self.velocity
+        return f"<Converged: {self.best.kind}, {velocity:.6g} +- {error:.1g} rad/s over {self.control}>"
 
     @property
     def best(self) -> Steady:
@@ -63,13 +74,18 @@ def converged(setup: Setup, *, refine: bool = True, **arguments: Any) -> Converg
 
     A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
 
+        >>> import contactlab as cl
+        >>> velocity, error = cl.converged(cl.build(["law=lagrange_stick"])).velocity
+        >>> f"{velocity:.3f} +- {error:.0e} rad/s"
+        '-2.951 +- 5e-05 rad/s'
+
     Args:
         setup: as of `steady`; its contact step or tolerance is the coarsest.
         refine: False takes that alone, and then nothing tells the error of it.
         arguments: further ones of `steady`.
 
     Raises:
-        What `steady` raises.
+        NoPeriodError, NotSettledError, BrokenOffError: as of `contactlab.steady`.
     """
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
     divisors = FINER[control] if refine else (1.0,)

@@ -38,6 +38,9 @@ def steady(
     motor runs on, and so on. One that has come to no orbit after the longest run has means over as long a
     run again, with their statistical error.
 
+    Every error is that of the orbit, or of statistics, at one step of the solver. `converged` finds the same
+    state at three steps and adds what is left of that.
+
         >>> import contactlab as cl
         >>> found = cl.steady(cl.build())
         >>> found.kind, round(found.velocity[0], 6)

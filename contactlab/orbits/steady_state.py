@@ -32,6 +32,16 @@ OF_INTERVALS: Final = ("normal_force", "friction_force")
 class Steady:
     """The steady state that a motor comes to.
 
+        >>> import contactlab as cl
+        >>> found = cl.steady(cl.build())
+        >>> found
+        <Steady: periodic, -2.19111 rad/s under hertz_penalty>
+        >>> value, error = found.velocity
+        >>> found.kind, round(value, 6), error < 1e-6
+        ('periodic', -2.191106, True)
+        >>> round(found.peak_force, 2), round(found.contact_share, 3)
+        (8.71, 0.199)
+
     Args:
         setup: what moves, its load included.
         kind: 'periodic', 'quasi-periodic', 'chaotic', 'irregular' where the two cannot be told apart,
@@ -56,6 +66,9 @@ class Steady:
     belt: float | None = None
     brake: float | None = None
     phase: float = 0.0
+
+    def __repr__(self) -> str:
+        return f"<Steady: {self.kind}, {self.velocity[0]:.6g} rad/s under {self.setup.law.title}>"
 
     @property
     def period(self) -> float:
@@ -110,7 +123,7 @@ class Steady:
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Mean rotor velocity and its error [rad/s]."""
+        """Mean rotor velocity and its error at this step [rad/s]; `contactlab.converged` adds the step's."""
         if self.belt is not None:
             return self.belt, 0.0
         mean, error = self.average("rotor_angle")

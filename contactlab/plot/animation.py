@@ -250,7 +250,7 @@ def _marks(film: Film, number: int) -> Array:
     turned = film.magnification * film.angle[number]
     if not np.isfinite(turned):
         return np.empty((0, 2, 2))
-    pitch = 2.0 * np.pi / (5 * max(round(2.0 * np.pi * radius / (5.0 * 0.06 * size)), 1))
+    pitch = _pitch(film)
     widest = min(_HALF_WIDTH * size / radius, 0.5 * np.pi)
     # Mark 0 is at the bottom before the rotor turns; the first one drawn is a longer one.
     first = 5 * int(np.ceil((-widest - turned) / (5.0 * pitch)) - 1)
@@ -259,6 +259,20 @@ def _marks(film: Film, number: int) -> Array:
     length = np.where(numbers % 5 == 0, 0.03, 0.015) * size
     inner = outer + (np.array((0.0, radius)) - outer) * (length / radius)[:, None]
     return np.stack((outer, inner), axis=1)
+
+
+def _pitch(film: Film) -> float:
+    """Give the angle between two marks, some 0.06 of the film's size.
+
+    A rotor that turns by five of them or more turns by fives alone, so that the film of a settled motor that
+    repeats itself begins where it ends. That they need not close on the rotor's circle is never seen.
+    """
+    usual = 0.06 * film.size / film.run.radius
+    angle = drawable(film.run.series["rotor_angle"].values)
+    ends = np.interp((film.run.start, film.run.end), film.run.time, angle)
+    turned = film.magnification * abs(float(ends[1] - ends[0]))
+    fives = round(turned / (5.0 * usual)) if np.isfinite(turned) else 0
+    return turned / (5.0 * fives) if fives else usual
 
 
 def _tip_outline(film: Film, number: int) -> Array:

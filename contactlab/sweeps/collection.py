@@ -66,6 +66,15 @@ def collect(
 
     One run is open at a time. Of a sweep that keeps metrics it is what is finished so far.
 
+        >>> import contactlab as cl
+        >>> from pathlib import Path
+        >>> for law in ("newton", "hertz_penalty"):
+        ...     Path(law).mkdir()
+        ...     cl.simulate(cl.build([f"law={law}"]), duration=5e-4).save(f"{law}/run.nc")
+        ...
+        >>> cl.collect(".", metrics="contact_count")["contact_count"].to_series().to_dict()
+        {'hertz_penalty': 2.0, 'newton': 2.0}
+
     Args:
         directory: of a sweep, of several, or of any runs.
         output: the file; without, `sweep.nc` in the directory.
@@ -85,8 +94,9 @@ def collect(
     """
     directory = Path(directory)
     if not directory.is_dir():
+        what = "a file" if directory.exists() else "not there"
         raise SweepError(
-            f"'{directory}' is not there; it must be a folder of runs. "
+            f"'{directory}' is {what}; it must be a folder of runs. "
             "`contactlab -m law=A,B hydra.sweep.dir=DIR` leaves one."
         )
     plan = read_plan(directory)

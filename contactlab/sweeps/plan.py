@@ -13,6 +13,7 @@ from math import ceil, prod
 from typing import Any, Final, Literal, Protocol, final
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import Value, flat
@@ -23,7 +24,6 @@ from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
 from contactlab.sweeps.batch import Outputs
 from contactlab.sweeps.dataset import Axis
-from contactlab.sweeps.reading import read_json
 from contactlab.sweeps.state import code_digest_of
 from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, spread
 
@@ -118,7 +118,7 @@ class Plan:
     @classmethod
     def of_text(cls, text: str | bytes) -> "Plan":
         """Read the plan that `text` wrote; a ValueError tells that it is something else."""
-        return read_json(cls, text)
+        return TypeAdapter(cls).validate_json(text)
 
 
 class Composer(Protocol):

@@ -15,6 +15,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final, final
 
+from pydantic import TypeAdapter
+
 from contactlab import metrics
 from contactlab.config import Setup
 from contactlab.config.groups import NO_NUMBERS
@@ -23,7 +25,6 @@ from contactlab.laws.declaration import Declared
 from contactlab.laws.registry import classes_in, classes_of, provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, digest_of, versions
-from contactlab.sweeps.reading import read_json
 from contactlab.trajectory import Ending
 
 
@@ -85,6 +86,8 @@ class State:
     digest: str = ""
 
 
+_adapter: Final = TypeAdapter(State)
+
 _WHY: Final = {
     FAILED: ("failed", "failed"),
     RUNNING: ("was cut short", "were cut short"),
@@ -107,7 +110,7 @@ def write_state(folder: Path, state: State) -> None:
 def read_state(folder: Path) -> State | None:
     """Read the state of a run; None where there is none that can be read, as somebody else's file."""
     try:
-        return read_json(State, (folder / STATE).read_bytes())
+        return _adapter.validate_json((folder / STATE).read_bytes())
     except (OSError, ValueError):
         return None
 

@@ -9,6 +9,7 @@ import inspect
 import re
 import sys
 import typing
+from enum import Enum
 from importlib import import_module
 from typing import Any, Final
 
@@ -19,12 +20,24 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 from sphinx.ext.napoleon import Config, GoogleDocstring
 
+from contactlab.laws.declaration import Declared
 from contactlab.parameter import declared_fields
 
 GOOGLE: Final = Config(napoleon_use_rtype=False, napoleon_use_ivar=True)
 SECTION: Final = re.compile(r"(Args|Attributes|Returns|Raises|Yields|Example|Examples|Note):$")
 HEADS: Final = ["field", "meaning", "default", "range"]
 
+_ARRAY: Final = (
+    r"~?(?:numpy\.)?ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?{}\]\]"
+)
+_READABLE: Final = {
+    _ARRAY.format("float64"): "Array",
+    _ARRAY.format(r"\w+"): "NDArray",
+    r"[~\w.]*_Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]": "ArrayLike",
+    r"<class '(\w+)'>": r"\1",
+}
+"""What annotations are expanded to, and how the code writes them."""
+_LONG: Final = re.compile(r"=( ?)(\d{5,}\.\d+|\d\.\d{6,}e[-+]\d+)")
 _LITERAL: Final = re.compile(r"`+[^`]+`+")
 _SPECIAL: Final = re.compile(r"([*|\\])|(?<=\w)_(?=\W|$)")
 
@@ -39,17 +52,23 @@ def as_text(app: Sphinx, what: str, name: str, one: Any, options: Any, lines: li
 def translated(lines: list[str]) -> list[str]:
     """Give a docstring in reStructuredText."""
     made: list[str] = []
-    section = literal = False
+    section = literal = example = False
     for line in lines:
         margin = len(line) - len(line.lstrip())
         if not line.strip():
             made.append("")
+            example = False
+            continue
+        if example or line.lstrip().startswith(">>>"):
+            made += [] if example else [".. code-block:: pycon", ""]
+            made.append(line if margin else f"    {line}")
+            example, literal = True, False
             continue
         if margin == 0:
             section, literal = bool(SECTION.match(line)), False
         elif not section and not literal and made and not made[-1]:
             literal = True
-            made += [".. code-block:: pycon" if line.lstrip().startswith(">>>") else "::", ""]
+            made += ["::", ""]
         elif not section and not literal and margin and made and made[-1]:
             # A table or a formula that goes on from its line: it keeps its form.
             made += ["", "::", ""]
@@ -105,9 +124,13 @@ def _row(cells: list[str]) -> list[str]:
 def short_signature(
     app: Sphinx, what: str, name: str, one: Any, options: Any, signature: str, returned: str
 ) -> tuple[str, str] | None:
-    """Leave the declarations out of the signature of a dataclass: they stand in its table."""
-    if what != "class" or not dataclasses.is_dataclass(one):
-        return None
+    """Leave out of a signature what stands elsewhere, as the declarations of a dataclass in its table."""
+    if what != "class":
+        # A property has none.
+        return (_readable(signature), _readable(returned or "")) if signature else None
+    if not dataclasses.is_dataclass(one):
+        # What an enumeration or the base of laws is called with is called by nobody.
+        return ("", "") if issubclass(one, Enum | Declared) else None
     parameters = [
         each.replace(annotation=inspect.Parameter.empty)
         for each in inspect.signature(one).parameters.values()
@@ -116,7 +139,14 @@ def short_signature(
         f"{each.name}=..." if "factory" in repr(each.default) or len(repr(each.default)) > 40 else str(each)
         for each in parameters
     ]
-    return f"({', '.join(shown)})", ""
+    return _readable(f"({', '.join(shown)})"), ""
+
+
+def _readable(signature: str) -> str:
+    """Give a signature in the words of the code: names of arrays, numbers of six digits."""
+    for pattern, words in _READABLE.items():
+        signature = re.sub(pattern, words, signature)
+    return _LONG.sub(lambda found: f"={found[1]}{float(found[2]):.6g}", signature)
 
 
 def without_fields(app: Sphinx, what: str, name: str, one: Any, skip: bool, options: Any) -> bool | None:

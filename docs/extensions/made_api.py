@@ -20,10 +20,15 @@ CHAPTERS: Final = {
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),
     "Parts of a composed law": (),
+    "What is raised": (),
 }
 """Rooms of the package by what their names are for."""
 
 FURTHER: Final = {
+    "contactlab.measured.files": "measured impacts, from files and into them",
+    "contactlab.measured.series": "measured series, from files and into them",
+    "contactlab.validation.study": "laws judged on impacts that they have not seen",
+    "contactlab.fitting.fit": "numbers of laws and motors from measurements",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }
@@ -32,10 +37,7 @@ FURTHER: Final = {
 @cache
 def exported() -> dict[str, Any]:
     """Give what the front door exports, `from ... import NAME as NAME`, by name."""
-    source = Path(str(contactlab.__file__)).read_text(encoding="utf-8")
-    imports = [node for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)]
-    names = [each.name for node in imports for each in node.names if each.asname == each.name]
-    return {name: getattr(contactlab, name) for name in names}
+    return {name: getattr(contactlab, name) for name in _passed_on(contactlab)}
 
 
 @cache
@@ -66,7 +68,7 @@ def further() -> str:
     for name, words in FURTHER.items():
         module = import_module(name)
         parts += [f"## `{name}`: {words}\n", "```{eval-rst}"]
-        for each in sorted(getattr(module, "__all__", None) or _taken_in(module)):
+        for each in sorted(getattr(module, "__all__", None) or _taken_in(module) or _made_in(module)):
             one = getattr(module, each)
             if inspect.isclass(one) or inspect.isfunction(one):
                 parts += _directive(each, one, name)
@@ -76,9 +78,26 @@ def further() -> str:
 
 def _taken_in(module: ModuleType) -> list[str]:
     """Give the names that a package takes in from its modules, to be had from itself."""
+    inside = f"{module.__name__}."
+    found = [node for node in _imports(module) if f"{node.module}".startswith(inside)]
+    return [each.name for node in found for each in node.names]
+
+
+def _imports(module: ModuleType) -> list[ast.ImportFrom]:
     source = Path(str(module.__file__)).read_text(encoding="utf-8")
-    imports = [node for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)]
-    return [each.name for node in imports if (node.module or "").count(".") > 1 for each in node.names]
+    return [node for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)]
+
+
+def _passed_on(module: ModuleType) -> list[str]:
+    """Give the names that a module imports for others, `from ... import NAME as NAME`."""
+    return [each.name for node in _imports(module) for each in node.names if each.asname == each.name]
+
+
+def _made_in(module: ModuleType) -> list[str]:
+    """Give the public names that a module itself makes, and those that it passes on."""
+    made = {name: getattr(one, "__module__", "") for name, one in vars(module).items()}
+    own = [name for name, origin in made.items() if origin == module.__name__ and not name.startswith("_")]
+    return [*own, *_passed_on(module)]
 
 
 def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
@@ -94,6 +113,8 @@ def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
 
 def _chapter_of(one: Any) -> str:
     room = one.__module__.removeprefix("contactlab.")
+    if inspect.isclass(one) and issubclass(one, Exception):
+        return "What is raised"
     if inspect.isclass(one) and issubclass(one, get_args(Part)) and room != "laws.base":
         return "Parts of a composed law"
     best = {

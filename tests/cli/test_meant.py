@@ -1,5 +1,6 @@
 """What is written in another form than the command's leads to what was meant."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,9 @@ import yaml
 from support.command_line import Command, left_behind
 from support.sweeps import Simulations
 
+from contactlab.cli import next_step
 from contactlab.config import build
+from contactlab.config.slips import joined, line_for
 from contactlab.metrics import METRICS
 from contactlab.suggestion import suggestion
 
@@ -59,6 +62,49 @@ from contactlab.suggestion import suggestion
         (["basins", "--over", "tip_velocity=a..3", "drive_phase=0..1"], "must be a number in m/s"),
         (["rotor.load_torque=1 kg"], "it must be a number in N m, for example '2 mN m'"),
         (["+experiment=case_b"], "experiment is 'case_b'; it must be one of basis_convergence, case_a,"),
+        (["run", "--law", "hertz"], "Did you mean contactlab law=hertz_penalty, without a verb?"),
+        (["law", "Newton"], "There is no verb 'law'. Did you mean contactlab law=newton?"),
+        (["law", "=", "newton"], "Did you mean contactlab law=newton?"),
+        (["contact.clearance", "-0.1"], "Did you mean contactlab contact.clearance=-0.1?"),
+        (
+            ["contact.clearance", "=", "1", "um", "law", "newton"],
+            "Did you mean contactlab 'contact.clearance=1 um' law=newton?",
+        ),
+        (["contact.clearance=1", "um"], "Did you mean 'contact.clearance=1 um'?"),
+        (["-m", "contact.clearance=1", "um,2", "um"], "Did you mean 'contact.clearance=1 um,2 um'?"),
+        (["contact.clearance = 1 um"], "Did you mean 'contact.clearance=1 um'?"),
+        (["rotor.load_torque=1", "mN", "m"], "Did you mean 'rotor.load_torque=1 mN m'?"),
+        (["steady", "contact.clearance=1", "um"], "Did you mean 'contact.clearance=1 um'?"),
+        (["branch", "contact.clearance=1", "um..4", "um"], "Did you mean 'contact.clearance=1 um..4 um'?"),
+        (["branch", "contact.clearance=1um-4um"], "Write it like 'contact.clearance=1 um..4 um'."),
+        (["branch", "solver.duration=1..2"], "says how runs are made or kept; an orbit has none."),
+        (["branch", "belt=-2..2", "--belt", "1"], "belt=-2..2 and --belt are both given;"),
+        (["branch", "law=newton..poisson"], "law is a group of keys; it must be one of them, law.KEY."),
+        (["animate", "nowhere", "--start", "1", "ms"], "Did you mean --start '1 ms'?"),
+        (["steady", "--brake", "-1e-3"], "The brake is -0.001 N m; it must be positive"),
+        (["characterise", "--law="], "an argument is empty, as of a shell variable that is not set"),
+        (["law=newton", ""], "An argument is empty, as of a shell variable that is not set."),
+        ([" "], "An argument is empty, as of a shell variable that is not set."),
+        (["-V"], "Did you mean --version?"),
+        (["-help"], "Did you mean --help?"),
+        (["-n", "4"], "unrecognized arguments: -n. contactlab --help lists what there is."),
+        (["-o", "there"], "Did you mean hydra.run.dir=there?"),
+        (["-c", "conf.yaml"], "-c is 'conf.yaml'; it must be one of job, hydra, all, as in -c job."),
+        (["--cfg"], "--cfg has no value; it must be one of job, hydra, all"),
+        (["--config-name"], "--config-name has no value; one must follow it."),
+        (["output=there"], "Did you mean hydra.run.dir=there?"),
+        (["mu=0.3"], "Did you mean contact.friction_coefficient=0.3?"),
+        (["solver.dt=1e-8"], "Did you mean solver.contact_step?"),
+        (["law.e=0.5"], "Did you mean law.restitution?"),
+        (["drive.voltage=100"], "Did you mean drive.voltage_1 or drive.voltage_2?"),
+        (["LAW=newton"], "LAW is not a known key. Did you mean law?"),
+        (["seed=3"], "seed is not a known key; it must be one of law, resonator,"),
+        (["law=coulomb"], "Did you mean law=composed law/friction=coulomb?"),
+        (["law=[newton,poisson]"], "run all by contactlab -m law=newton,poisson."),
+        (["~law=newton"], "~law=newton would take away what is not there;"),
+        (["collect", "here", "--output", "all.csv"], "--output is 'all.csv'; it must end in .nc."),
+        (["-m", "contact.clearance=linspce(0,2 um,3)"], "Values are listed by linspace(FIRST,LAST,COUNT),"),
+        (["-m", "contact.clearance=logspace(0,2 um,3)"], "geomspace(FIRST,LAST,COUNT) or range"),
         (["+drive.phase=2"], "it must be set, drive.phase=VALUE. Leave out the +."),
     ],
 )
@@ -73,10 +119,15 @@ def test_another_form_is_refused_with_what_was_meant(
 
 
 def test_a_run_where_a_verb_stands_is_told_that_the_verb_stands_first(command: Command) -> None:
-    Path("mine").mkdir()
-    status, _, err = command("mine")
-    assert status == 2
-    assert "It stands before a run or a folder of runs, as in contactlab verify mine." in err
+    for place, verb in (("mine/run.nc", "verify"), ("many/job/run.nc", "collect"), ("drops/drops.csv", "")):
+        Path(place).parent.mkdir(parents=True)
+        Path(place).touch()
+        status, _, err = command(word := Path(place).parts[0] if verb else place)
+        assert status == 2
+        assert (
+            f"It stands before a run or a folder of runs, as in contactlab {verb or 'validate'} {word}."
+            in err
+        )
 
 
 def test_the_word_help_gives_the_help_of_the_command_or_of_a_verb(command: Command) -> None:
@@ -100,6 +151,27 @@ def test_a_plus_before_a_choice_is_no_fault(command: Command, plus: str) -> None
     assert build([f"{plus}law=newton"]).law.name == "newton"
 
 
+@pytest.mark.parametrize(
+    ("argument", "key", "value"),
+    [
+        ("drive.phase=90°", "drive.phase", 1.5707963267948966),
+        ("contact.clearance=1 µm", "contact.clearance", 1e-6),
+    ],
+)
+def test_units_with_letters_of_their_own_need_no_more_quotes_than_others(
+    argument: str, key: str, value: float
+) -> None:
+    group, _, name = key.partition(".")
+    assert build([argument]).configuration[group][name] == pytest.approx(value, rel=1e-15)
+
+
+def test_what_others_split_is_put_together_and_nothing_else() -> None:
+    assert joined(["law=newton", "drive.phase=1", "-m"]) == [["law=newton"], ["drive.phase=1"], ["-m"]]
+    assert joined(["drive.phase=0..0.8", "--points"]) == [["drive.phase=0..0.8"], ["--points"]]
+    assert joined(["drive.phase=1", "poisson"]) == [["drive.phase=1"], ["poisson"]]
+    assert line_for(["hydra.run.dir=a b", "drive.phase=0"]) == "'hydra.run.dir=a b' drive.phase=0"
+
+
 def test_a_word_of_others_leads_to_the_name_of_ours() -> None:
     assert suggestion("rotor_speed", METRICS) == "Did you mean rotor_velocity?"
     assert suggestion("max_force", METRICS) == "Did you mean peak_force?"
@@ -117,6 +189,22 @@ def test_a_run_says_in_a_line_what_can_be_done_next(command: Command) -> None:
         "Next: `contactlab animate 'a b'` shows it in slow motion, "
         "`contactlab steady law=newton 'contact.clearance=1 um'` finds the settled motor."
     )
+
+
+@pytest.mark.usefixtures("simulations")
+def test_the_line_has_the_folder_as_it_is_seen_from_where_the_command_was_given(command: Command) -> None:
+    here = Path.cwd()
+    try:
+        status, out, err = command("hydra.job.chdir=true", "record.picture=false", "hydra.run.dir=there")
+    finally:
+        os.chdir(here)
+    assert status == 0, err
+    assert "Next: `contactlab animate there` shows" in out
+
+
+def test_a_long_command_is_not_spelled_again() -> None:
+    words = [f"drive.phase={phase}" for phase in range(20)]
+    assert next_step.command("steady", *words) == "`contactlab steady` with these arguments"
 
 
 @pytest.mark.long

@@ -1,92 +1,133 @@
 """The documentation is right: every command and Python block of a page runs, in order, in an empty folder.
 
-A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`.
+A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`. A block of text is
+what the block before it prints, where `...` stands for anything.
 """
 
-import os
-import re
-import subprocess
 import sys
 from pathlib import Path
-from typing import Any, NamedTuple
 
-import matplotlib.pyplot as plt
 import pytest
+from page_blocks import Block, PageError, Picture, agrees, blocks, items, with_pictures
+from page_desk import Desk, follow, surroundings
 
 TESTS = Path(__file__).resolve().parents[1]
 DOCS = TESTS.parent / "docs"
+ELSEWHERE = {"impacts.md": "test_impact.py", "writing_laws.md": "laws/test_guide.py"}
+"""Pages whose blocks another test runs, which holds them to more."""
+
 PAGES = [
-    "tutorial.md",
-    "install.md",
-    "steady.md",
-    "datasheet.md",
-    *(f"howto/{path.name}" for path in sorted((DOCS / "howto").glob("*.md"))),
+    page
+    for path in sorted(DOCS.rglob("*.md"))
+    if (page := path.relative_to(DOCS).as_posix()) not in ELSEWHERE
+    if not page.startswith("examples/") and blocks(path.read_text(encoding="utf-8"))
 ]
-BLOCK = re.compile(r"(<!-- not run: [^>\n]+ -->\n)?^```(bash|python)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+PAGE = """
+```bash
+export WORD=kept && cd . && printf 'one   two\\n3.14159 four\\n'
+```
+
+Words.
+
+```text
+one two
+3.1... four
+```
+
+<!-- not run: it has no end -->
+```bash
+false
+```
+
+```text
+nothing
+```
+
+```python
+import os
+
+print(os.environ.get("WORD"))
+open("made.png", "w").close()
+```
+
+<!-- picture: made.png, nothing at all -->
+"""
 
 
-class Block(NamedTuple):
-    """A block of a page, with the number of lines before it."""
-
-    language: str
-    code: str
-    line: int
+def of(page: str) -> str:
+    return (DOCS / page).read_text(encoding="utf-8")
 
 
-def blocks(page: str) -> list[Block]:
-    """The blocks of a page that run, in their order."""
-    text = (DOCS / page).read_text(encoding="utf-8")
-    return [
-        Block(each[2], each[3], text[: each.start(3)].count("\n"))
-        for each in BLOCK.finditer(text)
-        if not each[1]
-    ]
-
-
-def run_in_shell(block: Block, page: str) -> None:
-    """Run a block as a shell with the command on its path does."""
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", block.code],
-        env={**os.environ, "PATH": path},
-        capture_output=True,
-        text=True,
-        timeout=600,
-    )
-    assert done.returncode == 0, f"{page}, line {block.line}:\n{block.code}\n{done.stdout}{done.stderr}"
+def desk(folder: Path) -> Desk:
+    return Desk(folder, surroundings(Path(sys.executable)))
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", PAGES)
-def test_every_block_of_a_page_runs_in_order(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    names: dict[str, Any] = {"__name__": "documentation"}
-    for block in blocks(page):
-        if block.language == "bash":
-            run_in_shell(block, page)
-        else:
-            # As many lines before it as on the page, so that a failure names the line there.
-            exec(compile("\n" * block.line + block.code, DOCS / page, "exec"), names)
-            plt.close("all")
+def test_every_block_of_a_page_runs_in_order_and_prints_what_the_page_says(page: str, tmp_path: Path) -> None:
+    with desk(tmp_path) as at:
+        assert len(list(follow(DOCS / page, tmp_path, at))) == len(blocks(of(page)))
+
+
+def test_blocks_share_a_shell_and_a_session_and_outputs_belong_to_what_ran(tmp_path: Path) -> None:
+    found = items(PAGE)
+    assert [type(one) for one in found] == [Block, Block, Picture]
+    assert [one.line for one in found] == [2, 22, 29]
+    assert [one.said for one in blocks(PAGE)] == ["one two\n3.1... four\n", None]
+    page = tmp_path / "page.md"
+    page.write_text(PAGE)
+    with desk(tmp_path) as at:
+        printed = [words for _, words in follow(page, tmp_path, at)]
+        assert at.shell("echo $WORD").split() == ["kept"]
+    assert printed[1].split() == ["None"]
+    assert "![nothing at all](folder/made.png)" in with_pictures(PAGE, "folder")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ("```bash\nls | false\necho on\n```\n", "line 1"),
+        ("\n```python\nx = 1\nraise ValueError('no')\n```\n", "line 4, in <module>.*ValueError: no"),
+        ("```bash\necho one two\n```\n\n```text\none ... three\n```\n", "printed.*one two.*and not.*three"),
+        ("<!-- picture: missing.png, a hole -->\n", "nothing has made missing.png"),
+        ("```text\nnothing\n```\n", "the output of nothing"),
+    ],
+)
+def test_a_page_that_is_wrong_is_told(wrong: str, told: str, tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(wrong)
+    with desk(tmp_path) as at, pytest.raises(PageError, match=f"(?s){told}"):
+        list(follow(page, tmp_path, at))
+
+
+def test_an_output_is_compared_word_by_word() -> None:
+    assert agrees("a  b\n...\nc 1.2... d", "a b\n\nwhatever\n c 1.234 d\n")
+    assert not agrees("a b", "a bc")
+    assert not agrees("a ... b", "a b c")
+    assert not agrees("(1)", "1")
 
 
 def test_no_page_of_tasks_is_without_a_block_that_runs() -> None:
-    without = [page for page in PAGES if not blocks(page)]
-    assert set(without) <= {"howto/index.md"}
+    tasks = {f"howto/{path.name}" for path in (DOCS / "howto").glob("*.md")}
+    assert tasks - set(PAGES) == {"howto/index.md"}
 
 
-def test_no_block_of_the_documentation_is_without_a_test() -> None:
+@pytest.mark.parametrize("page", ELSEWHERE)
+def test_a_page_whose_blocks_another_test_runs_has_them_and_is_read_there(page: str) -> None:
+    assert blocks(of(page))
+    assert page in (TESTS / ELSEWHERE[page]).read_text(encoding="utf-8")
+
+
+def test_no_block_that_can_be_pasted_is_indented() -> None:
+    """A command that is set by spaces alone is run by no test."""
     for path in sorted(DOCS.rglob("*.md")):
-        page = path.relative_to(DOCS).as_posix()
-        if page not in PAGES and not page.startswith("examples/") and blocks(page):
-            tests = (test for test in TESTS.rglob("test_*.py") if test != Path(__file__).resolve())
-            assert any(path.name in test.read_text(encoding="utf-8") for test in tests), page
+        lines = path.read_text(encoding="utf-8").splitlines()
+        indented = [line for line in lines if line.startswith(("    contactlab ", "    python ", "    pip "))]
+        assert not indented, path.name
 
 
 def test_every_python_block_can_be_compiled() -> None:
     for page in PAGES:
-        for block in blocks(page):
+        for block in blocks(of(page)):
             if block.language == "python":
                 compile("\n" * block.line + block.code, DOCS / page, "exec")

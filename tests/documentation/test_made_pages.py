@@ -1,5 +1,9 @@
 """What is made from the code for the reference leaves nothing out."""
 
+import builtins
+import inspect
+import re
+
 import made_api
 import made_dataset
 import made_keys
@@ -44,3 +48,23 @@ def test_every_name_of_the_front_door_is_in_the_reference() -> None:
     # A helper that the package takes in for itself is no name of the front door.
     assert public - set(exported) == {"versions"}
     assert all(f":: contactlab.{name}\n" in made for name in exported)
+
+
+def test_what_a_function_of_the_front_door_says_that_it_raises_is_at_the_front_door() -> None:
+    named = {
+        (name, error)
+        for name, one in made_api.exported().items()
+        for each in ([one, *vars(one).values()] if inspect.isclass(one) else [one])
+        for said in re.findall(r"^Raises:\n((?: .*\n?)+)", inspect.getdoc(each) or "", re.MULTILINE)
+        for words in re.findall(r"^    ([\w., ]+): ", said, re.MULTILINE)
+        for error in words.split(", ")
+    }
+    assert {("steady", "NotSettledError"), ("compare", "ComparisonError")} <= named
+    there = made_api.exported().keys() | vars(builtins).keys()
+    assert {(name, error) for name, error in named if error not in there} == set()
+
+
+def test_every_further_module_has_names_in_the_reference() -> None:
+    made = made_api.further()
+    for name in ("measured.files.MeasurementError", "validation.study.study", "testing.LawContract"):
+        assert f":: contactlab.{name}\n" in made

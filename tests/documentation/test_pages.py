@@ -1,6 +1,7 @@
 """Pages lead where they say, in a repository browser as on the site, and name what there is."""
 
 import re
+import tomllib
 from math import log2, log10
 from pathlib import Path
 
@@ -85,6 +86,23 @@ def test_the_rooms_that_the_theory_names_are_there() -> None:
     folders = {f"{path.relative_to(ROOT).as_posix()}/" for path in (ROOT / "contactlab").rglob("*/")}
     for page, room in sorted(named):
         assert any(f"/{each}".endswith(f"/{room}") for each in files | folders), f"{page}: {room}"
+
+
+def test_the_table_of_rooms_has_every_folder_and_module_once_and_in_the_order_of_imports() -> None:
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    rooms = [room for row in re.findall(r"^\| (`.+?`) \|", page, re.MULTILINE) for room in ROOM.findall(row)]
+    package = ROOT / "contactlab"
+    found = {f"contactlab/{path.name}" for path in package.glob("*.py")}
+    found |= {f"contactlab/{path.parent.name}/" for path in package.glob("*/__init__.py")}
+    named = [room for room in rooms if room.startswith("contactlab/")]
+    assert sorted(named) == sorted(found)
+    assert all((ROOT / room).exists() for room in rooms)
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    layers = contract["tool"]["importlinter"]["contracts"][0]["layers"]
+    level = {name.strip(): i for i, layer in enumerate(layers) for name in layer.split("|")}
+    names = [Path(room).stem for room in named]
+    levels = [level[name] for name in names if name != "__init__"]
+    assert levels == sorted(levels)
 
 
 def power(value: float) -> str:

@@ -52,7 +52,9 @@ def test_the_page_has_a_place_for_the_tables() -> None:
 
 @pytest.mark.long
 @pytest.mark.skipif(
-    not ELLIPSES.exists(), reason=f"The published impacts of ellipses are not here; put them into {ELLIPSES}."
+    not ELLIPSES.exists(),
+    reason=f"The published impacts of ellipses are not here; "
+    f"docs/measurements.md says where they are had. Then put them into {ELLIPSES}.",
 )
 def test_poisson_beats_newton_on_the_published_ellipses() -> None:
     impacts = read_impacts(ELLIPSES)

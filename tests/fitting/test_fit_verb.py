@@ -13,7 +13,7 @@ from contactlab.cli import fit
 from contactlab.cli.terminal import RefusalError
 from contactlab.fitting import nested
 
-pytest.importorskip("dynesty", reason="pip install 'contactlab[fit]' brings it")
+pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
 
 RANGES = ["law.restitution=0.1..0.9", "contact.friction_coefficient=0.02..0.8"]
 

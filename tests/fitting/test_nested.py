@@ -15,7 +15,7 @@ from contactlab.fitting.nested import sample
 from contactlab.fitting.parameters import free_parameters, from_cube
 from contactlab.fitting.synthetic import made_impacts, without_errors
 
-pytest.importorskip("dynesty", reason="pip install 'contactlab[fit]' brings it")
+pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
 
 
 class Stop:

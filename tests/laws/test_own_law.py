@@ -110,11 +110,11 @@ def test_a_law_of_neither_family_is_refused(motor: Motor) -> None:
         simulate(motor, OfNoFamily(), duration=1e-4, record_interval=1e-5)
 
 
-def test_the_law_that_readme_writes_in_a_script_runs(motor: Motor) -> None:
-    readme = Path(__file__).resolve().parents[2] / "README.md"
+def test_the_law_that_the_tutorial_writes_in_a_script_runs(motor: Motor) -> None:
+    tutorial = Path(__file__).resolve().parents[2] / "docs" / "tutorial.md"
     (code,) = [
-        block.partition("```")[0]
-        for block in readme.read_text(encoding="utf-8").split("```python\n")
+        block.partition("\n\n\nsetup")[0]
+        for block in tutorial.read_text(encoding="utf-8").split("```python\n")
         if "class Spring(PenaltyLaw)" in block.partition("```")[0]
     ]
     names: dict[str, Any] = {"__name__": "script"}

@@ -14,7 +14,8 @@ from contactlab.measured.impacts import MeasuredImpacts
 
 pytestmark = pytest.mark.skipif(
     not ELLIPSES.is_file(),
-    reason=f"The published impacts of ellipses are not here; put them into {ELLIPSES}.",
+    reason=f"The published impacts of ellipses are not here; "
+    f"docs/measurements.md says where they are had. Then put them into {ELLIPSES}.",
 )
 
 

@@ -16,7 +16,9 @@ from contactlab.laws.damping import Flores
 from contactlab.laws.normal import HertzPoint
 
 present = pytest.mark.skipif(
-    not SPHERES.is_file(), reason=f"The impacts of Kharaz et al. are not here; put them into {SPHERES}."
+    not SPHERES.is_file(),
+    reason=f"The impacts of Kharaz et al. are not here; "
+    f"docs/measurements.md says which figures show them. Then put them into {SPHERES}.",
 )
 
 ANGLES = np.linspace(1.0, 85.0, 43)

@@ -32,11 +32,24 @@ def test_the_files_for_citation_agree_with_the_package(project: dict[str, Any]) 
     assert cited["license"] == project["license"] == meta["license"].rpartition("/")[2]
     assert meta["description"] == project["description"]
     assert meta["runtimePlatform"] == f"Python {project['requires-python']}"
+    locked = {each["name"]: each.get("version") for each in tomllib.loads(read("uv.lock"))["package"]}
+    assert locked["contactlab"] == project["version"]
     paper = cited["references"][0]
     assert meta["referencePublication"]["name"] == paper["title"]
     assert [a["familyName"] for a in meta["referencePublication"]["author"]] == [
         a["family-names"] for a in paper["authors"]
     ]
+
+
+def test_where_the_project_is_hosted_is_said_by_every_file_or_by_none(project: dict[str, Any]) -> None:
+    cited, meta = yaml.safe_load(read("CITATION.cff")), json.loads(read("codemeta.json"))
+    addresses = project.get("urls", {})
+    assert addresses.keys() <= {"Repository", "Issues", "Documentation"}
+    assert cited.get("repository-code") == meta.get("codeRepository") == addresses.get("Repository")
+    assert meta.get("issueTracker") == addresses.get("Issues")
+    assert cited.get("url") == meta.get("softwareHelp") == addresses.get("Documentation")
+    dates = dict(re.findall(r"^## \[(.+?)\] - (\S+)$", read("CHANGELOG.md"), re.M))
+    assert str(cited["date-released"]) == meta["dateModified"] == dates[project["version"]]
 
 
 def test_the_changelog_has_this_version_and_those_before_it_in_order(project: dict[str, Any]) -> None:
@@ -66,6 +79,8 @@ def test_the_paper_cites_what_it_lists_and_lists_what_it_cites(project: dict[str
     assert [author["name"] for author in yaml.safe_load(head)["authors"]] == [
         author["name"] for author in project["authors"]
     ]
+    # The Journal of Open Source Software asks for 250 to 1000 words.
+    assert 250 <= len(text.split()) <= 1000
     for figure in re.findall(r"\]\((\S+?)\)", text):
         assert (ROOT / "paper" / figure).is_file()
 

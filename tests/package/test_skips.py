@@ -6,7 +6,7 @@ from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[1]
 
-WAYS_OUT = ("install ", "run the tests ", "put ", "docs/")
+WAYS_OUT = ("install ", "run the tests ", "put ")
 """Of which one stands in every reason."""
 
 

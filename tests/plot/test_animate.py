@@ -4,6 +4,7 @@ import dataclasses
 import importlib.util
 import sys
 from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 
 import netCDF4
@@ -16,7 +17,8 @@ from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_tr
 
 from contactlab.cli import animate
 from contactlab.laws.base import FREE, SLIP, STICK
-from contactlab.plot.animation import COLOUR, LONGEST, Animation, arrow_outline
+from contactlab.plot.animation import COLOUR, LONGEST, Animation, _pitch, arrow_outline
+from contactlab.plot.animation_files import _Palette, write_gif
 from contactlab.plot.film import Film, film_of
 from contactlab.plot.recording import UnfitRunError, recording_of
 from contactlab.results.netcdf import to_datatree, write_tree
@@ -136,6 +138,32 @@ def test_frames_do_not_depend_on_their_order() -> None:
     drawing.frame(70)
     assert np.array_equal(drawing.frame(40), first)
     assert not np.array_equal(drawing.frame(70), first)
+
+
+def test_the_marks_of_a_motor_that_turns_evenly_end_where_they_begin() -> None:
+    shown = film(100)
+    angle = -2.3 * shown.run.series["time"]
+    even = dataclasses.replace(shown.run, series=shown.run.series.assign(rotor_angle=angle))
+    # The first frame lies an interval after the beginning, which is what the last one repeats.
+    whole = film_of(even, even.start, even.end, 100)
+    turned = whole.magnification * 2.3 * (even.end - even.start)
+    fives = turned / (5.0 * _pitch(whole))
+    assert round(fives) >= 1
+    assert fives == pytest.approx(round(fives), rel=1e-12)
+    assert _pitch(whole) == pytest.approx(0.06 * whole.size / even.radius, rel=0.5)
+
+
+def test_a_gif_tells_what_changes_and_shows_whole_frames(tmp_path: Path) -> None:
+    drawing = Animation(film(6), 1.0)
+    write_gif(drawing, 10.0, tmp_path / "run.gif")
+    with Image.open(tmp_path / "run.gif") as image:
+        assert image.n_frames == 6
+        for number in range(6):
+            image.seek(number)
+            with BytesIO() as alone:
+                next(_Palette(drawing).images(iter([drawing.frame(number)]))).save(alone, format="GIF")
+                whole = np.asarray(Image.open(alone).convert("RGB"))
+            assert np.array_equal(np.asarray(image.convert("RGB")), whole)
 
 
 @pytest.mark.long

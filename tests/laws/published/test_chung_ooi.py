@@ -177,7 +177,8 @@ ERRORS = {"rebound_angle_deg": 1.1, "spin_rad_per_s": 72.0, "tangential_restitut
 
 @pytest.mark.skipif(
     not SPHERES.is_file(),
-    reason=f"The digitised impacts of Kharaz et al. are not here; put them into {SPHERES}.",
+    reason=f"The impacts of Kharaz et al. are not here; "
+    f"docs/measurements.md says which figures show them. Then put them into {SPHERES}.",
 )
 def test_4_spheres_on_glass_rebound_as_measured_within_what_one_spring_can_say() -> None:
     """From 9 degrees on the restitution is good to 0.05; its dip below 5/7 is there."""

@@ -1,0 +1,120 @@
+"""`contactlab example [NAME]`: scripts, measured impacts and a law's package to begin from."""
+
+import ast
+import re
+import shutil
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from contactlab.cli.arguments import Parser
+from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.suggestion import suggestion
+
+GALLERY: Final = Path("docs/gallery")
+PACKAGE: Final = Path("tests/example_law")
+"""Where the examples are in a checkout; in a wheel these folders lie in the package's own `examples`."""
+
+_ORDER: Final = re.compile(r"^plot_(?:\d+_)?")
+
+
+@dataclass(frozen=True)
+class Example:
+    """Something to copy.
+
+    Args:
+        name: by which it is asked for.
+        title: what it is, in a line.
+        source: the file, or the folder of files.
+        copy: what the copy is called.
+        onward: what to do with the copy, in sentences.
+    """
+
+    name: str
+    title: str
+    source: Path
+    copy: str
+    onward: str
+
+
+def main(arguments: list[str]) -> int:
+    """Print the list, or copy the example that is named into the current folder, and give the exit status.
+
+    Raises:
+        RefusalError: there is no such example, its copy would overwrite something or cannot be written.
+    """
+    parser = Parser(
+        "example", ". Without a name they are listed. What is copied is yours; nothing is overwritten."
+    )
+    parser.add_argument("name", nargs="?", metavar="NAME", help="of the example to copy")
+    wanted = parser.read(arguments).name
+    found = {one.name: one for one in examples()}
+    if wanted is None:
+        width = max(map(len, found))
+        print(*(f"{one.name:<{width}}  {one.title}" for one in found.values()), sep="\n")
+        print("\ncontactlab example NAME copies one into the folder where you are.")
+        return COMPLETE
+    if wanted not in found:
+        hint = suggestion(wanted, found, "contactlab example lists them.")
+        raise RefusalError(f"There is no example '{wanted}'; it must be one of {', '.join(found)}. {hint}")
+    chosen = found[wanted]
+    _copy(chosen.source, Path(chosen.copy))
+    print(f"{chosen.copy} is here: {chosen.title}.\n{chosen.onward}")
+    return COMPLETE
+
+
+def examples() -> Iterator[Example]:
+    """Give the examples: scripts and data of the gallery by their files, and the package of a law."""
+    root = _root()
+    for path in sorted((root / GALLERY).glob("*.py")):
+        words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        name = _ORDER.sub("", path.stem)
+        onward = f"python {name}.py runs it."
+        yield Example(name, words.partition("\n")[0], path, f"{name}.py", onward)
+    for path in sorted((root / GALLERY).glob("*.csv")):
+        title = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        onward = f"contactlab validate {path.name} law=newton,poisson holds laws to it."
+        yield Example(path.stem, title[1] if title else "", path, path.name, onward)
+    project = tomllib.loads((root / PACKAGE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    law = next(iter(project["entry-points"]["contactlab.laws"]))
+    onward = (
+        f"pip install -e own_law makes its law one of the command's: contactlab laws {law} describes it, "
+        f"contactlab law={law} runs it, and pytest own_law puts it to the contract of every law."
+    )
+    yield Example("own_law", project["description"], root / PACKAGE, "own_law", onward)
+
+
+def _root() -> Path:
+    """Give the folder below which the examples are: inside the package in a wheel, else the checkout."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "examples"
+    return inside if inside.is_dir() else package.parent
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy a file, or the files of a folder; all of it or nothing."""
+    # Imported here: listing needs none of it.
+    from contactlab.results.files import told, whole_file
+
+    try:
+        if source.is_file():
+            with whole_file(target, fresh=True) as partial:
+                shutil.copyfile(source, partial)
+            return
+        target.mkdir()
+        try:
+            for path in sorted(path for path in source.iterdir() if path.is_file()):
+                with whole_file(target / path.name) as partial:
+                    shutil.copyfile(path, partial)
+        except BaseException:
+            shutil.rmtree(target)
+            raise
+    except FileExistsError as error:
+        raise RefusalError(
+            f"'{target}' is here already; the copy of an example must have a new name. "
+            "Move yours away, or go to another folder."
+        ) from error
+    except OSError as error:
+        raise RefusalError(f"The example could not be copied: {told(error)}") from error

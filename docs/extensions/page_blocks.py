@@ -1,0 +1,99 @@
+"""What a page tells its reader to run: blocks in their order, what they print, and pictures that they make.
+
+A block that cannot run on a desk is marked by a line before it, `<!-- not run: why -->`. A block of text is
+what the block before it prints, where `...` stands for anything and white space for any other. A line
+`<!-- picture: PATH, words -->` is a picture that what stands before it has made.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Final, final
+
+_ITEM: Final = re.compile(
+    r"^(?P<mark><!-- not run: [^>\n]+ -->\n)?```(?P<language>bash|python|text)\n(?P<code>.*?)^```$"
+    r"|^<!-- picture: (?P<path>\S+), (?P<words>[^>\n]+) -->$",
+    re.DOTALL | re.MULTILINE,
+)
+
+
+@final
+@dataclass(frozen=True)
+class Block:
+    """What is pasted into a shell or a Python session.
+
+    Args:
+        language: bash or python.
+        code: as it stands on the page.
+        line: how many lines stand before it.
+        said: what it prints, as the page says; None if the page says nothing.
+    """
+
+    language: str
+    code: str
+    line: int
+    said: str | None = None
+
+
+@final
+@dataclass(frozen=True)
+class Picture:
+    """A file that the blocks before it have made, and what it shows in words."""
+
+    path: str
+    words: str
+    line: int
+
+
+class PageError(ValueError):
+    """What is wrong with a page; a sentence."""
+
+
+def items(text: str) -> list[Block | Picture]:
+    """Give what is run on a page, and its pictures, in their order.
+
+    Raises:
+        PageError: a block of text that follows nothing whose output it could be.
+    """
+    found: list[Block | Picture] = []
+    last: re.Match[str] | None = None
+    for each in _ITEM.finditer(text):
+        line = text[: each.start()].count("\n") + bool(each["mark"]) + 1
+        if each["path"]:
+            found.append(Picture(each["path"], each["words"], line))
+        elif each["language"] != "text":
+            last = each
+            if not each["mark"]:
+                found.append(Block(each["language"], each["code"], line))
+        elif not each["mark"]:
+            if last is None:
+                raise PageError(f"Line {line} has a text that is the output of nothing; mark it as not run.")
+            if not last["mark"]:
+                place = max(i for i, one in enumerate(found) if isinstance(one, Block))
+                ran = found[place]
+                assert isinstance(ran, Block)
+                found[place] = Block(ran.language, ran.code, ran.line, each["code"])
+            last = None
+    return found
+
+
+def blocks(text: str) -> list[Block]:
+    """Give what is run on a page, in its order."""
+    return [one for one in items(text) if isinstance(one, Block)]
+
+
+def pictures(text: str) -> list[Picture]:
+    """Give the pictures of a page, in their order."""
+    return [one for one in items(text) if isinstance(one, Picture)]
+
+
+def with_pictures(text: str, folder: str) -> str:
+    """Show the pictures of a page, which are in a folder, where they are named."""
+    return _ITEM.sub(
+        lambda each: f"![{each['words']}]({folder}/{each['path']})" if each["path"] else each[0], text
+    )
+
+
+def agrees(said: str, printed: str) -> bool:
+    """Tell whether something was printed as a page says it: `...` is anything, white space any other."""
+    parts = [re.escape(part) for part in " ".join(said.split()).split("...")]
+    return re.fullmatch(".*".join(parts), " ".join(printed.split())) is not None

@@ -1,0 +1,145 @@
+"""Examples are listed and copied, from a checkout as from a wheel, and a copy harms nothing."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.command_line import Command, left_behind
+
+import contactlab as cl
+from contactlab.cli import example
+from contactlab.measured.files import read_impacts
+from contactlab.results.provenance import digest_of
+
+ROOT = Path(__file__).resolve().parents[2]
+ONE_CONTACT = next((ROOT / example.GALLERY).glob("*_one_contact.py"))
+
+
+def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(command: Command) -> None:
+    status, out, err = command("example")
+    assert (status, err) == (0, "")
+    scripts = sorted((ROOT / example.GALLERY).glob("*.py"))
+    rows = [line.split(maxsplit=1) for line in out.partition("\n\n")[0].splitlines()]
+    assert len(rows) == len(dict(rows)) > len(scripts) >= 5
+    for path in scripts:
+        assert f"\n{dict(rows)[path.stem.split('_', 2)[2]]}\n=====" in path.read_text(encoding="utf-8")
+    assert left_behind() == []
+
+
+@pytest.mark.parametrize(
+    ("name", "copies"),
+    [
+        ("one_contact", {"one_contact.py": f"docs/gallery/{ONE_CONTACT.name}"}),
+        ("drops", {"drops.csv": "docs/gallery/drops.csv"}),
+        (
+            "own_law",
+            {
+                f"own_law/{path.name}": f"tests/example_law/{path.name}"
+                for path in (ROOT / example.PACKAGE).iterdir()
+                if path.is_file()
+            },
+        ),
+    ],
+)
+def test_a_copy_has_the_bytes_of_the_example_and_its_next_step_is_told(
+    command: Command, name: str, copies: dict[str, str]
+) -> None:
+    status, out, err = command("example", name)
+    assert (status, err) == (0, "")
+    made = {path.as_posix() for path in left_behind() if path.is_file()}
+    assert made == set(copies)
+    whole = min(copies).partition("/")[0]
+    assert all(Path(copy).read_bytes() == (ROOT / source).read_bytes() for copy, source in copies.items())
+    first, onward = out.splitlines()
+    assert first.startswith(f"{whole} is here: ")
+    assert onward.endswith(".")
+    assert whole in onward
+
+
+@pytest.mark.parametrize(("name", "copy"), [("run", "run.py"), ("own_law", "own_law")])
+def test_a_copy_overwrites_nothing(command: Command, name: str, copy: str) -> None:
+    Path(copy).write_text("mine")
+    status, out, err = command("example", name)
+    assert (status, out) == (2, "")
+    assert f"'{copy}' is here already" in err
+    assert Path(copy).read_text() == "mine"
+    assert left_behind() == [Path(copy)]
+
+
+def test_a_folder_of_the_name_of_a_package_stays_as_it_is(command: Command) -> None:
+    Path("own_law").mkdir()
+    assert command("example", "own_law")[0] == 2
+    assert left_behind() == [Path("own_law")]
+
+
+def test_a_package_that_cannot_be_copied_whole_is_not_copied(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = example.shutil.copyfile
+
+    def copyfile(source: Path, target: Path) -> None:
+        if source.name == "pyproject.toml":
+            raise OSError(28, "No space left on device", str(target))
+        real(source, target)
+
+    monkeypatch.setattr(example.shutil, "copyfile", copyfile)
+    status, out, err = command("example", "own_law")
+    assert (status, out) == (2, "")
+    assert "No space left on device" in err
+    assert left_behind() == []
+
+
+def test_a_name_that_is_none_leads_to_the_one_that_was_meant(command: Command) -> None:
+    status, _, err = command("example", "torque")
+    assert status == 2
+    assert err.endswith("Did you mean torque_speed?\n")
+    assert command("example", "parsnip")[2].endswith("contactlab example lists them.\n")
+    assert "Did you mean contactlab example?" in command("examples")[2]
+
+
+def test_a_copied_script_runs(command: Command) -> None:
+    command("example", "run")
+    done = subprocess.run([sys.executable, "run.py"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "rotor velocity     -1.39" in done.stdout
+
+
+def test_a_wheel_has_the_examples_where_they_are_looked_for(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    places = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+    site = tmp_path / "site"
+    for folder in (example.GALLERY, example.PACKAGE):
+        inside = site / places[folder.as_posix()]
+        inside.parent.mkdir(parents=True)
+        inside.symlink_to(ROOT / folder)
+    before = command("example")
+    monkeypatch.setattr(example, "__file__", str(site / "contactlab/cli/example.py"))
+    assert command("example") == before
+    assert next(example.examples()).source.is_relative_to(site)
+
+
+def test_the_examples_of_a_wheel_are_no_part_of_the_code_that_a_run_depends_on(tmp_path: Path) -> None:
+    (tmp_path / "examples").mkdir()
+    (tmp_path / "engine.py").write_text("step = 1")
+    before = digest_of(tmp_path)
+    (tmp_path / "examples/run.py").write_text("a = 1")
+    assert digest_of(tmp_path) == before
+
+
+def test_the_measured_example_is_explained_by_the_law_that_it_names_and_by_no_other() -> None:
+    impacts = read_impacts(ROOT / example.GALLERY / "drops.csv")
+
+    def left(restitution: float) -> float:
+        """Mean square of what the law leaves, in standard deviations of gap rate and slip."""
+        law = cl.Newton(friction_coefficient=0.25, restitution=restitution)
+        found = cl.impact(law, impacts.delassus, impacts.velocity_before)
+        rest = found.velocity_after.values - impacts.velocity_after
+        return float(np.einsum("ij,ijk,ik->i", rest, np.linalg.inv(impacts.covariance), rest).mean() / 2.0)
+
+    assert left(0.6) == pytest.approx(1.0, abs=0.35)
+    assert left(0.4) > 10.0
