@@ -67,9 +67,12 @@ class Compiled(event.Listener):
 
 @contextmanager
 def telling(what: str = "", usual: float = 0.0) -> Iterator[Compiled]:
-    """Tell on standard error what the compiler makes meanwhile; arguments are those of `Compiled`."""
+    """Tell on standard error what the compiler makes meanwhile, and collect no garbage until it has ended.
+
+    Arguments are those of `Compiled`.
+    """
     compiled, collected = Compiled(what, usual), gc.isenabled()
-    # What a compiler makes stays: looking through it for garbage would take a fourteenth of its time.
+    # Most of what a compiler makes stays: to look through it for garbage would take a tenth of its time.
     gc.disable()
     try:
         with event.install_listener("numba:compile", compiled):

@@ -17,6 +17,7 @@ It needs Python and git alone.
 import csv
 import json
 import os
+import platform
 import resource
 import shutil
 import subprocess
@@ -175,7 +176,7 @@ def page_of(steps: Sequence[Step]) -> str:
     """The steps as Markdown: a row a commit and Python, processor time with the clock's in brackets."""
     names = list(dict.fromkeys(step.name for step in steps))
     sums = {"first figure": FIGURE, "green tests": GREEN} if "tests" in names else {"first figure": FIGURE}
-    heads = ["commit", "Python", *names, *sums, "environment"]
+    heads = ["commit", "Python", *names, *sums, "size", "load"]
     lines = [heads, ["---"] * len(heads)]
     for commit, version in dict.fromkeys((step.commit, step.python) for step in steps):
         of = {step.name: step for step in steps if (step.commit, step.python) == (commit, version)}
@@ -186,9 +187,12 @@ def page_of(steps: Sequence[Step]) -> str:
             whole = all(step.passed for step in there) and parts[-1] in of
             cells.append(_seconds(there) if whole else "not reached")
         size = of.get("first run", [*of.values()][-1]).environment
-        lines.append([commit, version, *cells, f"{size:.0f} MB"])
-    busiest = max(step.load for step in steps)
-    told = f"Processor time, on the clock in brackets; {os.cpu_count()} processors, load up to {busiest:.1f}."
+        load = max(step.load for step in of.values())
+        lines.append([commit, version, *cells, f"{size:.0f} MB", f"{load:.0f}"])
+    told = (
+        f"Processor time, on the clock in brackets, on {os.cpu_count()} processors ({platform.machine()}, "
+        f"{platform.system()}). The load is the highest before a step: how many others wanted to run."
+    )
     return "\n".join([*(f"| {' | '.join(line)} |" for line in lines), "", told, ""])
 
 

@@ -1,5 +1,6 @@
 """The engine compiled ahead, and what is told while one waits for the compiler."""
 
+import gc
 import sys
 from types import SimpleNamespace
 from typing import Any
@@ -108,3 +109,9 @@ def test_the_time_that_is_told_is_that_of_what_is_not_there_yet(monkeypatch: pyt
     assert loop._usual_time(with_memory) == alone[with_memory] - loop.SHARED
     there.add("advance_compliant_with_memory")
     assert loop._usual_time(with_memory) == loop.KINDS[with_memory][1]
+
+
+def test_garbage_is_collected_again_when_the_compiler_has_ended() -> None:
+    with compilation.telling():
+        assert not gc.isenabled()
+    assert gc.isenabled()
