@@ -89,7 +89,8 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": []}
+# Pages without pages below them would have an empty column.
+html_sidebars = {page: [] for page in ("index", "install", "tutorial", "python", "paper", "architecture")}
 
 
 def setup(app: Sphinx) -> None:

@@ -93,7 +93,8 @@ def _answer(answer: Answer, pictures: Iterable[Path]) -> str:
     ]
     shown = "\n".join(_picture(path) for path in pictures)
     correlation = f"<h3>Correlation</h3>{_table(['', *names], related)}" if len(rows) > 1 else ""
-    return f"<h2>{escape(answer.label)}</h2>{_table(heads, lines)}{_list(answer.sentences())}{shown}{correlation}"
+    numbers = f"{_table(heads, lines)}{_list(answer.sentences())}"
+    return f"<h2>{escape(answer.label)}</h2>{numbers}{shown}{correlation}"
 
 
 def _evidence(answers: Sequence[Answer]) -> str:
