@@ -88,12 +88,15 @@ def line_for(words: Sequence[str], names: Mapping[str, Iterable[str]] = NOTHING)
 
 def _belongs(word: str, before: str) -> bool:
     """Tell whether a word is the rest of the argument before it: its value, or the unit of that."""
+    # An option is none, whatever unit has its name: `--points`.
+    if re.match(r"-+[^\W\d]", word):
+        return False
     if word.startswith("=") or before.endswith("="):
         return True
     if "=" not in before:
         name = before.lstrip("-").replace("-", "_")
         is_name = name in _options() or bool(_keys_that_end_so(name))
-        return is_name and "=" not in word and not re.match(r"-+[^\W\d]", word)
+        return is_name and "=" not in word
     number = _QUANTITY.fullmatch(before)
     units = re.split(r",|\.\.", word)
     return number is not None and is_unit(f"{number['unit']} {units[0]}")

@@ -165,6 +165,8 @@ def test_units_with_letters_of_their_own_need_no_more_quotes_than_others(
 
 def test_what_others_split_is_put_together_and_nothing_else() -> None:
     assert joined(["law=newton", "drive.phase=1", "-m"]) == [["law=newton"], ["drive.phase=1"], ["-m"]]
+    # There is a unit of length that is called a point.
+    assert joined(["law.restitution=0..1", "--points", "25"])[:2] == [["law.restitution=0..1"], ["--points"]]
     assert joined(["drive.phase=1", "poisson"]) == [["drive.phase=1"], ["poisson"]]
     assert line_for(["hydra.run.dir=a b", "drive.phase=0"]) == "'hydra.run.dir=a b' drive.phase=0"
 
