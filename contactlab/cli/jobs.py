@@ -15,7 +15,7 @@ from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
 from contactlab.results import netcdf
-from contactlab.results.files import DATASET, LOG, told
+from contactlab.results.files import DATASET, LOG, told, whole_file
 from contactlab.results.summary import summarise
 from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
@@ -98,7 +98,8 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
 def write_log(path: Path, error: BaseException) -> None:
     """Write a traceback to a file and say where it is; a folder that takes none goes without."""
     with suppress(OSError):
-        path.write_text("".join(traceback.format_exception(error)), encoding="utf-8")
+        with whole_file(path) as partial:
+            partial.write_text("".join(traceback.format_exception(error)), encoding="utf-8")
         tell(f"The traceback is in {path}.", sys.stderr)
 
 

@@ -22,7 +22,7 @@ from tqdm import tqdm
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses of the command: done; not done, or not so as it should be; a fault of the user's; Ctrl-C."""
 
-MESSAGE = "Interrupted before the run was written."
+MESSAGE = "Interrupted before the end; no result was written."
 
 BAR_AFTER = 1.5
 """Seconds before a bar appears; most runs are over by then."""

@@ -43,6 +43,11 @@ QUOTE: Final = (
 )
 """How an argument is written that cannot be read."""
 
+LISTS: Final = (
+    "Values are listed by linspace(FIRST,LAST,COUNT), geomspace(FIRST,LAST,COUNT) or range(START,STOP,STEP)."
+)
+"""How many values are written in one argument."""
+
 _BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·][^,='\"]*)(?=,|$)")
 """A number with a unit that has letters beyond those of Hydra's grammar."""
 
@@ -149,7 +154,8 @@ def _unreadable(override: str, lines: Sequence[str]) -> str:
         meant = argument_for(argument) or shlex.quote(argument)
     elif "=" not in override:
         meant = argument_for(override, near=True)
-    way_out = f"Did you mean {meant}?" if meant else QUOTE
+    way_out = LISTS if re.search(r"=\s*'?(lin|log|geom|[a-z]+space)\w*\(", override) else QUOTE
+    way_out = f"Did you mean {meant}?" if meant else way_out
     return f"{override} cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION. {way_out}"
 
 

@@ -76,7 +76,8 @@ def example_in(unit: str) -> str:
     if unit[0] == "1":
         return ""
     # No prefix goes before a kilogram.
-    return f"'2 g{unit[2:]}'" if unit.startswith("kg") else f"'2 m{unit}'"
+    prefix = "k" if unit == "Hz" else "m"
+    return f"'2 g{unit[2:]}'" if unit.startswith("kg") else f"'2 {prefix}{unit}'"
 
 
 def describe(value: object) -> str:

@@ -88,7 +88,6 @@ def line_for(words: Sequence[str], names: Mapping[str, Iterable[str]] = NOTHING)
 
 def _belongs(word: str, before: str) -> bool:
     """Tell whether a word is the rest of the argument before it: its value, or the unit of that."""
-    # An option is none, whatever unit has its name: `--points`.
     if re.match(r"-+[^\W\d]", word):
         return False
     if word.startswith("=") or before.endswith("="):

@@ -82,8 +82,12 @@ def blocks(text: str) -> list[Block]:
 
 
 def pictures(text: str) -> list[Picture]:
-    """Give the pictures of a page, in their order."""
-    return [one for one in items(text) if isinstance(one, Picture)]
+    """Give the pictures of a page, in their order, whatever its blocks are, which may be made at build."""
+    return [
+        Picture(each["path"], each["words"], text[: each.start()].count("\n") + 1)
+        for each in _ITEM.finditer(text)
+        if each["path"]
+    ]
 
 
 def with_pictures(text: str, folder: str) -> str:

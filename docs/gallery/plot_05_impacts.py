@@ -40,7 +40,7 @@ plt.show()
 
 # %%
 # A compliant law tells what happens in between. The friction of Mindlin's law swings, and is the spring's
-# until it meets the cone, which is drawn thin.
+# until it meets the cone, which is drawn in grey.
 
 law = laws["Hertz, Mindlin"]
 chosen = (10.0, 25.0, 60.0)

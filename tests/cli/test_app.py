@@ -18,6 +18,7 @@ from support.configurations import CONF, options
 from support.synthetic import synthetic_trajectory
 
 from contactlab.cli import app
+from contactlab.cli.jobs import write_log
 from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
 
@@ -244,7 +245,7 @@ def test_interrupted_run_leaves_nothing_that_looks_whole(
     ending(KeyboardInterrupt())
     status, _, err = command("hydra.run.dir=here")
     assert status == 130
-    assert err == "Interrupted before the run was written.\n"
+    assert err == "Interrupted before the end; no result was written.\n"
     assert not list(Path("here").glob("*run*"))
 
     ending(Ending.INTERRUPTED)
@@ -296,3 +297,16 @@ def test_ctrl_c_ends_the_real_command_with_status_130(tmp_path: Path) -> None:
     if (tmp_path / "here/run.nc").exists():
         with xarray.open_dataset(tmp_path / "here/run.nc") as root:
             assert root.attrs["complete"] == 0
+
+
+def test_a_log_that_finds_no_room_is_not_left_as_an_empty_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(path: Path, *_: object, **__: object) -> int:
+        path.touch()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    write_log(tmp_path / "run.log", ValueError("x"))
+    assert list(tmp_path.iterdir()) == []
+    assert capsys.readouterr().err == ""

@@ -103,6 +103,8 @@ from contactlab.suggestion import suggestion
         (["law=[newton,poisson]"], "run all by contactlab -m law=newton,poisson."),
         (["~law=newton"], "~law=newton would take away what is not there;"),
         (["collect", "here", "--output", "all.csv"], "--output is 'all.csv'; it must end in .nc."),
+        (["-m", "contact.clearance=linspce(0,2 um,3)"], "Values are listed by linspace(FIRST,LAST,COUNT),"),
+        (["-m", "contact.clearance=logspace(0,2 um,3)"], "geomspace(FIRST,LAST,COUNT) or range"),
         (["+drive.phase=2"], "it must be set, drive.phase=VALUE. Leave out the +."),
     ],
 )
@@ -165,8 +167,7 @@ def test_units_with_letters_of_their_own_need_no_more_quotes_than_others(
 
 def test_what_others_split_is_put_together_and_nothing_else() -> None:
     assert joined(["law=newton", "drive.phase=1", "-m"]) == [["law=newton"], ["drive.phase=1"], ["-m"]]
-    # There is a unit of length that is called a point.
-    assert joined(["law.restitution=0..1", "--points", "25"])[:2] == [["law.restitution=0..1"], ["--points"]]
+    assert joined(["drive.phase=0..0.8", "--points"]) == [["drive.phase=0..0.8"], ["--points"]]
     assert joined(["drive.phase=1", "poisson"]) == [["drive.phase=1"], ["poisson"]]
     assert line_for(["hydra.run.dir=a b", "drive.phase=0"]) == "'hydra.run.dir=a b' drive.phase=0"
 
