@@ -96,6 +96,9 @@ def _faults_of_argument(word: str, text: str) -> list[str]:
             for one in asked
             if one not in options and not one.isupper() and f'{one} = "' not in text
         ]
+    # So is a number of it one that the page shows among its parameters.
+    if key.startswith("law.") and f"parameter {key.removeprefix('law.')}: " in text:
+        return []
     return [] if key in known_keys() or key in COORDINATES else [f"no key {key}"]
 
 
