@@ -95,7 +95,7 @@ def _given(arguments: list[str]) -> Namespace:
         nargs="*",
         metavar="law=A,B | law/PART=A,B | law.KEY=VALUE | law.KEY=LOW..HIGH",
         help="the laws; lists of parts make every combination. A number with a value is held, "
-        "law.restitution=0.6, one with a range is free in it, law.friction_coefficient=0.05..0.5",
+        "law.restitution=0.6, one with a range is free in it, contact.friction_coefficient=0.05..0.5",
     )
     parser.add_argument(
         "--folds", type=int, default=FOLDS, metavar="N", help="parts that are held out: %(default)s"

@@ -87,14 +87,14 @@ def _answer(answer: Answer, pictures: Iterable[Path]) -> str:
     rows = answer.rows()
     names = [row.name for row in rows]
     heads, *lines = table(rows)
+    found = _table(heads, lines) + _list(answer.sentences())
     related = [
         [name, *(f"{number:.2f}" for number in line)]
         for name, line in zip(names, answer.correlation(), strict=True)
     ]
     shown = "\n".join(_picture(path) for path in pictures)
     correlation = f"<h3>Correlation</h3>{_table(['', *names], related)}" if len(rows) > 1 else ""
-    numbers = f"{_table(heads, lines)}{_list(answer.sentences())}"
-    return f"<h2>{escape(answer.label)}</h2>{numbers}{shown}{correlation}"
+    return f"<h2>{escape(answer.label)}</h2>{found}{shown}{correlation}"
 
 
 def _evidence(answers: Sequence[Answer]) -> str:

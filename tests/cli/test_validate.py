@@ -25,7 +25,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_table_a_page_figures_and_a_dataset_say_the_same(
     measured: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["law=newton,poisson", "law.friction_coefficient=0.05..0.5", "--folds", "3", "--workers", "1"]
+    words = ["law=newton,poisson", "contact.friction_coefficient=0.05..0.5", "--folds", "3", "--workers", "1"]
     assert main([str(measured), *words, "--output", str(tmp_path)]) == 0
 
     out = capsys.readouterr().out
