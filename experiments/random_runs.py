@@ -119,7 +119,8 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             f"{len(outcomes)} random configurations of the command, numbers {outcomes['number'].min()} to "
             f"{outcomes['number'].max()}, far wider than a workshop's, judged from their results alone "
-            "(`experiments/random_runs.py`). A refused configuration was told so in a sentence before it ran; a run that is not complete says why. The second table has the "
+            "(`experiments/random_runs.py`). A refused configuration was told so in a sentence "
+            "before it ran; a run that is not complete says why. The second table has the "
             "worst figure of every invariant among the complete runs; what each means and why its bound "
             "is what it is stands in [plausibility.md](plausibility.md). `contactlab verify RUN` holds "
             "any recorded run to them.",
