@@ -117,9 +117,10 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             f"<!-- Made by {command}. Do not edit. -->",
             "",
-            f"{len(outcomes)} random configurations of the command, far wider than a workshop's, judged "
-            "from their results alone (`experiments/random_runs.py`). A refused configuration was told so "
-            "in a sentence before it ran; a run that is not complete says why. The second table has the "
+            f"{len(outcomes)} random configurations of the command, numbers {outcomes['number'].min()} to "
+            f"{outcomes['number'].max()}, far wider than a workshop's, judged from their results alone "
+            "(`experiments/random_runs.py`). A refused configuration was told so in a sentence "
+            "before it ran; a run that is not complete says why. The second table has the "
             "worst figure of every invariant among the complete runs; what each means and why its bound "
             "is what it is stands in [plausibility.md](plausibility.md). `contactlab verify RUN` holds "
             "any recorded run to them.",
@@ -188,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     table(outcomes).to_csv(options.csv)
     if options.page:
         script = "python experiments/random_runs.py"
-        command = f"{script} --motors {options.motors} --seed {options.seed}"
+        command = f"{script} --first {options.first} --motors {options.motors} --seed {options.seed}"
         options.page.write_text(page(outcomes, command), encoding="utf-8")
     return int(any(broken(outcome) for outcome in outcomes.to_dict("records")))
 

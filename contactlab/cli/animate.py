@@ -10,8 +10,9 @@ from tqdm import tqdm
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser, number_in
-from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
 from contactlab.metrics import read_run
+from contactlab.results.files import told
 
 if TYPE_CHECKING:
     from contactlab.plot.recording import Recording
@@ -51,7 +52,7 @@ def main(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         raise KeyboardInterrupt("Interrupted before the animation was written.") from None
     except OSError as error:
-        raise RefusalError(f"The animation could not be written: {error}") from error
+        raise RefusalError(f"The animation could not be written: {told(error)}", INCOMPLETE) from error
     return COMPLETE
 
 

@@ -47,9 +47,11 @@ def main(arguments: list[str]) -> int:
         parser.error(f"--count is {given.count}, it must be at least 2 and at most 1000")
     check_output(given.output)
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.cli.idle_words import KEPT, LASTING, refuse_idle
     from contactlab.config import ConfigurationError, build
     from contactlab.orbits import NoPeriodError, basins
 
+    refuse_idle(given.words, "a map of basins", *KEPT, *LASTING)
     try:
         setup = build(given.words)
         axes = _axes(setup, given.over, given.count)

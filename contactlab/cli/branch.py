@@ -46,20 +46,18 @@ def main(arguments: list[str]) -> int:
         words = f"{len(spans)} of the arguments have a range KEY=START..END; it must be one"
         parser.error(words, "Write it like 'contact.clearance=1 um..4 um'.")
     span = spans[0]
-    if span["key"].startswith(("record.", "sweep.", "solver.duration", "solver.until")):
-        raise RefusalError(
-            f"{span['key']} says how runs are made or kept; an orbit has none. Name another number."
-        )
     if span["key"] == "belt" and given.belt is not None:
         raise RefusalError(f"{span.string} and --belt are both given; it must be one of them. Leave one out.")
     if not 0.0 < given.step <= 1.0:
         parser.error(f"--step is {given.step:g}, it must be greater than 0 and at most 1")
     check_output(given.output)
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab.cli.idle_words import KEPT, LASTING, refuse_idle
     from contactlab.config import ConfigurationError, build
     from contactlab.orbits import BrokenOffError, NoPeriodError, NotSettledError
     from contactlab.orbits.branches import NoBranchError, branch, unit_of
 
+    refuse_idle(given.words, "an orbit", *KEPT, *LASTING)
     rest = [word for word in given.words if word != span.string]
     try:
         setup = build(rest)

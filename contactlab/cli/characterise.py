@@ -28,6 +28,7 @@ def main(arguments: list[str]) -> int:
     parser.add_output("datasheet", "sheet.html, sheet.nc and the figure")
     given = parser.read(arguments)
     # Imported here: they bring Hydra and the plotting, which --help does not need.
+    from contactlab.cli.idle_words import KEPT, LASTING, refuse_idle
     from contactlab.config import ConfigurationError, build
     from contactlab.datasheet import as_text, characterise
     from contactlab.orbits import NoPeriodError
@@ -37,6 +38,7 @@ def main(arguments: list[str]) -> int:
     laws = [f"law={name.strip()}" for name in given.law.split(",")] if given.law else []
     if laws and (twice := [word for word in given.overrides if word.startswith("law=")]):
         raise RefusalError(f"{twice[0]} and --law are both given; it must be one of them. Leave one out.")
+    refuse_idle(given.overrides, "a data sheet", *KEPT, *LASTING)
     try:
         setups = [build([*given.overrides, law]) for law in laws] or [build(given.overrides)]
         data = characterise(setups, output)

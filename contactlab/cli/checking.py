@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, final
@@ -12,10 +13,10 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
 from hydra.experimental.callback import Callback
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig, OmegaConf, read_write
 from omegaconf.errors import OmegaConfBaseException
 
-from contactlab.cli.arguments import gives_several
+from contactlab.cli.arguments import gives_several, quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.cost import announce_time
 from contactlab.cli.jobs import refusals
@@ -65,20 +66,35 @@ class Check(Callback):
         announce([configuration])
         announce_time([setup])
 
+    def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
+        """Hold the folder of a sweep for all its jobs, which else name it by their own overrides."""
+        if _is_ours(config):
+            return
+        # What it refers to may not be there yet; each job then says so.
+        with suppress(OmegaConfBaseException), read_write(config.hydra):
+            folder = str(config.hydra.sweep.dir)
+            config.hydra.sweep.dir = folder
+            config.hydra.overrides.hydra.append(f"hydra.sweep.dir={quoted(folder)}")
+
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         """Collect what a sweep left, and give its exit status by that, where the sweeper is another.
 
         Raises:
             SystemExit: with it, where a run is not complete.
         """
-        if "contactlab" in str(config.hydra.sweeper.get("_target_")):
+        if _is_ours(config):
             return
         folder = Path(str(config.hydra.sweep.dir))
         collect_swept(folder)
         found = [state.read_state(path.parent) for path in folder.rglob(STATE)]
         states = {each.state for each in found if each}
-        if states - {state.COMPLETE}:
+        if states != {state.COMPLETE}:
             sys.exit(REFUSED if state.REFUSED in states else INCOMPLETE)
+
+
+def _is_ours(config: DictConfig) -> bool:
+    """Tell whether the sweeper is ours, which does all this itself."""
+    return "contactlab" in str(config.hydra.sweeper.get("_target_"))
 
 
 def typed(overrides: Any) -> list[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.terminal import COMPLETE, RefusalError, tell
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
 
 
 def main(arguments: list[str]) -> int:
@@ -58,5 +58,5 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        raise RefusalError(f"The runs could not be collected: {told(error)}") from error
+        raise RefusalError(f"The runs could not be collected: {told(error)}", INCOMPLETE) from error
     print(summary(dataset, dataset.encoding["source"]))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from contactlab.cli.arguments import Parser
-from contactlab.cli.terminal import COMPLETE, RefusalError
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
 from contactlab.suggestion import suggestion
 
 GALLERY: Final = Path("docs/gallery")
@@ -117,4 +117,4 @@ def _copy(source: Path, target: Path) -> None:
             "Move yours away, or go to another folder."
         ) from error
     except OSError as error:
-        raise RefusalError(f"The example could not be copied: {told(error)}") from error
+        raise RefusalError(f"The example could not be copied: {told(error)}", INCOMPLETE) from error

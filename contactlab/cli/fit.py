@@ -131,10 +131,12 @@ def _number(text: str) -> float:
 
 
 def _fit(given: Namespace) -> int:
+    from contactlab.cli.idle_words import KEPT, LASTING, refuse_idle, refuse_of_motor
     from contactlab.fitting.fit import digest_told, left_of_others, pose, read, save
     from contactlab.fitting.nested import available
     from contactlab.fitting.page import as_text
     from contactlab.fitting.words import sorted_words
+    from contactlab.measured.series import MeasuredSeries
 
     available()
     path, output = Path(given.words[0]), given.output
@@ -143,10 +145,12 @@ def _fit(given: Namespace) -> int:
     except OSError as error:
         words = f"'{path}' cannot be read ({error.strerror or error}); it must be a file of measurements."
         raise RefusalError(words) from error
-    digest = digest_told(data, path)
-    questions = pose(
-        _chosen(data, given), sorted_words(given.words[1:]), given.discrepancy, path.name, digest
-    )
+    digest, words = digest_told(data, path), given.words[1:]
+    if isinstance(data, MeasuredSeries):
+        refuse_idle(words, "a fit, which takes its times from the data,", *KEPT, *LASTING)
+    else:
+        refuse_of_motor(words)
+    questions = pose(_chosen(data, given), sorted_words(words), given.discrepancy, path.name, digest)
     try:
         output.mkdir(parents=True, exist_ok=True)
         for left in left_of_others(output, questions, given.points, given.seed):
@@ -198,6 +202,7 @@ def _chosen(data: "Data", given: Namespace) -> "Data":
 
 
 def _make(given: Namespace) -> int:
+    from contactlab.cli.idle_words import KEPT, LASTING, acting, refuse_idle, refuse_of_motor
     from contactlab.config import build
     from contactlab.fitting.synthetic import made_impacts, made_series
     from contactlab.measured.files import write_impacts
@@ -206,6 +211,10 @@ def _make(given: Namespace) -> int:
     if given.noise == "free":
         raise RefusalError("--noise is free, and made data must have some; give a number, --noise 0.01.")
     noise = NOISE if given.noise is None else float(given.noise)
+    if given.impacts is not None:
+        refuse_of_motor(given.words)
+    idle = [key for key in KEPT if key != "record"]
+    refuse_idle(given.words, "a measured series", *idle, "record.picture")
     setup = build(given.words)
     place = given.output / DATA
     try:
@@ -223,5 +232,6 @@ def _make(given: Namespace) -> int:
     except OSError as error:
         raise unwritable(given.output, error) from error
     print(f"{said} under {setup.law.name}, with {noise:g} of noise: written to {place}.")
-    tell_next("fit", [str(place), *given.words], "finds the numbers again")
+    # The data tell their own times.
+    tell_next("fit", [str(place), *acting(given.words, *KEPT, *LASTING)], "finds the numbers again")
     return COMPLETE

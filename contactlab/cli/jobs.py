@@ -145,5 +145,6 @@ def check_output(folder: Path) -> None:
 
 
 def unwritable(folder: Path, error: OSError) -> terminal.RefusalError:
-    """Give the refusal of a folder that took no more."""
-    return terminal.RefusalError(f"Nothing more can be written to '{folder}': {told(error)}")
+    """Give the failure of a folder that took no more, as of a run whose files cannot be written."""
+    words = f"Nothing more can be written to '{folder}': {told(error)}"
+    return terminal.RefusalError(words, terminal.INCOMPLETE)

@@ -49,7 +49,7 @@ def _status(verb: str = "", *arguments: str) -> int:
     except SystemExit as stop:
         return int(stop.code or 0)
     except RefusalError as refusal:
-        return refuse([str(refusal)])
+        return refuse([str(refusal)], refusal.status)
     except KeyboardInterrupt as interrupt:
         print(str(interrupt) or MESSAGE, file=sys.stderr)
         return INTERRUPTED

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from contactlab.cli.idle_words import KEPT, acting
 from contactlab.cli.terminal import tell
 
 LONGEST: Final = 120
@@ -15,7 +16,7 @@ LONGEST: Final = 120
 def after_a_run(directory: Path, overrides: Sequence[str], here: Path) -> str:
     """Say what can be done after a run in a folder, seen from here: watch it, and settle its motor."""
     folder = directory.relative_to(here) if directory.is_relative_to(here) else directory
-    of_motor = [line for line in overrides if not line.lstrip("+~").startswith(("hydra", "sweep", "record"))]
+    of_motor = acting(overrides, *KEPT, "solver.until")
     watch = command("animate", str(folder))
     return f"Next: {watch} shows it in slow motion, {command('steady', *of_motor)} finds the settled motor."
 

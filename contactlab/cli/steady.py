@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from contactlab.cli.arguments import Parser, number_in
+from contactlab.cli.idle_words import KEPT, LASTING, acting, refuse_idle
 from contactlab.cli.jobs import check_output, unwritable
 from contactlab.cli.next_step import tell_next
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
@@ -59,7 +60,8 @@ def main(arguments: list[str]) -> int:
         if (text := getattr(given, name)) is not None
     }
     try:
-        setup = build(_of_a_motor(given.overrides))
+        refuse_idle(given.overrides, "a steady state", *KEPT, "solver.until")
+        setup = build(given.overrides)
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error
     output: Path = given.output
@@ -87,7 +89,7 @@ def main(arguments: list[str]) -> int:
         raise unwritable(output, error) from error
     print(*(f"{label:<{width}}{text}" for label, text in lines.items()), sep="\n")
     print(f"Written to {output}: steady.nc and steady.png.")
-    tell_next("characterise", given.overrides, "makes the motor's data sheet")
+    tell_next("characterise", acting(given.overrides, *LASTING), "makes the motor's data sheet")
     return COMPLETE
 
 
@@ -95,14 +97,3 @@ def _incomplete(reason: str) -> int:
     """Say why there is no steady state."""
     tell(reason, sys.stderr)
     return INCOMPLETE
-
-
-def _of_a_motor(overrides: list[str]) -> list[str]:
-    """Give the overrides back, none of which is for a sweep or for the folder of a run."""
-    for line in overrides:
-        if line.lstrip("+~").startswith(("hydra", "sweep", "record")):
-            raise RefusalError(
-                f"{line} says how runs are made or kept; a steady state is none of them. Leave it out; "
-                "--output DIR says where its files go."
-            )
-    return overrides

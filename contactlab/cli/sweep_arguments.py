@@ -163,7 +163,7 @@ def table(path: str) -> dict[str, list[Value]]:
         if path.endswith(".csv"):
             rows = pandas.read_csv(path, skipinitialspace=True)
         else:
-            with xarray.open_dataset(path, decode_times=False) as dataset:
+            with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
                 said = {name: values.attrs for name, values in dataset.variables.items()}
                 # The dataset of a sweep says which of its variables are keys.
                 keys = {name: text["key"] for name, text in said.items() if "key" in text}
@@ -171,8 +171,12 @@ def table(path: str) -> dict[str, list[Value]]:
                 rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
     # A file can be anything.
     except Exception as error:
-        words = f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, "
-        words += "CSV or netCDF, whose columns are keys and whose rows are runs."
+        # Numbers of the netCDF library, and what others say, tell of the reader.
+        why = "is no table that can be read"
+        if isinstance(error, OSError) and (error.errno or 0) > 0:
+            why = f"cannot be read ({error.strerror})"
+        words = f"sweep.samples is '{path}' and {why}; it must be a table, CSV (NAME.csv) or netCDF, whose "
+        words += "columns are keys and whose rows are runs."
         raise ConfigurationError([words]) from error
     raise_faults(
         f"sweep.samples has no {name} in row {int(row) + 1} of '{path}'; every run must have one. Add it, or "

@@ -35,7 +35,16 @@ WORTH_SAYING = 60.0
 
 
 class RefusalError(ValueError):
-    """What was asked for cannot be done; the message is a sentence."""
+    """What was asked for cannot be done; the message is a sentence.
+
+    Args:
+        message: the sentence.
+        status: of the command; INCOMPLETE where nothing was wrong with what was asked for, as on a full disk.
+    """
+
+    def __init__(self, message: str, status: int = REFUSED) -> None:
+        super().__init__(message)
+        self.status = status
 
 
 def open_closed() -> None:
@@ -71,10 +80,10 @@ def tell(text: str, stream: TextIO) -> None:
         silence(stream)
 
 
-def refuse(faults: Iterable[str]) -> int:
+def refuse(faults: Iterable[str], status: int = REFUSED) -> int:
     """Print the faults, a line each and each once, and give the exit status."""
     print(*dict.fromkeys(faults), sep="\n", file=sys.stderr)
-    return REFUSED
+    return status
 
 
 @contextmanager

@@ -93,6 +93,8 @@ def _given(arguments: list[str]) -> Namespace:
     parser.add_argument(
         "words",
         nargs="*",
+        # Else argparse says that words must be given where the data are missing.
+        default=[],
         metavar="law=A,B | law/PART=A,B | law.KEY=VALUE | law.KEY=LOW..HIGH",
         help="the laws; lists of parts make every combination. A number with a value is held, "
         "law.restitution=0.6, one with a range is free in it, contact.friction_coefficient=0.05..0.5",

@@ -56,6 +56,15 @@ _IN_OUR_WORDS: Final = {
         "+{0} would add a key that there is; it must be set, {0}=VALUE. Leave out the +."
     ),
     r"(?:argument|parameters) '(.+?)'(?: requires --multirun)?$": SEVERAL,
+    **{
+        rf"Value '(.*)' (?:of type '\w+' could not be converted to|is not a valid) {kind}\b"
+        r"[\s\S]*?full_key: (\S+)": f"{{1}} is '{{0}}'; it must be {words}. Set it so, or leave it out."
+        for kind, words in {"Integer": "a whole number", "Float": "a number", "bool": "true or false"}.items()
+    },
+    r"Cannot find primary config '([^']+)'": (
+        "--config-name is '{0}', and there is no such configuration; it must be the name of a file {0}.yaml "
+        "in a folder that --config-dir names. Leave it out for the usual one."
+    ),
     r"Could not delete '([^']+)'": (
         "~{0} would take away what is not there; every group must have a choice. Leave it out, or choose "
         "another option by GROUP=OPTION."
@@ -115,7 +124,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     # What Hydra says of a key that is not there; the schema does not get to see it.
     if unknown := re.search(r"Could not override '([^']+)'", said):
         return [unknown_override(unknown[1], lines)]
-    if ours := _in_our_words(said):
+    if ours := _in_our_words(f"{said}\n{error.__cause__ or ''}"):
         return [ours]
     if said.startswith("Config group override must be"):
         choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
@@ -131,7 +140,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
 def _in_our_words(said: str) -> str:
     for pattern, words in _IN_OUR_WORDS.items():
         if found := re.search(pattern, said, re.M):
-            return words.format(found[1])
+            return words.format(*found.groups())
     return ""
 
 

@@ -19,7 +19,8 @@ from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.law_kernels import OF_PLAIN
 from contactlab.engine.memory import jump, leave
 from contactlab.engine.moments import press
-from contactlab.engine.recorder import commit
+from contactlab.engine.propagator import step_length
+from contactlab.engine.recorder import CRAWL, commit
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.rows import SIGNATURES
 from contactlab.engine.state import (
@@ -274,11 +275,11 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
             state.internal = state.first_internal
         jump(run, law, law.memory, AT_RELEASE)
         state.contact.separation_velocity = contact_at(run.plant, START)[1]
-        if state.contact.duration > 0.0:
+        if _is_contact(run):
             run.step.contacts[state.stored] = state.contact
             state.stored += 1
         else:
-            # What has no length is no contact: here round-off alone tells a graze from a miss.
+            # Round-off alone tells a graze from a miss.
             state.touchdowns -= 1
         state.mode, state.phase = FREE, RELEASED
         state.level = run.propagator.rule.fresh_level
@@ -288,6 +289,19 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         state.switched = 0
     elif state.mode == FREE:
         leave(run, law, law.memory)
+
+
+@inner_kernel
+def _is_contact(run: Run) -> bool:
+    """Tell whether what ends here was a contact: it took time, and more than none if it gave no impulse.
+
+    A tip that starts on the rotor at rest, or grazes it, may touch by round-off for a moment that is
+    shorter than any step is taken for: it leaves as it came, and nothing was exchanged.
+    """
+    contact, rule = run.state.contact, run.propagator.rule
+    if contact.normal_impulse != 0.0 or contact.friction_impulse != 0.0:
+        return bool(contact.duration > 0.0)
+    return bool(contact.duration >= CRAWL * step_length(run.propagator, rule.contact_level))
 
 
 @inner_kernel

@@ -87,7 +87,7 @@ def test_a_package_that_cannot_be_copied_whole_is_not_copied(
 
     monkeypatch.setattr(example.shutil, "copyfile", copyfile)
     status, out, err = command("example", "own_law")
-    assert (status, out) == (2, "")
+    assert (status, out) == (1, "")
     assert "No space left on device" in err
     assert left_behind() == []
 

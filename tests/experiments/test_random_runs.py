@@ -24,6 +24,13 @@ def test_a_random_configuration_is_refused_or_keeps_every_invariant(number: int)
     assert (outcome["ending"] == "complete") != bool(outcome["message"])
 
 
+def test_a_tip_that_leaves_as_it_came_from_the_rotor_made_no_contact() -> None:
+    # Without clearance and under one antisymmetric tone, round-off of 1e-43 m touches for 1e-19 s.
+    outcome = script.outcome_of(736)
+    assert (outcome["ending"], outcome["contacts"]) == ("complete", 0)
+    assert not script.broken(outcome)
+
+
 def test_a_number_gives_the_same_configuration_and_the_same_figures() -> None:
     first, again = (script.outcomes_of([3]).drop(columns="seconds") for _ in range(2))
     pd.testing.assert_frame_equal(first, again)

@@ -148,8 +148,10 @@ def test_a_rotor_velocity_says_that_a_law_with_a_wrong_stiffness_is_wrong(tmp_pa
         ),
         (
             ["law=newton", "rotor.inertia=1e-7..1e-5"],
-            "rotor.inertia is of the motor, and impacts are of the law",
+            "rotor.inertia=1e-7..1e-5 is none of a law, and impacts are of the law alone",
         ),
+        (["law=newton", "drive.phase=1"], "drive.phase=1 is none of a law, and impacts are of the law alone"),
+        (["law=newton", "solver.duration=1"], "or contact.friction_coefficient. Leave it out."),
         (["law=newton,poisson", "law.stiffness=1"], "law.stiffness"),
         (["law.restitution=0..1"], "The data tell no law; name one"),
         (["law=newton,newton"], "law=newton is given twice"),
@@ -193,3 +195,42 @@ def test_a_file_that_is_not_there_and_missing_packages_are_refused(tmp_path, mon
     monkeypatch.setattr(nested, "find_spec", {}.get)
     with pytest.raises(RefusalError, match=r"pip install 'contactlab\[fit\]'"):
         fit.main([str(tmp_path / "none.nc"), "law=newton", "--output", str(tmp_path / "out")])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["solver.duration=1"], "a fit, which takes its times from the data, has nothing of that"),
+        (["record.interval=1e-6..2e-6"], "record.interval=1e-6..2e-6 says how runs are made or kept"),
+        (["hydra.run.dir=x"], "--output DIR says where its files go"),
+    ],
+)
+def test_words_that_have_no_say_in_a_fit_of_series_are_refused(tmp_path, words, said):
+    data = tmp_path / "data.nc"
+    velocity = ("time", np.linspace(0.0, 1.0, 8), {"units": "rad/s"})
+    time = ("time", np.linspace(0.0, 1e-4, 8), {"units": "s"})
+    xarray.Dataset({"rotor_velocity": velocity}, {"time": time}).to_netcdf(data)
+    with pytest.raises(RefusalError) as refused:
+        fit.main([str(data), "law=newton", *words, "--output", str(tmp_path / "out")])
+
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--impacts", "5", "law=newton", "rotor.inertia=1e-6"], "impacts are of the law alone"),
+        (["record.picture=false"], "a measured series has nothing of that"),
+    ],
+)
+def test_words_that_have_no_say_in_made_data_are_refused(tmp_path, words, said):
+    with pytest.raises(RefusalError, match=said):
+        fit.main(["--synthetic", *words, "--output", str(tmp_path / "out")])
+
+    assert not (tmp_path / "out").exists()
+
+
+def test_data_that_are_made_tell_their_own_times(tmp_path, capsys):
+    make(tmp_path, "law=newton", "solver.duration=1e-4", "record.interval=1e-5")
+
+    assert f"contactlab fit {tmp_path}/data.nc law=newton`" in capsys.readouterr().out

@@ -185,3 +185,14 @@ def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
     assert found["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]
     assert "contact.clearance is -1e-06 m" in str(found["reason"].values[2])
     assert found["clearance"].values[:2].tolist() == [1e-6, 2e-6]
+
+
+def test_the_jobs_of_the_basic_sweeper_lie_below_the_folder_of_the_sweep(
+    command: Command, simulations: Simulations
+) -> None:
+    status, out, err = command("-m", "hydra/sweeper=basic", "contact.clearance=1e-6,2e-6", *QUICK)
+    assert (status, err) == (0, "")
+    assert "Collected in " in out
+    (collected,) = Path().rglob("sweep.nc")
+    assert collect(collected.parent)["clearance"].values.tolist() == [1e-6, 2e-6]
+    assert {path.parent.parent for path in Path().rglob("run.nc")} == {collected.parent}

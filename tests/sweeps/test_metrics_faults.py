@@ -1,5 +1,7 @@
 """A faulty command line of a sweep that keeps metrics is refused in a sentence before anything runs."""
 
+from pathlib import Path
+
 import pytest
 from support.command_line import Command, left_behind
 from support.sweeps import METRICS_ALONE
@@ -24,7 +26,8 @@ FAULTS = [
     (["solver.duration=1e-3,2e-3", "sweep.series=gap"], "at the same times in every run"),
     (["drive.phase=1,2", "sweep.keep=runs", "sweep.workers=2"], "it must come with sweep.keep=metrics"),
     (["drive.phase=1,2", "sweep.samples=nowhere.csv"], "swept at once"),
-    (["sweep.samples=nowhere.csv"], "sweep.samples is 'nowhere.csv' and cannot be read"),
+    (["sweep.samples=nowhere.csv"], "sweep.samples is 'nowhere.csv' and cannot be read (No such file"),
+    (["sweep.samples=nowhere.nc"], "sweep.samples is 'nowhere.nc' and cannot be read (No such file"),
     (["drive.phase=1,2", "--config-dir=nowhere"], "It must be a folder"),
     (["drive.phase=1,2", "hydra/launcher=jubilee"], "hydra/launcher is 'jubilee'"),
     (["drive.phase=1,2", "hydra.launcher.n_jobs=2"], "n_jobs"),
@@ -118,3 +121,12 @@ def test_a_faulty_sweep_is_refused_in_a_sentence_before_anything_runs(
     assert "Traceback" not in err
     assert out == ""
     assert left_behind() == []
+
+
+def test_a_file_that_is_no_table_of_samples_is_refused_in_our_words(command: Command) -> None:
+    for name in ("note.txt", "note.csv"):
+        Path(name).write_bytes(b"hello\0\xff")
+        status, _, err = command(*METRICS_ALONE, f"sweep.samples={name}")
+        assert status == 2
+        assert f"sweep.samples is '{name}' and is no table that can be read; it must be a table" in err
+        assert "engine" not in err
