@@ -186,7 +186,8 @@ def _into_docs(studies: Sequence[xarray.Dataset], said: Sequence[str], folder: P
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
     first = studies[0]
-    odd = f"Under seed 0: {tables.unexplained(first)}"
+    words = tables.unexplained(first)
+    odd = f"Under seed 0 {words[0].lower()}{words[1:]}"
     block = [BEGIN, ""]
     for part in (table(studies), said, [odd], parameter_table(first), restitution_table(first)):
         block += [*part, ""]

@@ -66,7 +66,7 @@ def main(arguments: list[str]) -> int:
     except OSError as error:
         raise unwritable(output, error) from error
     said = [tables.headline(data), *tables.order(data), "", tables.as_text(data), "", *tables.warnings(data)]
-    print(*said, f"No law explains: {tables.unexplained(data)}", sep="\n")
+    print(*said, tables.unexplained(data), sep="\n")
     print(f"\nWritten to {output}: validation.html, validation.nc and figures.")
     tell_next(
         "fit", [str(given.data), *given.words], "gives their numbers with a posterior, and the evidence"

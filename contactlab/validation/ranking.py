@@ -11,6 +11,9 @@ PLUS_MINUS: Final = "+-"
 SAME: Final = 1e-6
 """Difference of two errors that is none of two laws but of where their fits have ended."""
 
+SHOWN: Final = 1e-4
+"""Difference below which its four decimals say nothing."""
+
 
 class Pair(NamedTuple):
     """How far the errors of two laws lie apart: mean difference, first less second, and its interval."""
@@ -31,13 +34,12 @@ class Pair(NamedTuple):
         """Which beats which by how much, or that the data cannot tell."""
         if max(abs(self.low), abs(self.high)) < SAME:
             return f"{self.better} and {self.worse} predict the same"
-        reach = 0.5 * (self.high - self.low)
+        by = f"{self.apart:.4f} {PLUS_MINUS} {0.5 * (self.high - self.low):.4f}"
+        if max(abs(self.low), abs(self.high)) < SHOWN:
+            by = f"less than {SHOWN}"
         if not self.parted:
-            return (
-                f"the data cannot tell {self.better} from {self.worse}: {self.apart:.4f} {PLUS_MINUS} "
-                f"{reach:.4f} apart"
-            )
-        return f"{self.better} beats {self.worse} by {self.apart:.4f} {PLUS_MINUS} {reach:.4f}"
+            return f"the data cannot tell {self.better} from {self.worse}: {by} apart"
+        return f"{self.better} beats {self.worse} by {by}"
 
 
 def order_of(table: Resampled) -> list[int]:

@@ -120,18 +120,18 @@ def warnings(data: xarray.Dataset) -> list[str]:
 def unexplained(data: xarray.Dataset) -> str:
     """Say which impacts have an error above noise under every law."""
     if not isfinite(float(data["noise_bound"].max())):
-        return f"Cannot tell: the noise is {data.attrs['noise']}."
+        return f"It cannot be told which impacts no law explains, as the noise is {data.attrs['noise']}."
     numbers = data["impact"].values[data["unexplained"].values != 0]
-    bound = f"an error of {data.attrs['noise']}"
+    noise = data.attrs["noise"]
     if not numbers.size:
-        return f"None is above noise under every law, {bound}."
+        return f"Every impact is explained by some law: its error is below that of noise, {noise}."
     least = laws_in(data)["error"].min("law").sel(impact=numbers).values
     worst = numbers[np.argsort(-least, kind="stable")]
     listed = ", ".join(map(str, worst[:SHOWN]))
     rest = f" and {numbers.size - SHOWN} more, in the dataset" if numbers.size > SHOWN else ""
     return (
-        f"{numbers.size} of {data.sizes['impact']} are above noise under every law, {bound}; by number in "
-        f"their file, the worst first: {listed}{rest}."
+        f"No law explains {numbers.size} of {data.sizes['impact']} impacts: under every law their error "
+        f"is above that of noise, {noise}; by number in their file, the worst first: {listed}{rest}."
     )
 
 

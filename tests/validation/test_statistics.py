@@ -6,7 +6,7 @@ from scipy.stats import bootstrap
 
 from contactlab.fitting.resampling import resampled
 from contactlab.validation.folds import folds_of
-from contactlab.validation.ranking import groups_of, order_of, pair_of, sentences
+from contactlab.validation.ranking import Pair, groups_of, order_of, pair_of, sentences
 from contactlab.validation.residuals import binned
 
 
@@ -83,6 +83,17 @@ def test_two_laws_that_differ_by_round_off_predict_the_same():
 
     assert pair_of(drawn, ("one", "other"), 0, 1).sentence == "one and other predict the same"
     assert groups_of(drawn, ("one", "other")) == [[0, 1]]
+
+
+@pytest.mark.parametrize(
+    ("low", "said"),
+    [
+        (-2e-5, "the data cannot tell one from other: less than 0.0001 apart"),
+        (2e-6, "one beats other by less than 0.0001"),
+    ],
+)
+def test_a_difference_that_four_decimals_do_not_show_is_less(low: float, said: str) -> None:
+    assert Pair("one", "other", apart=1e-5, low=low, high=4e-5).sentence == said
 
 
 def test_bins_of_equal_numbers_have_the_quartiles_of_what_is_in_them():

@@ -98,6 +98,15 @@ def test_without_covariance_and_with_contact_velocities_alone_the_noise_cannot_b
     assert np.isnan(noise_of(some).bound).all()
 
 
+def test_how_many_impacts_no_law_explains_is_a_sentence_of_its_own(data: xarray.Dataset) -> None:
+    two = data.assign(unexplained=("impact", np.isin(np.arange(240), [7, 8]).astype(int)))
+    unknown = data.assign(noise_bound=data["noise_bound"] * np.nan).assign_attrs(noise="not known: no way")
+
+    assert tables.unexplained(two).startswith("No law explains 2 of 240 impacts: under every law their error")
+    assert tables.unexplained(data).startswith("Every impact is explained by some law: its error is below ")
+    assert tables.unexplained(unknown).endswith("no law explains, as the noise is not known: no way.")
+
+
 def test_the_restitution_of_head_on_impacts_is_the_median_of_theirs() -> None:
     # The least sum of |e_i - e|, and an outlier weighs no more than another.
     seen = np.array([0.50, 0.52, 0.55, 0.61, 0.05])
