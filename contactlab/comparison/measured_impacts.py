@@ -16,6 +16,7 @@ from contactlab.laws import LawError
 from contactlab.measured import floors
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.metrics import Metric
+from contactlab.metrics.catalogue import ROUND_OFF
 
 SEED: Final = 1
 """Of the resamples: the same comparison gives the same bits."""
@@ -48,7 +49,8 @@ def by_impacts(
     for i, law in enumerate(known):
         j = known.size + i
         values[0, law], spread[0, law] = means[i], _half(drawn.interval(i))
-        if means[-1] > 0.0:
+        # Round-off over round-off tells nothing.
+        if means[-1] > ROUND_OFF:
             values[1, law], spread[1, law] = means[i] / means[-1], _half_of_ratio(drawn, i)
         if known.size > 1:
             values[2, law], spread[2, law] = means[j], _half(drawn.interval(j))
