@@ -6,7 +6,7 @@ from pathlib import Path
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
 
 
 def main(arguments: list[str]) -> int:
@@ -58,5 +58,7 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        raise RefusalError(f"The runs could not be collected: {told(error)}", INCOMPLETE) from error
+        # A folder that is not there was asked for; a disk that is full was not.
+        status = REFUSED if isinstance(error, FileNotFoundError) else INCOMPLETE
+        raise RefusalError(f"The runs could not be collected: {told(error)}", status) from error
     print(summary(dataset, dataset.encoding["source"]))

@@ -284,7 +284,7 @@ def test_an_encoder_that_fails_leaves_nothing(
     monkeypatch.setattr("contactlab.plot.animation_files.encoder", lambda: str(program))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", fake_package(str(program)))
     status, _, err = command("animate", "run.nc", "--output", "run.mp4", "--fps", "24")
-    assert status == 2
+    assert status == 1
     assert "no space left" in err
     assert left_behind() == [Path("run.nc")]
 

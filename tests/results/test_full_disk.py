@@ -73,7 +73,7 @@ def test_the_command_says_it_in_a_sentence(command: Command, tmp_path: Path) -> 
     with full(9_000):
         for folder, file in (("runs", "sweep.nc"), ("metrics", "sweep.nc")):
             status, _, err = command("collect", folder)
-            assert status == 2
+            assert status == 1
             assert f"'{file}' cannot be written ({CAUSE}); choose a folder" in err
             assert f"The place is '{folder}'." in err
             assert "Errno" not in err
