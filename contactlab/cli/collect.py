@@ -6,7 +6,7 @@ from pathlib import Path
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
 
 
 def main(arguments: list[str]) -> int:
@@ -30,6 +30,8 @@ def main(arguments: list[str]) -> int:
             f"--output is '{given.output}'; it must end in .nc",
             "The dataset is netCDF-4: choose such a name.",
         )
+    if given.output and not given.output.parent.is_dir():
+        parser.error(f"--output is '{given.output}'; its folder does not exist", "Create it first.")
     try:
         _collect(Path(given.directory), given.output, given.series)
     except KeyboardInterrupt:
@@ -58,7 +60,5 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        # A folder that is not there was asked for; a disk that is full was not.
-        status = REFUSED if isinstance(error, FileNotFoundError) else INCOMPLETE
-        raise RefusalError(f"The runs could not be collected: {told(error)}", status) from error
+        raise RefusalError(f"The runs could not be collected: {told(error)}", INCOMPLETE) from error
     print(summary(dataset, dataset.encoding["source"]))

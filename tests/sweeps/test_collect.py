@@ -268,7 +268,7 @@ def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simul
         (["."], "holds no run, nor does a folder below it"),
         (["sweep", "--series", "speed"], "There is no series 'speed'; it must be one of tip_normal"),
         (["sweep", "--series", "gap"], "for time series they must be the same"),
-        (["sweep", "--output", "nowhere/all.nc"], "its folder does not exist; create it first"),
+        (["sweep", "--output", "nowhere/all.nc"], "its folder does not exist. Create it first."),
     ],
 )
 def test_what_cannot_be_collected_is_a_sentence_and_leaves_no_file(
