@@ -100,6 +100,7 @@ def test_a_name_that_is_none_leads_to_the_one_that_was_meant(command: Command) -
     assert "Did you mean contactlab example?" in command("examples")[2]
 
 
+@pytest.mark.long
 def test_a_copied_script_runs(command: Command) -> None:
     command("example", "run")
     done = subprocess.run([sys.executable, "run.py"], capture_output=True, text=True)

@@ -35,6 +35,7 @@ def test_every_loop_is_warmed_up_by_a_law_of_its_own() -> None:
     assert all(hasattr(loop, name) or hasattr(impact, name) for name in loop.KINDS)
 
 
+@pytest.mark.long
 def test_what_is_compiled_already_is_loaded_without_a_word_of_the_compiler(command: Command) -> None:
     if not all(map(is_compiled, loop.KINDS)):
         command("warm-up")

@@ -100,6 +100,7 @@ print(sum(kernels[0].stats.cache_hits.values()))
 """
 
 
+@pytest.mark.long
 def test_code_is_kept_between_processes_until_what_it_calls_changes(elsewhere: Elsewhere) -> None:
     def hits() -> int:
         status, out, err = elsewhere.python("-c", KEPT)

@@ -166,6 +166,7 @@ def test_it_changes_with_nothing_else(folder: Path, file: str, old: str, new: st
     assert Fingerprint(loaded()).digest == before
 
 
+@pytest.mark.long
 def test_it_is_the_same_in_every_process(folder: Path) -> None:
     code = "import top; from contactlab.fingerprint import Fingerprint as F; print(F(top.force).digest)"
     package = str(Path(Fingerprint.__init__.__code__.co_filename).parents[1])

@@ -96,10 +96,9 @@ def test_two_processes_leave_the_same_bits_and_status_as_one(command: Command) -
     assert runs_below("two") == expected
 
 
+@pytest.mark.long
 @needs_signals
-@pytest.mark.parametrize(
-    "whole_group", [True, pytest.param(False, marks=pytest.mark.long)], ids=["terminal", "command_alone"]
-)
+@pytest.mark.parametrize("whole_group", [True, False], ids=["terminal", "command_alone"])
 def test_ctrl_c_ends_the_command_and_its_workers_with_a_sentence(tmp_path: Path, whole_group: bool) -> None:
     with endless_sweep(tmp_path) as (process, children):
         assert len(children) >= 2
@@ -165,6 +164,7 @@ def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> No
     assert left == ["sweep.json", "sweep.nc", "sweep.nc.sha256"]
 
 
+@pytest.mark.long
 def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
     command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -187,6 +187,7 @@ def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
     assert found["clearance"].values[:2].tolist() == [1e-6, 2e-6]
 
 
+@pytest.mark.long
 def test_the_jobs_of_the_basic_sweeper_lie_below_the_folder_of_the_sweep(
     command: Command, simulations: Simulations
 ) -> None:

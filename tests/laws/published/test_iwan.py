@@ -184,6 +184,7 @@ def test_guards_and_jumps_are_the_return_map_of_every_element(path: list[float],
         assert abs(force) <= LIMIT * (1.0 + 1e-9)
 
 
+@pytest.mark.long
 def test_a_run_loses_in_a_cycle_what_spheres_do() -> None:
     """A body so heavy that the contact does not disturb it, swinging within the full slip and beyond."""
     spring, frequency = 1e7, 50.0
