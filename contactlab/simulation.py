@@ -1,7 +1,7 @@
 """One run and its result: `simulate` gives a `Solution`, and `load` gives the one that a file holds."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final, get_args
@@ -10,10 +10,12 @@ import xarray
 
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.quantity import UnitError, number_of
 from contactlab.engine.arguments import check_kinds, default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
+from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
 from contactlab.settling.until import Until
@@ -200,15 +202,7 @@ def simulate(
                 "The run to start from was read from a file that tells no configuration to make its motor "
                 "from; give motor and law to simulate too."
             )
-    if isinstance(motor, Setup):
-        if law is not None:
-            raise ValueError(
-                "A setup has a law of its own, and another one is given; give a motor and a law, or choose "
-                'the law of the setup: contactlab.build(["law=NAME"]).'
-            )
-        setup = changed(motor, given)
-    else:
-        setup = setup_of(motor, law, given)
+    setup = setup_of(motor, law, given)
     trajectory = setup.run(progress=progress, start=None if start is None else start.state)
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 
@@ -242,7 +236,21 @@ def load(path: str | Path) -> Solution:
 
 
 def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
-    """Put together what is given in Python; its configuration has the numbers of motor, law and solver."""
+    """Return the setup of a motor and a law made in Python, or a setup with other numbers of `KEYS`.
+
+    The configuration of the former has the numbers of motor, law and solver.
+
+    Raises:
+        TypeError: the motor or the law is of another kind.
+        ValueError: a law beside a setup, which has its own, or no duration beside a motor.
+    """
+    if isinstance(motor, Setup):
+        if law is not None:
+            raise ValueError(
+                "A setup has a law of its own, and another one is given; give a motor and a law, or choose "
+                'the law of the setup: contactlab.build(["law=NAME"]).'
+            )
+        return changed(motor, given)
     check_kinds(motor, law)
     if "duration" not in given:
         raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
@@ -265,3 +273,65 @@ def changed(setup: Setup, given: dict[str, Any]) -> Setup:
         section, key = PLACES[name]
         configuration.setdefault(section, {})[key] = value
     return replace(setup, **given, configuration=configuration)
+
+
+def variable_numbers(setup: Setup) -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
+    """Return the numbers of a motor and a law made in Python that can be varied, by keys of a configuration.
+
+    Each with its path of attributes in the setup and its declaration. What the motor was made from, its
+    beam or its drive's voltages, is not among them: the motor has modes and phasors alone.
+    """
+    owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
+    found = {}
+    while owners:
+        group, path = owners.pop(0)
+        owner = _at(setup, path)
+        kind: type = type(owner)
+        for name, field in declared_fields(kind).items():
+            if is_dataclass(getattr(owner, name)):
+                owners.append((f"{group}.{name}", (*path, name)))
+            elif field.is_number:
+                found[f"{group}.{name}"] = (*path, name), field
+    found["rotor.radius"] = found.pop("contact.rotor_radius")
+    # The coefficient that laws share, of a composed law that of its friction.
+    for key in ("law.friction.friction_coefficient", "law.friction_coefficient"):
+        if key in found:
+            found["contact.friction_coefficient"] = found[key]
+    return found
+
+
+def with_number(setup: Setup, key: str, value: object) -> Setup:
+    """Return the setup of a motor and a law made in Python with another of its `variable_numbers`.
+
+    Raises:
+        ConfigurationError: the key is none of them, or does not admit the value.
+    """
+    numbers = variable_numbers(setup)
+    if key not in numbers:
+        raise ConfigurationError(
+            [
+                f"{key} is no number of a motor made in Python; it must be one of {', '.join(numbers)}. Vary "
+                "anything else by a function that makes the motor."
+            ]
+        )
+    path, field = numbers[key]
+    try:
+        setup = _replaced(setup, path, number_of(field, value))
+    # What binds several numbers of one class is checked by the class.
+    except ValueError as fault:
+        words = f"{key} {fault}" if isinstance(fault, UnitError) else str(fault)
+        raise ConfigurationError([words]) from None
+    given = {name: getattr(setup, name) for name in KEYS}
+    return changed(replace(setup, configuration=settings_of(setup.motor, setup.law)), given)
+
+
+def _at(owner: Any, path: tuple[str, ...]) -> Any:
+    for name in path:
+        owner = getattr(owner, name)
+    return owner
+
+
+def _replaced(owner: Any, path: tuple[str, ...], value: object) -> Any:
+    """Return a dataclass with another value at a path of attributes."""
+    name, *rest = path
+    return replace(owner, **{name: _replaced(getattr(owner, name), tuple(rest), value) if rest else value})

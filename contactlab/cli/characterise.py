@@ -41,7 +41,7 @@ def main(arguments: list[str]) -> int:
     refuse_idle(given.overrides, "a data sheet", *KEPT, *LASTING)
     try:
         setups = [build([*given.overrides, law]) for law in laws] or [build(given.overrides)]
-        data = characterise(setups, output)
+        data = characterise(setups, output=output)
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error
     except NoPeriodError as error:

@@ -73,7 +73,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.results.netcdf import write_tree
 
     try:
-        found = converged(setup, refine=not given.no_refine, longest=given.longest, **held)
+        found = converged(setup, None, refine=not given.no_refine, longest=given.longest, **held)
     except (BrokenOffError, NotSettledError) as error:
         raise SystemExit(_incomplete(str(error))) from error
     except ValueError as error:

@@ -1,8 +1,11 @@
 """What the arguments of a sweep say: swept values by Hydra's grammar and ours, and the rest composed."""
 
+import csv
 import random
 import re
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any, final
 
 import pandas
@@ -15,7 +18,7 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.cli.app import choices_of
 from contactlab.cli.arguments import quoted
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.composition import sentences
+from contactlab.config.composition import resolved, sentences
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value
 from contactlab.sweeps.plan import Configuration, Plan, raise_faults
@@ -98,12 +101,7 @@ class Arguments:
         """Build what a configuration says, with values in the place of references to them."""
         if "${" not in str(configuration):
             return build(configuration)
-        try:
-            resolved = OmegaConf.to_container(OmegaConf.create(dict(configuration)), resolve=True)
-        except OmegaConfBaseException as error:
-            words = f"{one_line(error)} Correct the reference in ${{...}}."
-            raise ConfigurationError([words]) from error
-        return build(resolved)  # type: ignore[arg-type]
+        return build(resolved(OmegaConf.create(dict(configuration))))
 
     def job(self, plan: Plan, cell: int, setup: Setup) -> tuple[str, Job]:
         """Give the name of a run's folder and what it is asked for, values as typed where they are listed.
@@ -161,7 +159,9 @@ def table(path: str) -> dict[str, list[Value]]:
     """
     try:
         if path.endswith(".csv"):
-            rows = pandas.read_csv(path, skipinitialspace=True)
+            raise_faults(_faults_of_cells(path))
+            # Without False a column too many would become the index, and all others would shift.
+            rows = pandas.read_csv(path, skipinitialspace=True, index_col=False)
         else:
             with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
                 said = {name: values.attrs for name, values in dataset.variables.items()}
@@ -169,6 +169,8 @@ def table(path: str) -> dict[str, list[Value]]:
                 keys = {name: text["key"] for name, text in said.items() if "key" in text}
                 rows = dataset.to_dataframe()
                 rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
+    except ConfigurationError:
+        raise
     # A file can be anything.
     except Exception as error:
         # Numbers of the netCDF library, and what others say, tell of the reader.
@@ -184,7 +186,33 @@ def table(path: str) -> dict[str, list[Value]]:
         for name in rows
         for row in rows[name].isna().to_numpy().nonzero()[0]
     )
-    return {str(name).strip(): rows[name].tolist() for name in rows}
+    columns = {str(name).strip(): rows[name].tolist() for name in rows}
+    raise_faults(
+        f"sweep.samples has a reference in row {row} of '{path}', column {name}; a cell must be a number or "
+        "the name of an option. Write the value."
+        for name, column in columns.items()
+        for row, value in enumerate(column, 1)
+        if "${" in str(value)
+    )
+    return columns
+
+
+def _faults_of_cells(path: str) -> Iterator[str]:
+    """Check that the rows of a CSV file have the cells of its header, and its columns different names."""
+    with Path(path).open(newline="", encoding="utf-8-sig") as file:
+        rows = [row for row in csv.reader(file, skipinitialspace=True) if row]
+    header = [name.strip() for name in rows[0]] if rows else []
+    for name, count in Counter(filter(None, header)).items():
+        if count > 1:
+            yield f"sweep.samples has {count} columns {name} in '{path}'; it must have one. Leave one out."
+    for number, row in enumerate(rows[1:], 1):
+        if any(cell.strip() for cell in row[len(header) :]):
+            yield (
+                f"sweep.samples has {len(row)} cells in row {number} of '{path}' and {len(header)} columns; "
+                "every row must have a cell for each column. Separate the cells by single commas."
+            )
+            # The others have the same fault.
+            break
 
 
 def _plain(value: Any) -> Any:

@@ -184,7 +184,7 @@ class Sweeping:
                 "Interrupted. The chunks that are finished are kept: the same command goes on there."
             ) from None
         print(summary(dataset, dataset.encoding["source"]))
-        return max(status, int(dataset.attrs["runs_absent"] > 0))
+        return max(status, COMPLETE if dataset.attrs["complete"] else INCOMPLETE)
 
     def _chunks(self, store: Store, workers: int | None) -> int:
         """Run the chunks that are missing, here or by a launcher."""

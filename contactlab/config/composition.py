@@ -80,7 +80,7 @@ def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
             composed = hydra.compose(CONFIG_NAME, overrides=[*map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
-        raise ConfigurationError(sentences(error, overrides)) from error
+        raise ConfigurationError(sentences(error, overrides)) from None
     return resolved(composed)
 
 
@@ -96,13 +96,26 @@ def readable(override: str) -> str:
 
 
 def resolved(config: DictConfig) -> dict[str, Any]:
-    """Give a composed configuration without Hydra's part, values in the place of references to them."""
+    """Return a composed configuration without Hydra's part, references replaced by the values they refer to.
+
+    Raises:
+        ConfigurationError: a reference has no value, or is one to the environment, whose variables may be
+            secrets and are no part of what a run records.
+    """
     mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+    faults = [
+        f"{key} refers to a variable of the environment; it must be a value or refer to another key. Let the "
+        "shell put the value in its place."
+        for key, value in flat(OmegaConf.to_container(mine)).items()  # type: ignore[arg-type]
+        if "oc.env" in str(value)
+    ]
+    if faults:
+        raise ConfigurationError(faults)
     try:
         return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
     except OmegaConfBaseException as error:
         words = f"{one_line(error)} Correct the reference in ${{...}}."
-        raise ConfigurationError([words]) from error
+        raise ConfigurationError([words]) from None
 
 
 def sentences(error: Exception, lines: Sequence[str]) -> list[str]:

@@ -8,13 +8,15 @@ import numpy as np
 import xarray
 import yaml
 
-from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.datasheet.curve import BEST, Curve, greatest, root
 from contactlab.datasheet.measurement import UNKNOWN, Number
 from contactlab.datasheet.operation import Point, operate
 from contactlab.datasheet.quantities import MOTOR, POINT
 from contactlab.datasheet.transients import holding_torque, start_time, stop_time
+from contactlab.laws import ContactLaw
+from contactlab.motor import Motor
+from contactlab.orbits.search import steady_setup
 from contactlab.results.files import whole_file, whole_netcdf
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import checkout_state, code_digest, versions
@@ -23,11 +25,17 @@ ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
 """Points of the curve that have a name."""
 
 
-def characterise(setups: Setup | Sequence[Setup], output: str | Path | None = None) -> xarray.Dataset:
+def characterise(
+    motors: Motor | Setup | Sequence[Motor | Setup],
+    law: ContactLaw | None = None,
+    *,
+    output: str | Path | None = None,
+) -> xarray.Dataset:
     """Make the data sheet of a motor, under one law or several.
 
         cl.characterise(cl.build(["law=newton"]))
-        cl.characterise([cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")], "sheet")
+        cl.characterise([cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")], output="sheet")
+        cl.characterise(motor, cl.Newton())
 
         >>> import contactlab as cl
         >>> sheet = cl.characterise(cl.build(["law=hertz_penalty"]))
@@ -35,7 +43,8 @@ def characterise(setups: Setup | Sequence[Setup], output: str | Path | None = No
         (2.739, 'rad s-1')
 
     Args:
-        setups: motors with their laws; duration and record interval mean nothing here.
+        motors: setups, or motors made in Python; duration and record interval mean nothing here.
+        law: what acts in the motors that are no setups, which have a law of their own.
         output: folder for sheet.nc, sheet.png, sheet.pdf and sheet.html; None writes nothing.
 
     Returns:
@@ -50,9 +59,8 @@ def characterise(setups: Setup | Sequence[Setup], output: str | Path | None = No
         NoPeriodError: the drive does not repeat itself.
         OSError: the folder cannot be written to.
     """
-    setups = [setups] if isinstance(setups, Setup) else list(setups)
-    for setup in setups:
-        check_kind("The setup", setup, Setup)
+    listed = [motors] if isinstance(motors, Motor | Setup) else list(motors)
+    setups = [steady_setup(motor, law) for motor in listed]
     if not setups:
         raise ConfigurationError(["There is nothing to characterise; give one setup or more."])
     loads = [setup.motor.rotor.load_torque for setup in setups if setup.motor.rotor.load_torque != 0.0]

@@ -12,13 +12,14 @@ from scipy.linalg import solve_discrete_lyapunov
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.motor import ModalState
+from contactlab.laws import ContactLaw
+from contactlab.motor import ModalState, Motor
 from contactlab.orbits.arrival import NotSettledError
 from contactlab.orbits.bifurcations import SMOOTH
 from contactlab.orbits.coexisting import at_phase, reach, same, touches
 from contactlab.orbits.dataset import attributes_of, flags
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.search import LONGEST, Steady, steady
+from contactlab.orbits.search import LONGEST, Steady, steady, steady_setup
 from contactlab.orbits.shooting import Orbit
 
 if TYPE_CHECKING:
@@ -195,9 +196,10 @@ def default_axes(setup: Setup, count: int = 24) -> dict[str, Array]:
 
 
 def basins(
-    setup: Setup,
+    motor: Motor | Setup,
     axes: Mapping[str, Array] | None = None,
     *,
+    law: ContactLaw | None = None,
     longest: int = LONGEST,
     report: Callable[[int], None] | None = None,
 ) -> Basins:
@@ -214,8 +216,9 @@ def basins(
         ([[0, 0], [0, 0], [0, 0]], (1.0,), '-2.1911 rad/s')
 
     Args:
-        setup: the motor.
+        motor: what moves, or a whole setup.
         axes: values of two of `COORDINATES`; by default those of `default_axes`.
+        law: what acts between tip and rotor; a setup has its own.
         longest: as of `contactlab.steady`.
         report: called with the number of starts that are done.
 
@@ -223,6 +226,7 @@ def basins(
         ValueError: there are not two coordinates, or one that there is none of.
         NoPeriodError: the drive does not repeat itself.
     """
+    setup = steady_setup(motor, law)
     given = {name: np.asarray(v, dtype=np.float64) for name, v in (axes or default_axes(setup)).items()}
     if len(given) != 2 or not given.keys() <= COORDINATES.keys():
         raise ValueError(

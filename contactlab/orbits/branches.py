@@ -12,12 +12,15 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import unknown_key
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
+from contactlab.laws import ContactLaw
+from contactlab.motor import Motor
 from contactlab.orbits.continuation import follow
 from contactlab.orbits.curve import BranchPoint, MapAt, Mark
 from contactlab.orbits.dataset import attributes_of, flags
 from contactlab.orbits.period_map import PeriodMap
-from contactlab.orbits.search import steady
+from contactlab.orbits.search import steady, steady_setup
 from contactlab.parameter import from_cf
+from contactlab.simulation import variable_numbers, with_number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -111,7 +114,14 @@ class Branch:
 
 
 def branch(
-    setup: Setup, parameter: str, start: float, end: float, *, belt: float | None = None, step: float = 0.02
+    motor: Motor | Setup,
+    parameter: str,
+    start: float,
+    end: float,
+    *,
+    law: ContactLaw | None = None,
+    belt: float | None = None,
+    step: float = 0.02,
 ) -> Branch:
     """Follow the periodic orbits of a motor while one number of its configuration changes.
 
@@ -126,10 +136,11 @@ def branch(
         'It ends where the range of the parameter does, at 1.1e-06.'
 
     Args:
-        setup: the motor as `contactlab.build` gives it.
+        motor: what moves, or a whole setup.
         parameter: a key that holds a number, 'contact.clearance', or 'belt', the velocity at which the
-            rotor is held [rad/s].
+            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and law.
         start, end: of the range, in SI.
+        law: what acts between tip and rotor; a setup has its own.
         belt: velocity at which the rotor is held while something else changes [rad/s]; None is free.
         step: first step, in parts of the range and of the state; the longest is twice that.
 
@@ -140,6 +151,7 @@ def branch(
     """
     if start == end:
         raise NoBranchError(f"The range begins and ends at {start:g}; it must have two ends that differ.")
+    setup = steady_setup(motor, law)
     unit, meaning = _declared(setup, parameter)
     at = family(setup, parameter, belt)
     at(end)
@@ -158,10 +170,13 @@ def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
     if parameter == BELT:
         return lambda value: PeriodMap(setup, belt=value)
     values = flat(setup.configuration)
+    made_in_python = "resonator" not in setup.configuration
 
     # The same value is asked for several times in a row.
     @lru_cache(maxsize=4)
     def map_at(value: float) -> PeriodMap:
+        if made_in_python:
+            return PeriodMap(with_number(setup, parameter, value), belt=belt)
         return PeriodMap(build(nested(values | {parameter: value})), belt=belt)
 
     return map_at
@@ -177,6 +192,9 @@ def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
     if parameter == BELT:
         return "rad s-1", "velocity at which the rotor is held"
     declared = declared_in(setup.configuration)
+    if "resonator" not in setup.configuration:
+        numbers = variable_numbers(setup).items()
+        declared = {key: field.parameter for key, (_, field) in numbers if field.parameter}
     if parameter not in declared:
         raise ConfigurationError([unknown_key(parameter, "", [BELT, *declared])])
     found = declared[parameter]

@@ -8,9 +8,11 @@ import numpy as np
 
 from contactlab.config import Setup
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
-from contactlab.laws.base import MultiplierLaw
+from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.metrics.convergence import FINER, richardson
-from contactlab.orbits.search import Steady, steady
+from contactlab.motor import Motor
+from contactlab.orbits.search import Steady, steady, steady_setup
+from contactlab.settling.statistics import Estimate
 
 
 @final
@@ -22,7 +24,7 @@ class Converged:
         >>> found = cl.converged(cl.build(["law=hertz_penalty"]))
         >>> found.control, len(found.steps)
         ('tolerance', 3)
-        >>> f"{found.best.velocity[0]:.5f} rad/s"
+        >>> f"{found.best.velocity.value:.5f} rad/s"
         '-2.19111 rad/s'
 
     Args:
@@ -44,8 +46,8 @@ class Converged:
         """The steady state at the finest step."""
         return self.steps[-1]
 
-    def value(self, of: Callable[[Steady], tuple[float, float]]) -> tuple[float, float]:
-        """Give a number at the finest step and its error, of discretisation and statistics together.
+    def value(self, of: Callable[[Steady], tuple[float, float]]) -> Estimate:
+        """Return a number at the finest step and its error, of discretisation and statistics together.
 
         Args:
             of: gives number and statistical error of a steady state, as `lambda each: each.velocity`.
@@ -53,23 +55,25 @@ class Converged:
         numbers, statistical = np.transpose([of(each) for each in self.steps])
         left = float(np.ptp(numbers))
         # What statistics blur has no order to be seen, and a single step none at all.
-        if numbers.size > 2 and left > statistical.max():
+        if numbers.size > 2 and left > np.nan_to_num(statistical).max():
             order = self.best.setup.law.convergence_order
             left = float(richardson(numbers, self.values[0] / self.values[1], order))
-        return float(numbers[-1]), left + float(statistical[-1])
+        return Estimate(float(numbers[-1]), left + float(statistical[-1]))
 
     @property
-    def velocity(self) -> tuple[float, float]:
+    def velocity(self) -> Estimate:
         """Mean rotor velocity and its error [rad/s]."""
         return self.value(lambda each: each.velocity)
 
     @property
-    def torque(self) -> tuple[float, float]:
+    def torque(self) -> Estimate:
         """Mean torque of the contact on the rotor and its error [N m]."""
         return self.value(lambda each: each.torque)
 
 
-def converged(setup: Setup, *, refine: bool = True, **arguments: Any) -> Converged:
+def converged(
+    motor: Motor | Setup, law: ContactLaw | None = None, *, refine: bool = True, **arguments: Any
+) -> Converged:
     """Find a steady state at three steps, each from the one before it.
 
     A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
@@ -80,13 +84,15 @@ def converged(setup: Setup, *, refine: bool = True, **arguments: Any) -> Converg
         '-2.951 +- 5e-05 rad/s'
 
     Args:
-        setup: as of `steady`; its contact step or tolerance is the coarsest.
+        motor, law: as of `steady`; the contact step or tolerance is the coarsest.
         refine: False takes that alone, and then nothing tells the error of it.
         arguments: further ones of `steady`.
 
     Raises:
         NoPeriodError, NotSettledError, BrokenOffError: as of `contactlab.steady`.
     """
+    given = {name: arguments.pop(name) for name in FINER if name in arguments}
+    setup = steady_setup(motor, law, **given)
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
     divisors = FINER[control] if refine else (1.0,)
     values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in divisors)

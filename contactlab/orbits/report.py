@@ -1,7 +1,7 @@
 """A steady state as lines of text and as a dataset of one orbit."""
 
 import json
-from operator import methodcaller
+from operator import attrgetter, methodcaller
 from typing import Any, Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from contactlab.orbits.convergence import Converged
 from contactlab.orbits.steady_state import CUMULATIVE, Steady
 from contactlab.results.netcdf import TITLE, to_datatree
 from contactlab.results.summary import prefixed
+from contactlab.settling.statistics import Estimate
 
 ROUGH: Final = 1e-2
 """Roughness from which on multipliers are told as rough ones."""
@@ -50,8 +51,8 @@ def summary_of(found: Converged) -> dict[str, str]:
         "mean torque of contact": with_error(found.torque, "N m"),
         "power": f"drive {prefixed(rates['drive_work'], 'W')} = "
         + " + ".join(f"{word} {prefixed(rates[name], 'W')}" for name, word in LOSSES.items()),
-        "contact": f"{best.contact_share:.3g} of the time, impulse {best.impulse[0]:.6g} N s a period, "
-        f"peak force {best.peak_force:.4g} N",
+        "contact": f"{best.contact_share.value:.3g} of the time, impulse {best.impulse[0]:.6g} N s a period, "
+        f"peak force {best.peak_force.value:.4g} N",
     }
     if best.brake is not None:
         held = "holds the rotor" if best.kind == "standing" else "is overcome"
@@ -102,11 +103,6 @@ def _stability(steady: Steady) -> dict[str, str]:
     return lines
 
 
-def _of(found: Converged, name: str) -> tuple[float, float]:
-    """Give a number without statistics at the finest step, and its error."""
-    return found.value(lambda each: (getattr(each, name), 0.0))
-
-
 def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
     """Give one orbit, or one period of another motion, as a tree like that of a run.
 
@@ -119,12 +115,12 @@ def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
     law = str(tree.attrs["title"]).removeprefix(TITLE)
     tree.attrs["title"] = f"Steady state of a standing-wave piezoelectric motor with the contact law {law}"
     tree["time"].attrs["long_name"] = f"time since the drive's phase of {best.phase:.9g} periods"
-    numbers: dict[str, tuple[tuple[float, float], str, str]] = {
+    numbers: dict[str, tuple[Estimate, str, str]] = {
         "rotor_velocity": (found.velocity, "rad s-1", "mean rotor velocity"),
         "torque": (found.torque, "N m", "mean torque of the contact on the rotor"),
         "normal_impulse": (found.value(lambda each: each.impulse), "N s", "normal impulse of a period"),
-        "peak_normal_force": (_of(found, "peak_force"), "N", "largest normal force"),
-        "contact_share": (_of(found, "contact_share"), "1", "share of time in contact"),
+        "peak_normal_force": (found.value(attrgetter("peak_force")), "N", "largest normal force"),
+        "contact_share": (found.value(attrgetter("contact_share")), "1", "share of time in contact"),
     }
     for name in CUMULATIVE[1:]:
         rate = found.value(methodcaller("average", name))

@@ -12,7 +12,7 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.orbits.arrival import TAIL, NotSettledError, Start, settled
 from contactlab.orbits.steady_state import Steady as Steady
-from contactlab.simulation import changed, setup_of
+from contactlab.simulation import setup_of
 
 LONGEST: Final = 4000
 """Periods after which a motion without an orbit has its means."""
@@ -64,14 +64,7 @@ def steady(
         ValueError, TypeError: an argument is out of range, or of another kind.
         KeyboardInterrupt: as it comes.
     """
-    given = {"contact_step": contact_step, "tolerance": tolerance}
-    given = {name: value for name, value in given.items() if value is not None}
-    if not isinstance(motor, Setup):
-        setup = setup_of(motor, law, given | {"duration": 1.0})
-    elif law is not None:
-        raise ValueError("A setup has a law of its own, and another one is given; give a motor and a law.")
-    else:
-        setup = changed(motor, given)
+    setup = steady_setup(motor, law, contact_step, tolerance)
     _check(belt, load, brake, longest)
     rotor = setup.motor.rotor
     begins = 0.0, setup.motor.start, rotor.initial_velocity
@@ -88,6 +81,18 @@ def steady(
     found = settled(setup, belt, begins, longest)
     assert found is not None
     return found
+
+
+def steady_setup(
+    motor: Motor | Setup,
+    law: ContactLaw | None = None,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+) -> Setup:
+    """Return the setup of a study of steady states, whose duration means nothing; see `steady`."""
+    given = {"contact_step": contact_step, "tolerance": tolerance}
+    given = {name: value for name, value in given.items() if value is not None}
+    return setup_of(motor, law, given if isinstance(motor, Setup) else given | {"duration": 1.0})
 
 
 def _check(belt: float | None, load: float | None, brake: float | None, longest: int) -> None:

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
+import pandas
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
 from contactlab.orbits.period_map import PeriodMap, period_of
 from contactlab.orbits.shooting import CLOSED, Orbit
-from contactlab.settling.statistics import mean_with_error
+from contactlab.settling.statistics import Estimate, mean_with_error
 from contactlab.trajectory import Trajectory
 
 CUMULATIVE: Final = (
@@ -39,7 +40,7 @@ class Steady:
         >>> value, error = found.velocity
         >>> found.kind, round(value, 6), error < 1e-6
         ('periodic', -2.191106, True)
-        >>> round(found.peak_force, 2), round(found.contact_share, 3)
+        >>> round(found.peak_force.value, 2), round(found.contact_share.value, 3)
         (8.71, 0.199)
 
     Args:
@@ -87,8 +88,8 @@ class Steady:
         slow = 1.0 - float(abs(self.orbit.multipliers[0]))
         return max(gap / size, CLOSED) / max(slow, float(np.finfo(float).eps))
 
-    def mean(self, rates: Array) -> tuple[float, float]:
-        """Give the mean of rates over the record intervals of the motion, and its error.
+    def mean(self, rates: Array) -> Estimate:
+        """Return the mean of rates over the record intervals of the motion, and its error.
 
         That of an orbit is what its closure leaves; a motion that was run until it repeated itself has the
         range of its rates, another one its statistical error. What steps and tolerance do comes on top, see
@@ -96,14 +97,14 @@ class Steady:
         """
         if self.orbit is not None or rates.size == 1:
             mean = float(rates.mean())
-            return mean, self.closure * abs(mean)
+            return Estimate(mean, self.closure * abs(mean))
         if self.periods:
             cycles = rates[rates.size % self.periods :].reshape(-1, self.periods).mean(axis=1)
-            return float(cycles[-1]), float(np.ptp(cycles))
+            return Estimate(float(cycles[-1]), float(np.ptp(cycles)))
         return mean_with_error(rates)
 
-    def average(self, name: str) -> tuple[float, float]:
-        """Give the mean of a series over time, and its error.
+    def average(self, name: str) -> Estimate:
+        """Return the mean of a series over time, and its error.
 
         Args:
             name: a force, 'normal_force' [N]; or what adds up, whose rate is meant: 'rotor_angle' [rad/s],
@@ -122,41 +123,57 @@ class Steady:
         )
 
     @property
-    def velocity(self) -> tuple[float, float]:
+    def velocity(self) -> Estimate:
         """Mean rotor velocity and its error at this step [rad/s]; `contactlab.converged` adds the step's."""
         if self.belt is not None:
-            return self.belt, 0.0
+            return Estimate(self.belt, 0.0)
         mean, error = self.average("rotor_angle")
         # The rotor's part of a state whose size is mostly the resonator's.
         size = float(np.linalg.norm(self.orbit.state)) if self.orbit is not None else 0.0
-        return mean, max(error, self.closure * size / float(np.sqrt(self.setup.motor.rotor.inertia)))
+        return Estimate(
+            mean, max(error, self.closure * size / float(np.sqrt(self.setup.motor.rotor.inertia)))
+        )
 
     @property
-    def torque(self) -> tuple[float, float]:
+    def torque(self) -> Estimate:
         """Mean torque of the contact on the rotor, -R F, and its error [N m]."""
         radius = self.setup.motor.geometry.rotor_radius
         mean, error = self.mean(-radius * self.motion.series["friction_force"][1:])
         # Forward and backward parts may cancel; each of them has its error.
-        return mean, max(error, self.closure * radius * self.average("normal_force")[0])
+        return Estimate(mean, max(error, self.closure * radius * self.average("normal_force").value))
 
     @property
-    def impulse(self) -> tuple[float, float]:
+    def impulse(self) -> Estimate:
         """Normal impulse of a period of the drive, and its error [N s]."""
         mean, error = self.average("normal_force")
-        return mean * self.period, error * self.period
+        return Estimate(mean * self.period, error * self.period)
 
     @property
-    def peak_force(self) -> float:
-        """Largest normal force of the motion [N]; of a rigid law, an impulse over the contact step."""
-        return float(self.motion.contacts["peak_normal_force"].max(initial=0.0))
+    def peak_force(self) -> Estimate:
+        """Largest normal force of the motion and its error [N]; of a rigid law, an impulse over its step.
+
+        No error is known of the largest force of a motion that does not repeat itself.
+        """
+        peaks = self.motion.contacts["peak_normal_force"]
+        largest = float(peaks.max(initial=0.0))
+        if self.orbit is not None or not peaks.size:
+            return Estimate(largest, self.closure * largest)
+        if not self.periods:
+            return Estimate(largest, np.nan)
+        passed = (self.motion.contacts["start_time"] - self.motion.time[0]) / (self.periods * self.period)
+        cycles = pandas.Series(peaks).groupby(np.floor(passed)).max()
+        return Estimate(largest, float(np.ptp(cycles)))
 
     @property
-    def contact_share(self) -> float:
-        """Share of the time in which tip and rotor touch [1]."""
-        begin, end = self.motion.time[[0, -1]]
-        touched = self.motion.contacts["start_time"]
-        released = np.minimum(touched + self.motion.contacts["duration"], end)
-        return float(np.sum(np.maximum(released - np.maximum(touched, begin), 0.0)) / (end - begin))
+    def contact_share(self) -> Estimate:
+        """Share of the time in which tip and rotor touch, and its error [1]."""
+        touched, lasted = (self.motion.contacts[name] for name in ("start_time", "duration"))
+        if not touched.size:
+            return Estimate(0.0, 0.0)
+        # The time in contact until an instant grows by one a second in contact, and rests in flight.
+        edges = np.column_stack([touched, touched + lasted]).ravel()
+        until = np.column_stack([np.cumsum(lasted) - lasted, np.cumsum(lasted)]).ravel()
+        return self.mean(np.diff(np.interp(self.motion.time, edges, until)) / np.diff(self.motion.time))
 
     @property
     def end(self) -> tuple[float, ModalState, float]:

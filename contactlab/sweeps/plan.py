@@ -224,7 +224,10 @@ def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]
         ends = [] if whole else [k for k in known if f"_{k.replace('.', '_')}".endswith(f"_{name}")]
         if len(ends) > 1:
             raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
-        found[ends[0] if ends else name] = column
+        key = ends[0] if ends else name
+        if key in found:
+            raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
+        found[key] = column
     return found
 
 

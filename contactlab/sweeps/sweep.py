@@ -17,12 +17,12 @@ from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import Value
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.simulation import KEYS, setup_of
+from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
 from contactlab.sweeps.batch import Batch, Outputs, Report, SetupAt
 from contactlab.sweeps.dataset import Axis, dataset_of
-from contactlab.sweeps.plan import NOTHING, Configuration, Plan, full_keys, planned, with_key
+from contactlab.sweeps.plan import NOTHING, Columns, Configuration, Plan, full_keys, planned, with_key
 from contactlab.sweeps.store import Store
-from contactlab.sweeps.values import listed
+from contactlab.sweeps.values import in_si, listed, spread
 
 Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 
@@ -32,7 +32,7 @@ def sweep(
     *,
     motor: Callable[..., Motor] | None = None,
     law: ContactLaw | Callable[..., ContactLaw] | str | None = None,
-    base: Sequence[str] | Configuration | Setup = (),
+    base: Sequence[str] | Configuration | Setup | Motor = (),
     duration: float | None = None,
     record_interval: float | None = None,
     contact_step: float | None = None,
@@ -49,7 +49,15 @@ def sweep(
         >>> dict(sweep(values, duration=1e-3, workers=1).sizes)
         {'law': 2, 'clearance': 3}
 
-    With a function that makes the motor anything may vary, here the gap of a motor of one's own:
+    A motor and a law made in Python have numbers of their own that vary, those of contact, rotor and law:
+
+        >>> import contactlab as cl
+        >>> ball, law = cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5)
+        >>> found = sweep({"law.restitution": [0.4, 0.6]}, base=ball, law=law, duration=0.02, workers=1)
+        >>> found["law_restitution"].values
+        array([0.4, 0.6])
+
+    With a function that makes the motor anything may vary:
 
         sweep({"gap": gaps}, motor=lambda gap: Motor(..., ContactGeometry(clearance=gap)), law=law, ...)
 
@@ -61,8 +69,9 @@ def sweep(
             brings its unit), or a text as on the command line. A table, a DataFrame or a list of mappings,
             has a run in each row.
         motor: makes the motor; what it raises makes the run a failed one.
-        law: its name; with `motor` what acts between tip and rotor, or a function that makes it.
-        base: what all runs have, as overrides, as a configuration or as a setup.
+        law: its name; with `motor` what acts between tip and rotor, or a function that makes it; with a motor
+            as base what acts.
+        base: what all runs have, as overrides, as a configuration, as a setup or as a motor made in Python.
         duration, record_interval: [s]; those of `base` where they are not given. With `motor` no interval
             keeps but the last record, with which all metrics are content that need no records.
         contact_step, tolerance: as for `contactlab.engine.simulate`.
@@ -70,7 +79,8 @@ def sweep(
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
             internal_NAME of what a law remembers, NaN under laws that do not.
         folder: where chunks are kept as they are finished, so that the same sweep goes on where it was
-            stopped; not with `motor`, since of a function nobody can tell whether it is the same.
+            stopped; for sweeps over keys of the configuration alone, as of a function or a motor made in
+            Python nobody can tell whether it is the same.
         workers: processes at work; None is one a processor.
         report: told now and then how many runs have ended.
 
@@ -93,11 +103,24 @@ def sweep(
     outputs = Outputs.named(metrics, series)
     numbers = (duration, record_interval, contact_step, tolerance)
     solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
-    if motor is None:
+    if isinstance(base, Motor):
+        if folder is not None or motor is not None or duration is None:
+            raise ValueError(
+                "The base is a motor made in Python; there must be a law and a duration beside it, and "
+                "neither a folder nor a function that makes motors."
+            )
+        made = setup_of(base, law, solver)
+        plan = Plan(axes=_axes_of_numbers(made, columns, samples), samples=samples, outputs=outputs)
+        outputs = outputs.of_laws([made.law])
+        setup_at: SetupAt = partial(_with_numbers, plan, made)
+        # Every value is checked before the first run.
+        for cell in range(plan.cells):
+            setup_at(cell)
+    elif motor is None:
         composer = ScriptComposer(base, law, solver)
         plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
         outputs = plan.outputs
-        setup_at: SetupAt = plan.setup_at
+        setup_at = plan.setup_at
     else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
             raise ValueError(
@@ -146,6 +169,25 @@ def _setup(plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, 
     """Make what runs in a cell by functions of its values."""
     point = plan.point(cell)
     return setup_of(motor(**point), law(**point) if callable(law) else law, solver)
+
+
+def _axes_of_numbers(setup: Setup, columns: Columns, samples: bool) -> tuple[Axis, ...]:
+    """Return the axes of a sweep over numbers of a motor made in Python, by full key or its last part."""
+    numbers, axes = variable_numbers(setup), []
+    for name, column in columns.items():
+        key = next((key for key in numbers if name in (key, key.rpartition(".")[2])), name)
+        said = numbers[key][1].parameter if key in numbers else None
+        units, meaning = (said.units, said.meaning) if said else ("", "")
+        values = column if samples else [x for value in column for x in spread(key, value, units)]
+        axes.append(Axis(key, tuple(in_si(value, units) for value in values), units, meaning))
+    return tuple(axes)
+
+
+def _with_numbers(plan: Plan, setup: Setup, cell: int) -> Setup:
+    """Return what runs in a cell over numbers of a motor made in Python."""
+    for key, value in plan.point(cell).items():
+        setup = with_number(setup, key, value)
+    return setup
 
 
 def _values(given: Any) -> list[Value]:

@@ -129,7 +129,7 @@ def test_a_belt_gives_the_slope_that_the_rotor_settles_by() -> None:
 def test_without_contact_the_rotor_keeps_its_velocity_or_that_of_load_and_damping() -> None:
     far = ("contact.clearance=100 um", "rotor.initial_velocity=2")
     found = free(*far)
-    assert (found.kind, found.contact_share, found.peak_force) == ("without contact", 0.0, 0.0)
+    assert (found.kind, found.contact_share, found.peak_force) == ("without contact", (0.0, 0.0), (0.0, 0.0))
     assert found.velocity[0] == pytest.approx(2.0, rel=1e-12)
     damped = cl.steady(setup_of(*far, "rotor.damping=1e-5"), load=1e-5)
     assert damped.velocity[0] == pytest.approx(-1.0, rel=1e-9)
@@ -158,7 +158,7 @@ def test_a_motor_pressed_together_has_means_and_no_multipliers(law: cl.ContactLa
     pressed = replace(pressed, geometry=replace(motor.geometry, clearance=0.0))
     found = cl.steady(pressed, law, contact_step=5e-7, longest=200)
     assert (found.kind, found.orbit) == ("periodic", None)
-    assert found.contact_share == pytest.approx(1.0, abs=1e-9)
+    assert found.contact_share.value == pytest.approx(1.0, abs=1e-9)
     assert found.average("normal_force")[0] > 0.0
     # What turns the rotor is what its damping takes.
     torque = motor.rotor.damping * found.velocity[0]
@@ -179,7 +179,7 @@ def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> N
     motor = cl.Motor(modes, drive, geometry, cl.Rotor(inertia=FLAT**2))
     found = cl.steady(motor, cl.HertzPenalty(1e10, 0.3), belt=0.0)
     assert found.kind == "periodic"
-    assert found.contact_share > 0.0
+    assert found.contact_share.value > 0.0
 
 
 def test_what_steps_leave_is_told_with_the_mean() -> None:
@@ -253,3 +253,30 @@ def test_a_drive_without_a_period_has_no_steady_state() -> None:
 def test_series_without_a_mean_are_refused_and_the_others_told() -> None:
     with pytest.raises(ValueError, match="gap has no mean here; it must be one of normal_force"):
         free().average("gap")
+
+
+@pytest.mark.parametrize("law", ["newton", "hertz_penalty"])
+def test_a_motor_and_a_law_made_in_python_have_the_steady_states_of_their_setup(law: str) -> None:
+    setup = setup_of(f"law={law}")
+    given = {"contact_step": setup.contact_step}
+    of_setup, of_parts = cl.converged(setup), cl.converged(setup.motor, setup.law, **given)
+    for name in ("velocity", "torque"):
+        assert getattr(of_parts, name) == getattr(of_setup, name)
+    for name in ("velocity", "torque", "impulse", "peak_force", "contact_share"):
+        value, error = number = getattr(of_parts.best, name)
+        assert (number.value, number.error) == (value, error)
+        # The torque of a free rotor is zero, whatever its error.
+        assert 0.0 <= error <= max(1e-6 * abs(value), 1e-9)
+
+
+@pytest.mark.parametrize("refused", [{"law": cl.Newton()}, {"tolerance": "tight"}])
+def test_what_a_setup_has_of_its_own_is_not_given_beside_it(refused: dict[str, Any]) -> None:
+    with pytest.raises((TypeError, ValueError)):
+        cl.converged(setup_of(), **refused)
+
+
+def test_the_peak_of_a_motion_without_period_has_no_known_error() -> None:
+    found = cl.steady(setup_of("law=newton", "resonator=finite_element"), longest=200)
+    chaotic = replace(found, orbit=None, periods=0)
+    assert chaotic.peak_force.value == found.peak_force.value
+    assert np.isnan(chaotic.peak_force.error)

@@ -246,6 +246,11 @@ def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> 
         ("clearance,law\n1e-6,newton\n1e-6,\n", "sweep.samples has no law in row 2"),
         ("clearence\n1e-6\n", "Did you mean contact.clearance?"),
         ("law\nnewtonn\n", "law is 'newtonn'; it must be one of"),
+        ("drive.phase,contact.friction_coefficient\n0.1,0.3,0.5\n", "3 cells in row 1"),
+        ("drive.phase,law\n0.1,newton\n0.1,newton,0.5\n", "3 cells in row 2"),
+        ("clearance,clearance\n1e-6,2e-6\n", "2 columns clearance"),
+        ("clearance,contact.clearance\n1e-6,2e-6\n", "contact.clearance is swept by two names"),
+        ("drive.phase\n${contact.friction_coefficient}\n", "row 1 of 'table.csv', column drive.phase"),
     ],
 )
 def test_a_faulty_table_is_refused_in_a_sentence(command: Command, table: str, words: str) -> None:
@@ -254,3 +259,34 @@ def test_a_faulty_table_is_refused_in_a_sentence(command: Command, table: str, w
     assert status == 2
     assert words in err
     assert left_behind() == [Path("table.csv")]
+
+
+@pytest.mark.parametrize("where", ["cell", "override", "beside the sweep", "file"])
+def test_a_variable_of_the_environment_is_neither_read_nor_shown(
+    command: Command, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    monkeypatch.setenv("SECRET", "hush-1234")
+    reference = "${oc.env:SECRET}"
+    Path("table.csv").write_text(f"drive.phase\n{reference}\n")
+    Path("law").mkdir()
+    Path("law/mine.yaml").write_text(f"name: newton\nrestitution: {reference}\n")
+    before = sorted(left_behind())
+    lines = {
+        "cell": ["-m", "sweep.samples=table.csv"],
+        "override": [f"drive.phase={reference}"],
+        "beside the sweep": ["-m", "drive.phase=0,1", f"contact.clearance={reference}"],
+        "file": ["--config-dir=.", "law=mine"],
+    }
+    status, out, err = command(*lines[where])
+    assert status == 2
+    assert "hush" not in out + err
+    assert sorted(left_behind()) == before
+
+
+def test_a_sweep_of_metrics_with_a_run_that_fails_says_so_by_its_status(command: Command) -> None:
+    # The last voltage drives the tip deep into the rotor, and its run is left incomplete.
+    swept = ("drive.voltage_1=90,1e5", "law.stiffness=1e3", "solver.duration=1e-3")
+    status, _, _ = command("-m", *swept, "sweep.keep=metrics", "hydra.sweep.dir=sweep")
+    with xarray.open_dataset("sweep/sweep.nc") as found:
+        assert found.attrs["runs_complete"] == 1
+    assert status == 1

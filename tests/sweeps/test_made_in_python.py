@@ -1,0 +1,76 @@
+"""Sweeps, branches and data sheets of a motor and a law made in Python are those of their configuration."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+
+SETUP = cl.build(["law=newton"])
+SHORT: Any = {"duration": 1e-3, "workers": 1}
+OWN: Any = {"base": SETUP.motor, "law": SETUP.law, **SHORT, "contact_step": SETUP.contact_step}
+
+
+def test_the_numbers_of_a_motor_vary_as_the_keys_of_a_configuration_do() -> None:
+    over = {"clearance": "linspace(0.5 um, 1 um, 2)", "law.restitution": [0.3, 0.6], "rotor.inertia": [4e-5]}
+    made, built = cl.sweep(over, **OWN), cl.sweep(over, base=SETUP, **SHORT)
+    assert dict(made.sizes) == dict(built.sizes) == {"clearance": 2, "law_restitution": 2, "inertia": 1}
+    assert made["clearance"].attrs["units"] == "m"
+    for name in ("final_rotor_velocity", "total_impulse", "contact_count"):
+        assert np.array_equal(made[name], built[name])
+
+
+def test_the_rows_of_a_table_are_runs_of_it_and_parts_of_its_law_vary() -> None:
+    law = cl.Composed(normal=cl.Linear(stiffness=1e7))
+    rows = [{"law.normal.stiffness": 1e7, "friction_coefficient": 0.2}, {"law.normal.stiffness": 2e7}]
+    rows[1]["friction_coefficient"] = 0.3
+    found = cl.sweep(rows, base=SETUP.motor, law=law, **SHORT)
+    for run, row in enumerate(rows):
+        other = cl.Composed(
+            cl.Linear(row["law.normal.stiffness"]), friction=cl.Coulomb(row["friction_coefficient"])
+        )
+        alone = cl.simulate(SETUP.motor, other, duration=1e-3)
+        assert found["final_rotor_velocity"][run] == alone["rotor_velocity"][-1]
+
+
+@pytest.mark.parametrize(
+    ("over", "key"),
+    [
+        ({"drive.phase": [0.1]}, "drive.phase"),
+        ({"law.stiffness": [1e9]}, "law.stiffness"),
+        ({"rotor.inertia": [1e-5, 0.0]}, "rotor.inertia"),
+        ({"law.restitution": ["2 kg"]}, "law.restitution"),
+        ({"contact.clearance": ["linspace(0,1)"]}, "contact.clearance"),
+    ],
+)
+def test_what_it_does_not_have_or_admit_is_refused_by_its_key(over: dict[str, Any], key: str) -> None:
+    with pytest.raises(ValueError, match=key.replace(".", r"\.")):
+        cl.sweep(over, **OWN)
+
+
+@pytest.mark.parametrize("beside", [{"folder": "kept"}, {"duration": None}, {"motor": lambda: SETUP.motor}])
+def test_what_does_not_go_with_it_is_refused(beside: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="made in Python"):
+        cl.sweep({"clearance": [1e-6]}, **{**OWN, **beside})
+
+
+def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
+    numbers = {"base": SETUP.motor, "law": SETUP.law}
+    sheets = cl.characterise(SETUP), cl.characterise(numbers["base"], numbers["law"])
+    for name in ("stall_torque", "no_load_velocity", "velocity"):
+        assert np.array_equal(*(sheet[name] for sheet in sheets), equal_nan=True)
+    over: Any = ("contact.clearance", 1e-6, 1.01e-6)
+    branches = cl.branch(SETUP, *over), cl.branch(SETUP.motor, *over, law=SETUP.law)
+    assert np.array_equal(*(each.to_xarray()["rotor_velocity"] for each in branches))
+    with pytest.raises(cl.ConfigurationError, match=r"drive\.phase"):
+        cl.branch(SETUP.motor, "drive.phase", 0.0, 0.1, law=SETUP.law)
+    axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
+    assert np.array_equal(cl.basins(SETUP, axes).labels, cl.basins(SETUP.motor, axes, law=SETUP.law).labels)
+
+
+def test_a_faulty_key_is_refused_without_the_errors_of_other_libraries() -> None:
+    with pytest.raises(cl.ConfigurationError, match=r"contact\.clearance") as caught:
+        cl.build(["contact.clearence=1e-6"])
+    assert caught.value.__cause__ is None
+    assert caught.value.__suppress_context__
