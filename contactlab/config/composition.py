@@ -48,7 +48,7 @@ LISTS: Final = (
 )
 """How many values are written in one argument."""
 
-_BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·][^,='\"]*)(?=,|$)")
+_BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·^][^,='\"]*)(?=,|$)")
 """A number with a unit that has letters beyond those of Hydra's grammar."""
 
 _IN_OUR_WORDS: Final = {

@@ -21,7 +21,8 @@ MISSING = "???"
 """What a configuration file writes for a value that has to be given."""
 
 _NUMBER_AND_UNIT = re.compile(
-    r"\s*(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)\s*(?P<unit>[^\W\d_°%][\w\s*/^().-]*|[°%])\s*"
+    r"\s*(?P<number>[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)"
+    r"\s*(?P<unit>((?<=\s)1\s*/\s*)?[^\W\d_°%][\w\s*/^().-]*|[°%])\s*"
 )
 
 

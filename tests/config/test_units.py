@@ -3,9 +3,13 @@
 import math
 
 import pytest
+from hypothesis import given, strategies as st
 
+import contactlab
+from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, to_si
-from contactlab.parameter import from_cf
+from contactlab.laws.registry import own
+from contactlab.parameter import from_cf, parameters_of
 
 
 @pytest.mark.parametrize(
@@ -92,3 +96,29 @@ def test_a_text_that_is_no_number_is_refused(text: str) -> None:
 )
 def test_units_of_the_cf_conventions_are_written_as_in_a_configuration(units: str, text: str) -> None:
     assert from_cf(units) == text
+
+
+def printed_units() -> list[str]:
+    owners = [type(getattr(contactlab.build().motor, name)) for name in ("geometry", "rotor")]
+    owners += [law for family in ("", "normal", "damping", "friction") for law in own(family).values()]
+    owners += [contactlab.Steel, contactlab.Piezoceramic, contactlab.RitzResonator]
+    return sorted({said.unit for owner in owners for said in parameters_of(owner).values()} - {"1"})
+
+
+@pytest.mark.parametrize("unit", printed_units())
+@given(number=st.floats(-1e30, 1e30, allow_subnormal=False))
+def test_a_number_in_any_unit_that_is_printed_is_read_as_it_is(unit: str, number: float) -> None:
+    assert to_si(f"{number!r} {unit}", unit) == number
+
+
+@pytest.mark.parametrize(
+    ("line", "number"),
+    [
+        ("law.stiffness=2e10 N/m^1.5", 2e10),
+        ("rotor.inertia=4e-5 kg m^2", 4e-5),
+        ("resonator.mass_damping=8 1/s", 8.0),
+        ("resonator.steel.density=7000 kg/m^3", 7000.0),
+    ],
+)
+def test_such_a_unit_needs_no_quotes_of_its_own_on_the_command_line(line: str, number: float) -> None:
+    assert flat(contactlab.build([line]).configuration)[line.partition("=")[0]] == number

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty, Thornton
@@ -156,6 +157,30 @@ def test_elliptic_contact_is_hertz_by_quadrature(ratio: float) -> None:
     force = normal.elastic(depth, np.array(normal.coefficients()), 0)[0]
     found = hertz_approach(2e-3 * ratio, 2e-3, normal.effective_modulus, force)
     assert_allclose(found, depth, rtol=1e-8)
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e9, 1e12])
+def test_a_slender_elliptic_contact_is_the_limit_of_hertz(ratio: float) -> None:
+    """With b/a -> 0: E -> 1 and K -> log(4 a/b), up to (b/a)^2; Johnson, eqs. 4.26 to 4.28."""
+
+    def missing(log_aspect: float) -> float:
+        first = np.log(4.0) + log_aspect
+        return float(np.log((np.exp(2.0 * log_aspect) - first) / (first - 1.0)) - np.log(ratio))
+
+    log_aspect = brentq(missing, 1.0, 40.0, xtol=1e-15)
+    first = np.log(4.0) + log_aspect
+    cube = (
+        4.0 / np.pi * np.exp(-1.5 * log_aspect) * np.sqrt((np.exp(2.0 * log_aspect) - first) * (first - 1.0))
+    )
+    factor = 2.0 / np.pi * np.exp(-0.5 * log_aspect) * cube ** (-1.0 / 3.0) * first
+    # What the limit leaves out is of this order.
+    left = first * np.exp(-2.0 * log_aspect)
+    assert_allclose(approach_factor(ratio), factor, rtol=2.0 * left + 1e-12)
+
+
+def test_radii_too_different_for_a_point_contact_are_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="radius_along"):
+        HertzElliptic(5e9, 1e-3)
 
 
 def test_a_circular_elliptic_contact_is_the_point_contact() -> None:

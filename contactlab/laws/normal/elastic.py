@@ -6,7 +6,7 @@ from math import exp, log, pi, sqrt
 from typing import Annotated, final
 
 from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
+from scipy.special import ellipe, ellipkm1
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import NormalForce
@@ -16,6 +16,9 @@ STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
 """Effective modulus of steel on steel [Pa]."""
 
 EFFECTIVE_MODULUS = positive("E*", "Pa", "effective modulus")
+
+MOST_SLENDER = 1e12
+"""Largest ratio of radii; its ellipse is 1e8 times as long as it is wide, which is no contact of a point."""
 
 ROUND = 1e-5
 """Relative difference of radii below which the contact is circular: F_2 differs by its square from 1."""
@@ -65,11 +68,23 @@ class HertzElliptic(NormalForce):
 
     elastic = staticmethod(hertz_elastic)
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if max(self._radii) > MOST_SLENDER * min(self._radii):
+            raise ValueError(
+                f"{self.name}: radius_along is {self.radius_along:g} m and radius_across is "
+                f"{self.radius_across:g} m; their ratio must be at most {MOST_SLENDER:g}. A roller "
+                "has the normal force line."
+            )
+
+    @property
+    def _radii(self) -> tuple[float, float]:
+        return self.radius_along, self.radius_across
+
     def coefficients(self) -> tuple[float, ...]:
         """Give the stiffness K of N = K d^1.5."""
         mean = sqrt(self.radius_along * self.radius_across)
-        small, large = sorted((self.radius_along, self.radius_across))
-        shape = approach_factor(large / small)
+        shape = approach_factor(max(self._radii) / min(self._radii))
         return (4.0 / 3.0 * self.effective_modulus * sqrt(mean) * shape**-1.5,)
 
 
@@ -81,8 +96,9 @@ def approach_factor(ratio: float) -> float:
 
     def terms(slenderness: float) -> tuple[float, float, float]:
         """Give (a/b)^2 E - K, K - E and K of the ellipse with log a/b."""
-        squared = 1.0 - exp(-2.0 * slenderness)
-        first, second = float(ellipk(squared)), float(ellipe(squared))
+        # Of a slender ellipse 1 - (b/a)^2 keeps no digit of (b/a)^2, on which K depends.
+        rest = exp(-2.0 * slenderness)
+        first, second = float(ellipkm1(rest)), float(ellipe(1.0 - rest))
         return exp(2.0 * slenderness) * second - first, first - second, first
 
     def missing(slenderness: float) -> float:
