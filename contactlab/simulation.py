@@ -18,7 +18,8 @@ from contactlab.motor import Motor
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
-from contactlab.settling.until import Until
+from contactlab.settling.until import LONGEST, PRECISION, STEADY, Until
+from contactlab.settling.verdict import SHARE
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 
@@ -36,8 +37,8 @@ KEYS: Final = {
 }
 """Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
 
-PLACES: Final = KEYS | {"until": ("solver", "until")}
-"""The same of all that says how a run is made."""
+PLACES: Final = KEYS | {"until": ("solver", "until"), "precision": ("solver", "precision")}
+"""Configuration keys of all arguments of `simulate` that say how a run is made."""
 
 
 @final
@@ -142,6 +143,7 @@ def simulate(
     contact_step: float | None = None,
     tolerance: float | None = None,
     until: Until | None = None,
+    precision: float | None = None,
     start: Solution | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
@@ -160,13 +162,16 @@ def simulate(
     Args:
         motor: what moves, or a whole setup as `contactlab.build` gives it; without one, the setup of `start`.
         law: what acts between tip and rotor; a setup has its own.
-        duration: [s]; after that of `start`, if one is given.
+        duration: [s]; after that of `start`, if one is given. A motor and a law need one, unless they run
+            until steady: then it is 1 s at most.
         record_interval: [s]; 1 us, or the duration if that is shorter. The last record lies at the end.
         contact_step: step of a rigid law, or longest step of a compliant one [s]; the law's default, or less
             where the tip has fast modes.
         tolerance: error of a step of a compliant law [1]; the engine's default. Rigid laws have none.
         until: 'steady' ends the run once the motor has settled, and at the latest after the duration;
             'duration' is the default.
+        precision: share by which the motor may be off its steady state where `until='steady'` ends the run
+            [1]; 1e-3, at most 0.01.
         start: a run whose end is this one's start: in two parts or in one, a motor does the same to the last
             bit, as long as motor, law and numbers are the same.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
@@ -184,10 +189,7 @@ def simulate(
     for name, value in given.items():
         check_number(f"The {name.replace('_', ' ')}", value)
         given[name] = float(value)
-    if until is not None:
-        if until not in get_args(Until):
-            raise ValueError(f"until is {until!r}; it must be {' or '.join(map(repr, get_args(Until)))}.")
-        given["until"] = until
+    given |= _ending(until, precision)
     if start is not None:
         check_kind("The start", start, Solution)
         if not start.state:
@@ -202,9 +204,28 @@ def simulate(
                 "The run to start from was read from a file that tells no configuration to make its motor "
                 "from; give motor and law to simulate too."
             )
-    setup = setup_of(motor, law, given)
+    longest = {"duration": LONGEST} if until == STEADY and not isinstance(motor, Setup) else {}
+    setup = setup_of(motor, law, longest | given)
     trajectory = setup.run(progress=progress, start=None if start is None else start.state)
     return Solution(to_datatree(trajectory, setup.configuration), setup)
+
+
+def _ending(until: Until | None, precision: float | None) -> dict[str, Any]:
+    """Check what says how a run ends, and return it by name."""
+    given: dict[str, Any] = {}
+    if until is not None:
+        if until not in get_args(Until):
+            raise ValueError(f"until is {until!r}; it must be {' or '.join(map(repr, get_args(Until)))}.")
+        # A run that lasts its duration has no precision.
+        given = {"until": until} | ({"precision": PRECISION} if until != STEADY else {})
+    if precision is not None:
+        check_number("The precision", precision)
+        if not 0.0 < precision <= SHARE:
+            raise ValueError(f"The precision is {precision}; it must be greater than 0 and at most {SHARE}.")
+        if until != STEADY:
+            raise ValueError("A precision is given; it must come with until='steady', whose runs it ends.")
+        given["precision"] = float(precision)
+    return given
 
 
 def load(path: str | Path) -> Solution:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import ModalState, Motor
+from contactlab.variables import INTERNAL
 
 LEDGER_LIMIT: Final = 1e-2
 """Residual of a ledger over the energy turned over, beyond which its run is not balanced [1]."""
@@ -95,6 +96,11 @@ class Trajectory:
     message: str
     final: ModalState
     state: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def lasting(self) -> tuple[str, ...]:
+        """Names of the series of the law's internal variables whose life is the run."""
+        return tuple(INTERNAL + each.name for each in self.law.lasting)
 
     @property
     def complete(self) -> bool:

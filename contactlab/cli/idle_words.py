@@ -9,7 +9,7 @@ from contactlab.cli.terminal import RefusalError
 KEPT: Final = ("hydra", "sweep", "record", "uncertainty")
 """Groups that say how runs are made, kept or compared: no motion depends on them."""
 
-LASTING: Final = ("solver.duration", "solver.until")
+LASTING: Final = ("solver.duration", "solver.until", "solver.precision")
 """Keys that say how long a run lasts."""
 
 

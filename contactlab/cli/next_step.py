@@ -16,7 +16,7 @@ LONGEST: Final = 120
 def after_a_run(directory: Path, overrides: Sequence[str], here: Path) -> str:
     """Say what can be done after a run in a folder, seen from here: watch it, and settle its motor."""
     folder = directory.relative_to(here) if directory.is_relative_to(here) else directory
-    of_motor = acting(overrides, *KEPT, "solver.until")
+    of_motor = acting(overrides, *KEPT, "solver.until", "solver.precision")
     watch = command("animate", str(folder))
     return f"Next: {watch} shows it in slow motion, {command('steady', *of_motor)} finds the settled motor."
 

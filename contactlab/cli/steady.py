@@ -60,7 +60,7 @@ def main(arguments: list[str]) -> int:
         if (text := getattr(given, name)) is not None
     }
     try:
-        refuse_idle(given.overrides, "a steady state", *KEPT, "solver.until")
+        refuse_idle(given.overrides, "a steady state", *KEPT, "solver.until", "solver.precision")
         setup = build(given.overrides)
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error

@@ -15,10 +15,26 @@ from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import PARTS, class_of, law_names
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
-from contactlab.settling.until import Until
+from contactlab.settling.until import LONGEST, PRECISION, STEADY, Until
+from contactlab.settling.verdict import SHARE
+
+DURATION: Final = 0.02
+"""Duration of a run where none is asked for [s]."""
 
 _Names = list[str] | str | None
 _said = partial(Parameter, "", "1")
+_DURATION = positive(
+    "T",
+    "s",
+    "simulated time, at most that with solver.until=steady",
+    hint=f"Leave it out for {DURATION:g} s, or at most {LONGEST:g} s with solver.until=steady.",
+)
+_PRECISION = positive(
+    "",
+    "1",
+    "share by which a motor may be off its steady state where solver.until=steady ends its run",
+    at_most=SHARE,
+)
 _STEP = positive("h", "s", "largest step in contact", hint="Leave it out for that of the law.")
 _TOLERANCE = Parameter(
     "",
@@ -46,8 +62,9 @@ _CHUNK = _said("runs kept together as they are finished", at_least=1)
 class Solver(Checked):
     """How long and how finely to integrate."""
 
-    duration: Annotated[float, positive("T", "s", "simulated time")] = 0.02
+    duration: Annotated[float | None, _DURATION] = None
     until: Annotated[Until, _UNTIL] = "duration"
+    precision: Annotated[float, _PRECISION] = PRECISION
     contact_step: Annotated[float | None, _STEP] = None
     tolerance: Annotated[float | None, _TOLERANCE] = None
 
@@ -89,6 +106,11 @@ class Uncertainty(Checked):
     clearance_spread: Annotated[
         float, _known("of the clearance: surfaces that are lapped to 0.2 um and 1 um apart")
     ] = 0.2
+
+
+def duration_for(until: object) -> float:
+    """Return the duration of a run where none is asked for [s]; until steady it is the longest."""
+    return LONGEST if until == STEADY else DURATION
 
 
 Keys: TypeAlias = dict[str, "DeclaredField | Section"]
@@ -180,7 +202,7 @@ GROUPS: Final[dict[str, Section]] = {
 }
 """The groups but that of the laws, in the order of a configuration."""
 
-ADDED: Final = frozenset({"solver.until", "piezoceramic.loss_tangent"})
+ADDED: Final = frozenset({"solver.until", "solver.precision", "piezoceramic.loss_tangent"})
 """Keys that configurations of earlier versions lack, which ran as their defaults say."""
 
 NOT_OF_A_RUN: Final = frozenset({"sweep"})

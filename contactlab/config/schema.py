@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 from contactlab.checks import SMALLEST_STEP, is_kind
 from contactlab.config.faults import ConfigurationError, unknown_key
-from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section
+from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, duration_for
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
 from contactlab.config.quantity import UnitError, describe, number_of
@@ -18,6 +18,7 @@ from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class, takes_shared
 from contactlab.parameter import DeclaredField, Parameter
+from contactlab.settling.until import PRECISION, STEADY
 
 BYTES_A_RECORD = 350
 """Memory that a record takes while its run is simulated and written, measured over runs of 1e6 and 1e7."""
@@ -55,6 +56,9 @@ class Examination:
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
         self.values = self._values({"law": LAW, **GROUPS}, configuration)
+        solver = self.values.get("solver", {})
+        if "duration" in solver and solver["duration"] is None:
+            solver["duration"] = duration_for(solver.get("until"))
         sound = flat(self.values)
         for keys, rule in _RULES.items():
             if sound.keys() >= {*keys}:
@@ -172,6 +176,15 @@ def _step_fits(step: float | None, duration: float) -> Iterator[str]:
             f"solver.contact_step is {step:.12g} s; it must be at least "
             f"{SMALLEST_STEP * duration:.3g} s and at most {duration:.12g} s, the solver.duration. "
             "Leave it out for the law's own default."
+        )
+
+
+@_binds("solver.precision", "solver.until")
+def _precision_is_for_steady_runs(precision: float, until: str) -> Iterator[str]:
+    if precision != PRECISION and until != STEADY:
+        yield (
+            f"solver.precision is {precision:g} and solver.until is {until}; it must come with "
+            "solver.until=steady, whose runs it ends. Leave it out."
         )
 
 

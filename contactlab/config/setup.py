@@ -30,7 +30,7 @@ from contactlab.motor import (
     Rotor,
     Steel,
 )
-from contactlab.settling.until import STEADY, Until, check_until_steady, simulate_until_steady
+from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
 from contactlab.trajectory import Trajectory
 
 RESONANCE = 1e-9
@@ -56,6 +56,7 @@ class Setup:
         tolerance: relative tolerance in contact [1]; None for a law that takes none.
         configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
         until: 'duration', or 'steady' to end once the motor has settled, at the latest after the duration.
+        precision: share by which a motor may be off its steady state where a run until then ends [1].
     """
 
     motor: Motor
@@ -66,12 +67,15 @@ class Setup:
     tolerance: float | None
     configuration: dict[str, Any]
     until: Until = "duration"
+    precision: float = PRECISION
 
     def run(self, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own."""
-        names = ("duration", "record_interval", "contact_step", "tolerance")
-        run = simulate_until_steady if self.until == STEADY else simulate
-        return run(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
+        names = ["duration", "record_interval", "contact_step", "tolerance"]
+        if self.until != STEADY:
+            return simulate(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
+        given = {name: getattr(self, name) for name in (*names, "precision")} | others
+        return simulate_until_steady(self.motor, self.law, **given)
 
 
 def build(configuration: Values | Sequence[str] = ()) -> Setup:

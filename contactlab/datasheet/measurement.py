@@ -48,9 +48,9 @@ class Measurement:
         if (orbit := found.orbit) is not None:
             records = RECORDS[True]
             return cls(orbit.map, orbit.map.run(orbit.state, 1, records), records, found.closure)
-        phase, modal, velocity = found.end
+        phase, modal, velocity, memory = found.end
         section, records = PeriodMap(found.setup, phase, belt=found.belt), RECORDS[False]
-        run = section.run(section.state_of(modal, velocity), MEASURED, records)
+        run = section.run(section.state_of(modal, velocity, memory), MEASURED, records)
         return cls(section, run, records, None)
 
     def numbers(self) -> dict[str, Number]:
@@ -136,11 +136,12 @@ class Measurement:
 
     @property
     def _stored(self) -> float:
-        """Power that resonator, free rotor and contact store; what a state holds is |z|^2 / 2."""
+        """Power that resonator, free rotor and contact store; a mechanical state z holds |z|^2 / 2."""
         section, run = self.section, self.run
         assert run.motor.start is not None
         start = section.state_of(run.motor.start, run.motor.rotor.initial_velocity)
-        end, contact = section.end_of(run), run.series["contact_energy"]
+        start, end = section.mechanical(start), section.mechanical(section.end_of(run))
+        contact = run.series["contact_energy"]
         stored = 0.5 * (end @ end - start @ start) + contact[-1] - contact[0]
         return float(stored / run.duration)
 

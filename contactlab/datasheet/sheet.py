@@ -99,7 +99,7 @@ def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Number], float]:
         return [free], {}, 0.0
     sense = float(np.sign(velocity))
     points = Curve(setup, velocity).points
-    stop, coasting = stop_time(setup, free.run.motor, velocity)
+    stop, coasting = stop_time(setup, free.run, velocity)
     stalled = next(point for point in points if point.belt == 0.0)
     numbers = {
         "no_load_velocity": (abs(velocity), error),

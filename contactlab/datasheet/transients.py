@@ -15,6 +15,7 @@ from contactlab.metrics.convergence import FINER
 from contactlab.motor import Drive, ModalState, Motor
 from contactlab.orbits.period_map import PeriodMap
 from contactlab.simulation import changed
+from contactlab.trajectory import Trajectory
 
 STARTED: Final = 0.9
 STOPPED: Final = 0.1
@@ -43,22 +44,24 @@ def start_time(setup: Setup, velocity: float) -> Number:
     return _at_two_steps(setup, once)
 
 
-def stop_time(setup: Setup, settled: Motor, velocity: float) -> tuple[Number, Number]:
+def stop_time(setup: Setup, settled: Trajectory, velocity: float) -> tuple[Number, Number]:
     """Give the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
 
     Args:
         setup: law and steps.
-        settled: the free motor, whose start lies on its steady motion; its electrodes are made short there.
+        settled: a run of the free motor on its steady motion; its electrodes are made short at the start.
         velocity: without load [rad/s].
 
     Returns:
         The time [s], infinite where nothing brakes the rotor any more, and the speed at which the tip leaves
         it [rad/s], zero where the contact stops it; with their errors.
     """
-    found, rotor = [], settled.rotor
+    found, rotor = [], settled.motor.rotor
+    memory = np.array([settled.series[name][0] for name in settled.lasting])
 
     def once(setup: Setup) -> float:
-        time, stopped, coasts = _until(PeriodMap(replace(setup, motor=_silent(settled))), STOPPED * velocity)
+        clock = PeriodMap(replace(setup, motor=_silent(settled.motor)))
+        time, stopped, coasts = _until(clock, STOPPED * velocity, memory)
         found.append(0.0 if stopped else abs(coasts))
         if stopped:
             return time
@@ -93,21 +96,22 @@ def _silent(motor: Motor) -> Motor:
     return replace(motor, drive=Drive(drive.frequency, np.zeros_like(drive.phasors)))
 
 
-def _start_of(clock: PeriodMap) -> Array:
-    """Give the state from which the motor starts."""
+def _start_of(clock: PeriodMap, memory: Array | None = None) -> Array:
+    """Return the state from which the motor starts, with some memory of the law's or its initial one."""
     motor = clock.setup.motor
     rest = np.zeros_like(motor.modes.stiffness)
-    return clock.state_of(motor.start or ModalState(rest, rest), motor.rotor.initial_velocity)
+    return clock.state_of(motor.start or ModalState(rest, rest), motor.rotor.initial_velocity, memory)
 
 
-def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
+def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tuple[float, bool, float]:
     """Run a motor from its start until its mean velocity over a period passes a target, or the tip has left.
 
     Gives the time [s], by a line between the middles of two periods, whether it passes, and the last
     velocity [rad/s].
     """
-    z = _start_of(clock)
-    rests = RESTS * float(np.linalg.norm(z[:-1]))
+    z = _start_of(clock, memory)
+    modes = slice(0, 2 * clock.scale.size)
+    rests = RESTS * float(np.linalg.norm(z[modes]))
     before = clock.velocity_of(z) - target
     for piece in range(LONGEST // PIECE):
         run = clock.run(z, PIECE, 1)
@@ -119,7 +123,7 @@ def _until(clock: PeriodMap, target: float) -> tuple[float, bool, float]:
             return (piece * PIECE + i - 0.5 - float(part)) * clock.period, True, target
         before = float(distance[-1])
         z = clock.end_of(run)
-        if not run.contacts["start_time"].size or np.linalg.norm(z[:-1]) < rests:
+        if not run.contacts["start_time"].size or np.linalg.norm(z[modes]) < rests:
             break
     return ((piece + 1) * PIECE - 0.5) * clock.period, False, float(distance[-1] + target)
 

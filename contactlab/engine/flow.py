@@ -14,8 +14,8 @@ from contactlab.arrays import Array
 from contactlab.engine.kinematics import contacts_from
 from contactlab.engine.plant import modes_of
 from contactlab.engine.preparation import Prepared, fresh_state, overlap_at, phase_at, prepared
-from contactlab.engine.simulation import STEPS_PER_CALL
-from contactlab.engine.state import RUNNING, START, STATE
+from contactlab.engine.simulation import STEPS_PER_CALL, memory_of
+from contactlab.engine.state import RUNNING, START, STATE, TOUCHING
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import Motor
 
@@ -28,12 +28,14 @@ class Ends:
     Args:
         displacement, velocity: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (start, mode).
         rotor_velocity: [rad/s], shape (start,).
+        memory: internal variables whose life is the run, shape (start, variable).
         messages: why a run did not reach its end, whose numbers are NaN then; empty for one that did.
     """
 
     displacement: Array
     velocity: Array
     rotor_velocity: Array
+    memory: Array
     messages: tuple[str, ...]
 
 
@@ -57,10 +59,14 @@ class Flow:
     contact_step: float | None = None
     tolerance: float | None = None
 
-    def __call__(self, displacement: Array, velocity: Array, rotor_velocity: Array) -> Ends:
+    def __call__(
+        self, displacement: Array, velocity: Array, rotor_velocity: Array, memory: Array | None = None
+    ) -> Ends:
         """Let the motor run from starts, given as their ends are, see `Ends`.
 
-        A start that a rigid law refuses, because tip and rotor overlap, ends as a run that broke off does.
+        A start that a rigid law refuses, because tip and rotor overlap, ends as a run that broke off does;
+        so does a run that ends over the residual indentation of its last contact, whose internal variables
+        are then part of the state and are not among those of the run.
 
         Raises:
             LawError: the law's own code raised an exception, which is the cause.
@@ -73,8 +79,12 @@ class Flow:
         motions[:, 1, -1] = -rotor_velocity * radius / row
         states: Any = np.repeat(self._fresh, len(motions))
         contacts = contacts_from(ready.plant, motions[:, 0], motions[:, 1])
-        begins = float(self._fresh[0]["begins"])
-        states["phase"] = [phase_at(gap - begins, rate) for gap, rate, _ in contacts]
+        for state, values in zip(states, memory if memory is not None else (), strict=False):
+            ready.begin_with(state, values)
+        begins = states["begins"].tolist()
+        states["phase"] = [
+            phase_at(gap - begin, rate) for (gap, rate, _), begin in zip(contacts, begins, strict=True)
+        ]
         messages = [overlap_at(gap, ready.law) for gap, _, _ in contacts]
         going = np.flatnonzero([not message for message in messages])
         run = ready.run_of(self._fresh[0])
@@ -89,9 +99,15 @@ class Flow:
         for i in np.flatnonzero(states["ending"] != RUNNING):
             made["q"][:, START], made["v"][:, START] = motions[i]
             messages[i] = ready.explain(ready.run_of(states[i]))[1]
-        motions[[bool(message) for message in messages]] = np.nan
+        for i in np.flatnonzero((states["kept"] != 0) & (states["phase"] != TOUCHING)):
+            messages[i] = messages[i] or "The run ends over what its last contact has left of a dent."
+        lasting = [each.life == "run" for each in self.law.internal_variables]
+        remembered = np.array([memory_of(state, ready.law)[lasting] for state in states])
+        remembered = remembered.reshape(len(motions), sum(lasting))
+        broken = [bool(message) for message in messages]
+        motions[broken], remembered[broken] = np.nan, np.nan
         rotor = -(row * motions[:, 1, -1]) / radius
-        return Ends(motions[:, 0, :-1], motions[:, 1, :-1], rotor, tuple(messages))
+        return Ends(motions[:, 0, :-1], motions[:, 1, :-1], rotor, remembered, tuple(messages))
 
     @cached_property
     def _ready(self) -> Prepared:

@@ -43,6 +43,9 @@ _sound: deque[object] = deque(maxlen=64)
 LIMITS: Final = tuple(IDLE).index("limits")
 """Where the kernel of limits is among a law's."""
 
+FORCE: Final = tuple(IDLE).index("force")
+"""Where the kernel of a penalty law's force is."""
+
 _workspace = Workspace()
 """Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
 
@@ -90,6 +93,29 @@ class Prepared(NamedTuple):
         self._recall(run.state)
         with self.errors():
             return explain(run, self.kernels, self.parameters, self.contact_step)
+
+    def begin_with(self, state: Any, memory: Array | None) -> None:
+        """Set the internal variables whose life is the run, in a state in free flight that `set_up` made.
+
+        The gap at which the next contact begins, and what the law stores until then, follow from them. None
+        leaves them as they are.
+        """
+        if memory is None:
+            return
+        own = 1 if self.law.friction_variable else 0
+        lasting = [i for i, each in enumerate(self.law.internal_variables) if each.life == "run"]
+        for i, value in zip(lasting, memory, strict=True):
+            if i < own:
+                state["internal"] = value
+            else:
+                state["memory"][i - own] = value
+        self._recall(state)
+        if lasting and not is_plain(self.law):
+            with self.errors():
+                state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
+                if isinstance(self.law, PenaltyLaw):
+                    gap = float(state["begins"])
+                    state["apart"] = float(self.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[2])
 
     def _recall(self, state: Any) -> None:
         count = len(self.law.remembered)

@@ -43,6 +43,7 @@ def simulate(
     tolerance: float | None = None,
     progress: Callable[[float], None] | None = None,
     start: State | None = None,
+    memory: Array | None = None,
 ) -> Trajectory:
     """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
 
@@ -65,6 +66,8 @@ def simulate(
             `contactlab.engine.arguments.default_contact_step`.
         tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
+        memory: values at t = 0 of the law's internal variables whose life is the run, in the order of
+            `law.lasting`; None takes their initial ones. A run that goes on has those of its state.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -79,6 +82,7 @@ def simulate(
     state = states[0]
     ready.set_up(state, record_interval)
     if start is None:
+        ready.begin_with(state, memory)
         state["phase"] = _first_phase(plant, float(state["begins"]))
     run = ready.run_of(state)
     motions = np.stack([modes_of(plant)[name][:, START] for name in ("q", "v")])[None]
@@ -117,7 +121,7 @@ def simulate(
         cut["separation_velocity"] = np.nan
         cut["energy_loss"] -= state.held_energy
         finished.append(cut)
-        ends.append(_memory_of(state, law)[None])
+        ends.append(memory_of(state, law)[None])
     time, series, modes = take_series(run, records.series)
     names = [f"internal_{variable.name}" for variable in law.internal_variables]
     series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
@@ -175,7 +179,7 @@ def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
     return state_from_value(start)
 
 
-def _memory_of(state: Any, law: ContactLaw) -> Array:
+def memory_of(state: Any, law: ContactLaw) -> Array:
     """Give the law's internal variables in a state, shape (variable,)."""
     own = [state["internal"]] if law.friction_variable else []
     return np.append(own, state["memory"][: len(law.remembered)])

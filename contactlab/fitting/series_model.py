@@ -16,6 +16,7 @@ from contactlab.fitting.parameters import Free
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
 from contactlab.settling.periods import period_told
+from contactlab.settling.until import PRECISION
 from contactlab.trajectory import Trajectory
 
 ON_GRID: Final = 1e-3
@@ -190,7 +191,8 @@ def series_model(
         words = "The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."
         raise ConfigurationError([words])
     duration = max(float(measured.time[-1]), interval)
-    times = {"solver.duration": duration, "solver.until": "duration", "record.interval": interval}
+    times = {"solver.duration": duration, "solver.until": "duration", "solver.precision": PRECISION}
+    times |= {"record.interval": interval}
     settings = {**flat(configuration), **times}
     step = settings.get("solver.contact_step")
     settings["solver.contact_step"] = None if step is None else min(step, duration)

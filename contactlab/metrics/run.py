@@ -18,6 +18,7 @@ from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
+from contactlab.results.internal import lasting_in
 from contactlab.results.netcdf import configuration_of, period_in
 from contactlab.settling.periods import drive_period
 from contactlab.settling.verdict import Settling, settling_of
@@ -70,6 +71,7 @@ class Run:
     sound: bool = False  # its numbers are known to be finite
     source: str = ""  # where it is from
     label: str = ""  # beside other runs
+    lasting: tuple[str, ...] = ()  # columns of internal variables whose life is the run
 
     @classmethod
     def of(cls, source: "xarray.DataTree | Run") -> "Run":
@@ -88,6 +90,7 @@ class Run:
             law_parameters={k: x for k, x in parameters.items() if isinstance(x, int | float)},
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
             attributes=said,
+            lasting=lasting_in(source.to_dataset(inherit=False).variables),
         )
 
     @classmethod
@@ -103,6 +106,7 @@ class Run:
             contact_step=trajectory.contact_step,
             attributes={"drive_period": drive_period(trajectory.motor.drive)},
             sound=trajectory.ending.reached_end,
+            lasting=trajectory.lasting,
         )
 
     @cached_property
@@ -131,7 +135,8 @@ class Run:
     @cached_property
     def settling(self) -> Settling:
         """Whether the motor has settled, and to what."""
-        return settling_of(self.columns, self.rows, period_in(self.attributes, self.configuration))
+        period = period_in(self.attributes, self.configuration)
+        return settling_of(self.columns, self.rows, period, self.lasting)
 
     def holds(self, *names: str) -> bool:
         """Tell whether all of these stand at the root."""

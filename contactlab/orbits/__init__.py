@@ -1,6 +1,6 @@
 """Steady states of a motor: periodic orbits, their stability and branches, and means where there is none."""
 
-from contactlab.orbits.arrival import NotSettledError as NotSettledError
+from contactlab.orbits.arrival import NotSettledError as NotSettledError, UnboundedError as UnboundedError
 from contactlab.orbits.basins import Basins as Basins, basins as basins
 from contactlab.orbits.branches import Branch as Branch, NoBranchError as NoBranchError, branch as branch
 from contactlab.orbits.coexisting import Attractor as Attractor, attractors as attractors

@@ -49,12 +49,16 @@ DRIFT: Final = 3.0
 """Errors by which the halves of a long run may differ."""
 
 
-Start = tuple[float, ModalState | None, float]
-"""Phase of the drive [periods], modal state and rotor velocity [rad/s]."""
+Start = tuple[float, ModalState | None, float, Array | None]
+"""Phase of the drive [periods], modal state, rotor velocity [rad/s], and internal variables of the run."""
 
 
 class NotSettledError(RuntimeError):
     """A motor has come to no steady state; the message is a sentence."""
+
+
+class UnboundedError(NotSettledError):
+    """An internal variable of the law comes to no steady value; the message is a sentence."""
 
 
 def settled(
@@ -65,28 +69,34 @@ def settled(
     Args:
         setup: what moves.
         belt: velocity at which the rotor is held [rad/s]; None for one that is free.
-        begins: phase of the drive [periods], modal state (None is at rest) and rotor velocity [rad/s].
+        begins: phase of the drive [periods], modal state (None is at rest), rotor velocity [rad/s] and the
+            internal variables whose life is the run (None are their initial values).
         longest: run without an orbit [periods].
         sense: of a rotation that must not be reversed; 0 for one that may.
 
     Returns:
         The steady state; None once the rotation is reversed.
+
+    Raises:
+        UnboundedError: an internal variable of the law still grows or falls after the longest run.
+        NotSettledError: the rotor does.
     """
-    phase, modal, velocity = begins
+    phase, modal, velocity, memory = begins
     clock, modes = PeriodMap(setup, phase, belt=belt), setup.motor.modes
     nothing = np.zeros(modes.stiffness.size)
-    z = clock.state_of(modal or ModalState(nothing, nothing), velocity)
+    z = clock.state_of(modal or ModalState(nothing, nothing), velocity, memory)
     run = clock.run(z, _warm_up(modes, clock.period))
     orbit, far, done = None, inf, 0
     while done < longest:
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
             return None
         strobes = _strobes(run)
+        states = np.hstack([strobes, _remembered(run)])
         if _last_touch(run) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run, done)
         if orbit is None and (part := _section_of(run, clock.period)) is not None:
             run = _on(run, part) if part else run
-            clock = clock.at(clock.phase + part)
+            clock = clock.at(clock.phase + part).weighing(run)
             count = repeats_after(strobes, REPEATS) if len(strobes) >= TAIL else 1
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
@@ -98,7 +108,7 @@ def settled(
                 return Steady(setup, "periodic", count, motion, orbit, done, belt, phase=clock.phase)
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
             orbit, far = (orbit, distance) if distance < far else (None, inf)
-        elif len(strobes) >= TAIL and (count := repeats_after(strobes[-TAIL:], SETTLED)):
+        elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
             run = _on(run, TAIL // count * count)
             return Steady(setup, "periodic", count, run, None, done, belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
@@ -178,9 +188,19 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
     """Take the means of a motion that comes to no orbit, and say what kind it is."""
     done = round(run.state["end"] / clock.period)
     late = _on(run, periods)
+    for variable, name, values in zip(late.law.lasting, late.lasting, _remembered(late).T, strict=True):
+        if _grows(values) or _drifts(values):
+            last = late.series[name]
+            raise UnboundedError(
+                f"The internal variable {variable.name} of {setup.law.name} has no steady value: after "
+                f"{done + periods} periods of the drive it still changes by "
+                f"{(last[-1] - last[1]) / (periods - 1):.3g} {variable.units} a period, and nothing was "
+                "found that brings it back, so that the motor has no steady state. Simulate it for the time "
+                "that matters; one that only needs longer is given it by `longest`."
+            )
     velocity = np.diff(late.series["rotor_angle"]) / clock.period
-    change, error = trend(velocity)
-    if clock.belt is None and abs(change) > DRIFT * error:
+    if clock.belt is None and _drifts(velocity):
+        change = trend(velocity)[0]
         mean = float(velocity.mean())
         raise NotSettledError(
             f"The rotor has not settled after {done + periods} periods of the drive: over the last {periods} "
@@ -192,6 +212,19 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
     if count := repeats_after(_strobes(late)[-TAIL:], run.contact_step / clock.period):
         kind = "periodic"
     return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
+
+
+def _grows(values: Array) -> bool:
+    """Tell whether a sequence goes one way in all its steps, by more than round-off in all."""
+    steps = np.diff(values)
+    one_way = bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+    return one_way and bool(abs(values[-1] - values[0]) > SETTLED * np.abs(values).max())
+
+
+def _drifts(values: Array) -> bool:
+    """Tell whether a sequence has a trend, beyond its statistical error and beyond round-off."""
+    change, error = trend(values)
+    return bool(abs(change) > max(DRIFT * error, SETTLED * np.abs(values).max()))
 
 
 def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
@@ -231,6 +264,13 @@ def _section_of(run: Trajectory, period: float) -> float | None:
         return None
     # Nothing lies so close to a section that its last digits mattered.
     return round(float(released[longest] + 0.5 * flights[longest]), 6) % 1.0
+
+
+def _remembered(run: Trajectory) -> Array:
+    """Return the internal variables of the run once a period over their largest, (period, variable)."""
+    values = [run.series[name][1:] for name in run.lasting]
+    columns = [each / (np.abs(each).max() or 1.0) for each in values]
+    return np.array(columns).reshape(len(columns), run.time.size - 1).T
 
 
 def _strobes(run: Trajectory) -> Array:

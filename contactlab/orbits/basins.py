@@ -14,12 +14,12 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
-from contactlab.orbits.arrival import NotSettledError
+from contactlab.orbits.arrival import NotSettledError, UnboundedError, settled
 from contactlab.orbits.bifurcations import SMOOTH
 from contactlab.orbits.coexisting import at_phase, reach, same, touches
 from contactlab.orbits.dataset import attributes_of, flags
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.search import LONGEST, Steady, steady, steady_setup
+from contactlab.orbits.search import LONGEST, Steady, steady_setup
 from contactlab.orbits.shooting import Orbit
 
 if TYPE_CHECKING:
@@ -225,6 +225,7 @@ def basins(
     Raises:
         ValueError: there are not two coordinates, or one that there is none of.
         NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value.
     """
     setup = steady_setup(motor, law)
     given = {name: np.asarray(v, dtype=np.float64) for name, v in (axes or default_axes(setup)).items()}
@@ -243,7 +244,10 @@ def basins(
             section, z = started(setup, start)
             label = _fallen_into(balls, section, z)
             if label is None:
-                reached = steady(_setup_at(section, z), longest=longest)
+                there, memory = _setup_at(section, z)
+                begins = 0.0, there.motor.start, there.motor.rotor.initial_velocity, memory
+                reached = settled(there, None, begins, longest)
+                assert reached is not None
                 label = next(
                     (i for i, other in enumerate(found) if _of_one_basin(other, reached)), len(found)
                 )
@@ -252,6 +256,8 @@ def basins(
                     orbit = reached.orbit
                     balls.append(Ball.around(orbit) if orbit is not None and touches(reached) else None)
             labels[place] = label
+        except UnboundedError:
+            raise
         # A rigid law refuses a start inside the rotor.
         except (BrokenOffError, NotSettledError, ValueError):
             labels[place] = CANNOT_TELL
@@ -302,10 +308,9 @@ def _fallen_into(balls: list[Ball | None], section: PeriodMap, z: Array) -> int 
     return None
 
 
-def _setup_at(section: PeriodMap, z: Array) -> Setup:
-    """Give the setup of a motor that starts in the state that follows when the drive next has phase 0."""
-    z = at_phase(section, z, 0.0)
-    motor, count = section.setup.motor, section.scale.size
-    start = ModalState(z[:count] / section.scale, z[count : 2 * count])
-    rotor = replace(motor.rotor, initial_velocity=section.velocity_of(z))
-    return replace(section.setup, motor=replace(motor, start=start, rotor=rotor))
+def _setup_at(section: PeriodMap, z: Array) -> tuple[Setup, Array]:
+    """Return a setup that starts where a motor is when the drive next has phase 0, and its memory there."""
+    start, velocity, memory = section.parts_of(at_phase(section, z, 0.0))
+    motor = section.setup.motor
+    rotor = replace(motor.rotor, initial_velocity=velocity)
+    return replace(section.setup, motor=replace(motor, start=start, rotor=rotor)), memory

@@ -154,7 +154,12 @@ def branch(
     setup = steady_setup(motor, law)
     unit, meaning = _declared(setup, parameter)
     at = family(setup, parameter, belt)
-    at(end)
+    sizes = [len(at(value).setup.law.lasting) for value in (start, end)]
+    if sizes[0] != sizes[1]:
+        raise NoBranchError(
+            f"The law has {sizes[0]} internal variables of the run at {parameter}={start:g} and {sizes[1]} "
+            f"at {end:g}; a branch needs the same state all along. Choose a range within which they stay."
+        )
     first = steady(at(start).setup, belt=start if parameter == BELT else belt)
     if first.orbit is None:
         raise NoBranchError(

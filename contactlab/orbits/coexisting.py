@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
-from contactlab.orbits.arrival import NotSettledError
+from contactlab.orbits.arrival import NotSettledError, UnboundedError
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
 from contactlab.orbits.search import LONGEST, Steady, steady
 
@@ -73,11 +73,14 @@ def attractors(
 
     Raises:
         NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value.
     """
     found: list[tuple[Steady, int]] = []
     for start in _starts(setup, count, seed, velocity, excitation):
         try:
             reached = steady(start, longest=longest)
+        except UnboundedError:
+            raise
         except (BrokenOffError, NotSettledError):
             continue
         known = next((i for i, (other, _) in enumerate(found) if same(other, reached)), None)
@@ -100,7 +103,8 @@ def same(one: Steady, other: Steady) -> bool:
         (a, error_a), (b, error_b) = one.velocity, other.velocity
         return bool(abs(a - b) <= SIGMA * np.hypot(error_a, error_b))
     target = other.orbit
-    z = at_phase(one.orbit.map, one.orbit.state, target.map.phase)
+    weighed = replace(one.orbit.map, weights=target.map.weights)
+    z = at_phase(weighed, weighed.state_of(*one.orbit.map.parts_of(one.orbit.state)), target.map.phase)
     once = replace(target.map, periods=1)
     for _ in range(one.periods):
         if np.linalg.norm(z - target.state) <= SAME * np.linalg.norm(target.state):

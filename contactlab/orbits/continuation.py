@@ -70,7 +70,8 @@ def follow(
         step: length of the first step; a fiftieth of range and state by default. The longest is twice that.
         most: points after which it is left as it is.
     """
-    start = Curve(map_at, first.map.phase, first.map.periods, float(np.linalg.norm(first.state)), value, end)
+    section, size = first.map, float(np.linalg.norm(first.state))
+    start = Curve(map_at, section.phase, section.periods, size, value, end, section.weights)
     walk = _walk(start, np.append(first.state / start.size, 0.0), step)
     points: list[BranchPoint] = []
     while len(points) < most:

@@ -79,6 +79,7 @@ class Curve:
     size: float
     start: float
     end: float
+    weights: tuple[float, ...] = ()
 
     def value(self, y: Array) -> float:
         """Give the parameter."""
@@ -86,7 +87,9 @@ class Curve:
 
     def map_at(self, y: Array) -> PeriodMap:
         """Give the period map of the parameter."""
-        return replace(self.family(self.value(y)), phase=self.phase, periods=self.periods)
+        return replace(
+            self.family(self.value(y)), phase=self.phase, periods=self.periods, weights=self.weights
+        )
 
     def gap(self, y: Array) -> Array:
         """Give (P(z) - z) / size; endless where the motor does not run from there."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import log2
 from typing import Final, final
 
 import numpy as np
@@ -26,21 +27,25 @@ class BrokenOffError(RuntimeError):
 class PeriodMap:
     """Takes a state in free flight to the state some periods of the drive later.
 
-    The state is z = (omega_j q_j, qdot_j, sqrt(J) Omega), whose parts have the unit of a velocity in
-    mass-orthonormal coordinates, so that |z|^2 / 2 is an energy; a rigid body's mode keeps q_j itself. The
-    rotor's angle changes nothing and is left out, and so is the velocity of a belt, which nothing changes.
+    The state is z = (omega_j q_j, qdot_j, w_k m_k, sqrt(J) Omega). Its mechanical parts have the unit of a
+    velocity in mass-orthonormal coordinates, so that half of their square is an energy; a rigid body's mode
+    keeps q_j itself. m_k are the law's internal variables whose life is the run, with weights w_k that make
+    them about as large as the motion. The rotor's angle changes nothing and is left out, and so is the
+    velocity of a belt, which nothing changes.
 
     Args:
         setup: motor, law, steps and tolerance; its duration means nothing here.
         phase: of the section, in periods of the drive: z is the state at t = phase T.
         periods: how many the map takes.
         belt: velocity at which the rotor is held [rad/s]; None for one that is free.
+        weights: w_k, see `weighing`; 1 in the unit of each where there are none.
     """
 
     setup: Setup
     phase: float = 0.0
     periods: int = 1
     belt: float | None = None
+    weights: tuple[float, ...] = ()
 
     @cached_property
     def period(self) -> float:
@@ -69,12 +74,45 @@ class PeriodMap:
         setup = self.setup
         return Flow(self._motor, setup.law, self.period, setup.contact_step, setup.tolerance)
 
-    def state_of(self, modal: ModalState, velocity: float) -> Array:
-        """Give the state z of normal coordinates and a rotor velocity [rad/s]."""
-        parts = [self.scale * modal.displacement, modal.velocity]
+    @cached_property
+    def _weights(self) -> Array:
+        return np.array(self.weights or [1.0] * len(self.setup.law.lasting))
+
+    def weighing(self, run: Trajectory) -> "PeriodMap":
+        """Return the map whose weights make the internal variables as large as the motion at a run's end.
+
+        They are powers of two, so that weighing loses no digit.
+        """
+        if not self.setup.law.lasting:
+            return self
+        size = float(np.linalg.norm(self.mechanical(self.end_of(run))))
+        largest = [float(np.abs(run.series[name]).max()) for name in run.lasting]
+        weights = (2.0 ** round(log2(size / most)) if size and most else 1.0 for most in largest)
+        return replace(self, weights=tuple(weights))
+
+    def state_of(self, modal: ModalState, velocity: float, memory: Array | None = None) -> Array:
+        """Return the state z of normal coordinates, a rotor velocity [rad/s] and the internal variables.
+
+        Without the latter they have their initial values.
+        """
+        if memory is None:
+            memory = np.array([each.initial for each in self.setup.law.lasting])
+        parts = [self.scale * modal.displacement, modal.velocity, self._weights * memory]
         if self.belt is None:
             parts.append(np.array([np.sqrt(self.setup.motor.rotor.inertia) * velocity]))
         return np.concatenate(parts)
+
+    def parts_of(self, z: Array) -> tuple[ModalState, float, Array]:
+        """Return normal coordinates, rotor velocity [rad/s] and internal variables of a state z."""
+        count = self.scale.size
+        modal = ModalState(z[:count] / self.scale, z[count : 2 * count].copy())
+        memory = z[2 * count : 2 * count + self._weights.size] / self._weights
+        return modal, self.velocity_of(z), memory
+
+    def mechanical(self, z: Array) -> Array:
+        """Return a state z without internal variables."""
+        after = 2 * self.scale.size
+        return np.concatenate([z[:after], z[after + self._weights.size :]])
 
     def velocity_of(self, z: Array) -> float:
         """Give the rotor velocity of a state [rad/s]."""
@@ -89,9 +127,8 @@ class PeriodMap:
             BrokenOffError: it did not reach its end.
             KeyboardInterrupt: somebody pressed Ctrl-C.
         """
-        count = self.scale.size
-        modal = ModalState(z[:count] / self.scale, z[count : 2 * count].copy())
-        rotor = replace(self._motor.rotor, initial_velocity=self.velocity_of(z))
+        modal, velocity, memory = self.parts_of(z)
+        rotor = replace(self._motor.rotor, initial_velocity=velocity)
         duration = times * self.period
         trajectory = simulate(
             replace(self._motor, start=modal, rotor=rotor),
@@ -100,6 +137,7 @@ class PeriodMap:
             record_interval=min(self.period / records, duration),
             contact_step=self.setup.contact_step,
             tolerance=self.setup.tolerance,
+            memory=memory,
         )
         if trajectory.ending is Ending.INTERRUPTED:
             raise KeyboardInterrupt(trajectory.message)
@@ -109,7 +147,7 @@ class PeriodMap:
 
     def end_of(self, run: Trajectory) -> Array:
         """Give the state in which a run ended."""
-        return self.state_of(run.final, float(run.series["rotor_velocity"][-1]))
+        return self.state_of(run.final, float(run.series["rotor_velocity"][-1]), memory_at_end(run))
 
     def __call__(self, z: Array) -> Array:
         """Give the state one period of the map later.
@@ -132,12 +170,13 @@ class PeriodMap:
 
     def _sent(self, starts: Array) -> tuple[Array, tuple[str, ...]]:
         """Give the states after others, and why one is no number."""
-        count = self.scale.size
-        q, v, rotor = starts[:, :count] / self.scale, starts[:, count : 2 * count], starts[:, 2 * count :]
+        count, weights = self.scale.size, self._weights
+        q, v = starts[:, :count] / self.scale, starts[:, count : 2 * count]
+        memory, rotor = np.split(starts[:, 2 * count :], [weights.size], axis=1)
         root = np.sqrt(self.setup.motor.rotor.inertia)
         held = np.full(len(starts), self.belt, np.float64)
-        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else held)
-        parts = [self.scale * ends.displacement, ends.velocity]
+        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else held, memory / weights)
+        parts = [self.scale * ends.displacement, ends.velocity, weights * ends.memory]
         if self.belt is None:
             parts.append(root * ends.rotor_velocity[:, None])
         return np.hstack(parts), ends.messages
@@ -145,3 +184,8 @@ class PeriodMap:
     def at(self, phase: float) -> "PeriodMap":
         """Give the map with another section."""
         return replace(self, phase=phase % 1.0)
+
+
+def memory_at_end(run: Trajectory) -> Array:
+    """Return the internal variables whose life is the run as a run leaves them, shape (variable,)."""
+    return np.array([float(run.series[name][-1]) for name in run.lasting])

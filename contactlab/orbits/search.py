@@ -59,6 +59,7 @@ def steady(
 
     Raises:
         NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value, as the depth of wear.
         NotSettledError: there is no steady state, or it is not reached.
         BrokenOffError: a run broke off.
         ValueError, TypeError: an argument is out of range, or of another kind.
@@ -67,13 +68,13 @@ def steady(
     setup = steady_setup(motor, law, contact_step, tolerance)
     _check(belt, load, brake, longest)
     rotor = setup.motor.rotor
-    begins = 0.0, setup.motor.start, rotor.initial_velocity
+    begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None
     if isinstance(start, Steady):
         begins = start.end
     elif start is not None:
         check_kind("The modal state of the start", start[0], ModalState)
         check_number("The rotor velocity of the start", start[1])
-        begins = 0.0, start[0], float(start[1])
+        begins = 0.0, start[0], float(start[1]), None
     if brake is not None:
         return _braked(setup, float(brake), begins, longest)
     if load is not None:

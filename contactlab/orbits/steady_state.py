@@ -9,7 +9,7 @@ import pandas
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.motor import ModalState
-from contactlab.orbits.period_map import PeriodMap, period_of
+from contactlab.orbits.period_map import PeriodMap, memory_at_end, period_of
 from contactlab.orbits.shooting import CLOSED, Orbit
 from contactlab.settling.statistics import Estimate, mean_with_error
 from contactlab.trajectory import Trajectory
@@ -50,8 +50,8 @@ class Steady:
         periods: of the drive, after which a periodic motion repeats itself; 0 for another.
         motion: one orbit, or a long run recorded once a period.
         orbit: the closed orbit with its multipliers; None where there is none, where the contact never
-            opens, so that positions and velocities alone are not the state of every law, or where a
-            multiplier is one.
+            opens or its residual indentation is never cleared, so that what lives for a contact is part of
+            the state, or where a multiplier is one.
         warm_up: periods of the drive from the start until it was found.
         belt: velocity at which the rotor was held [rad/s]; None for one that is free.
         brake: torque of a load against whatever motion there is [N m]; None for another load.
@@ -176,16 +176,19 @@ class Steady:
         return self.mean(np.diff(np.interp(self.motion.time, edges, until)) / np.diff(self.motion.time))
 
     @property
-    def end(self) -> tuple[float, ModalState, float]:
-        """Where another motion may go on: phase of the drive [periods], modal state, rotor velocity."""
+    def end(self) -> tuple[float, ModalState, float, Array]:
+        """Where another motion may go on: phase of the drive [periods], modal state, rotor velocity, memory.
+
+        The memory is that of the law's internal variables whose life is the run.
+        """
         passed = (self.motion.time[-1] - self.motion.time[0]) / self.period
         velocity = float(self.motion.series["rotor_velocity"][-1])
-        return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity
+        return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity, memory_at_end(self.motion)
 
     def curves(self, records: int = 1000) -> Trajectory:
         """Give one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""
         if self.orbit is not None:
             return self.orbit.map.run(self.orbit.state, 1.0, records)
-        phase, modal, velocity = self.end
+        phase, modal, velocity, memory = self.end
         clock = PeriodMap(self.setup, phase, max(self.periods, 1), self.belt)
-        return clock.run(clock.state_of(modal, velocity), 1.0, records)
+        return clock.run(clock.state_of(modal, velocity, memory), 1.0, records)

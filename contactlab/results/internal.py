@@ -1,6 +1,7 @@
 """What a law remembers, as quantities that a run records: over time, and where each contact ended."""
 
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 from contactlab.laws import ContactLaw, InternalVariable
 from contactlab.laws.memory import ODD
@@ -18,6 +19,15 @@ def internal_contacts(law: ContactLaw) -> tuple[Variable, ...]:
     """Give them as variables of the contacts: the value that each ended with."""
     return tuple(
         _recorded(one, "contact", f"{one.meaning}, where the contact ended") for one in law.internal_variables
+    )
+
+
+def lasting_in(variables: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Return the names of the internal variables whose life is the run among a dataset's variables."""
+    return tuple(
+        str(name)
+        for name, each in variables.items()
+        if str(name).startswith(INTERNAL) and str(each.attrs.get("comment")).startswith(LIVES["run"])
     )
 
 

@@ -24,7 +24,7 @@ from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.free_vibration import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
-from contactlab.results.internal import internal_contacts, internal_series
+from contactlab.results.internal import internal_contacts, internal_series, lasting_in
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.settling.periods import drive_period, period_told
 from contactlab.settling.verdict import Settling, settling_of
@@ -135,7 +135,7 @@ def settling_in(tree: xarray.DataTree) -> Settling:
     root = tree.to_dataset(inherit=False).variables
     contacts = tree.children.get("contacts", xarray.DataTree()).to_dataset(inherit=False).variables
     columns, rows = ({str(k): v.values for k, v in group.items()} for group in (root, contacts))
-    return settling_of(columns, rows, period_in(tree.attrs, configuration_of(tree)))
+    return settling_of(columns, rows, period_in(tree.attrs, configuration_of(tree)), lasting_in(root))
 
 
 def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
@@ -220,7 +220,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "git_revision": revision,
         "git_dirty": dirty,
         "drive_period": period,
-        **settling_of(columns, trajectory.contacts, period).attributes,
+        **settling_of(columns, trajectory.contacts, period, trajectory.lasting).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "ending": Ending(trajectory.ending).name.lower(),
         "message": trajectory.message,

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import xarray
 
-from contactlab.results.internal import LIVES
+from contactlab.results.internal import lasting_in
 from contactlab.results.netcdf import TITLE, configuration_of, reached_end, settling_in
+from contactlab.settling.until import PRECISION, STEADY
+from contactlab.settling.verdict import Settling
 from contactlab.variables import INTERNAL
 
 ROUND_OFF = 1e-9
@@ -51,6 +53,8 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
         "steady state": f"{settling.sentence}. {settling.way_out(end)}".rstrip(),
         "peak normal force": f"{peak:.4g} N",
     }
+    if ended := _ended(configuration_of(tree).get("solver"), end - start, settling):
+        lines["ended"] = ended
     if root["load_work"].values.any():
         work = float(root["load_work"][-1])
         what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
@@ -105,6 +109,17 @@ def _law(attributes: Mapping[Any, Any]) -> str:
     return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(told)})"
 
 
+def _ended(solver: Any, length: float, settling: Settling) -> str:
+    """Say what ended a run that was to last until its motor has settled; empty for another."""
+    if not isinstance(solver, Mapping) or solver.get("until") != STEADY or "duration" not in solver:
+        return ""
+    precision, most = float(solver.get("precision", PRECISION)), float(solver["duration"])
+    longest = f"solver.duration, {prefixed(most, 's')}"
+    if settling.share <= precision:
+        return f"as settled to {precision:g}, after {prefixed(length, 's')} of the longest {longest}"
+    return f"at the longest {longest}, before it had settled to {precision:g}"
+
+
 def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
     """Say how many contacts there were and how long they lasted and stuck, or how far away the tip stayed."""
     if count := contacts.sizes["contact"]:
@@ -130,11 +145,7 @@ def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
 
 def _remembered(root: xarray.Dataset) -> str:
     """Give what the law remembers beyond a contact, at the end of the run; empty where that is nothing."""
-    lasting = {
-        str(name).removeprefix(INTERNAL): found
-        for name, found in root.items()
-        if str(name).startswith(INTERNAL) and str(found.attrs.get("comment")).startswith(LIVES["run"])
-    }
+    lasting = {name.removeprefix(INTERNAL): root[name] for name in lasting_in(root)}
     told = [f"{name} {float(x[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
     more = f", and {len(told) - MOST_REMEMBERED} more" if len(told) > MOST_REMEMBERED else ""
     return ", ".join(words.removesuffix(" 1") for words in told[:MOST_REMEMBERED]) + more

@@ -1,7 +1,7 @@
 """What a run does in each period of its drive, mean rotor velocity and impulse, from recorded numbers."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from math import floor
 from typing import Any, Final, final
 
@@ -67,6 +67,7 @@ class Recorded:
         gap: at the records.
         start_time, normal_impulse: a number a contact, of those that have ended.
         whole_until: time from which on a contact lasts that has not [s]; the end where there is none.
+        memory: internal variables of the law whose life is the run, at the records, by name.
     """
 
     period: float
@@ -77,9 +78,10 @@ class Recorded:
     start_time: Array
     normal_impulse: Array
     whole_until: float
+    memory: Columns = field(default_factory=dict)
 
     @classmethod
-    def of(cls, columns: Columns, rows: Columns, period: float) -> "Recorded":
+    def of(cls, columns: Columns, rows: Columns, period: float, lasting: Iterable[str] = ()) -> "Recorded":
         """Take them out of the series and the contacts of a run; an UnknownError names what is not there."""
         names = ("time", "rotor_angle", "rotor_velocity", "gap")
         if missing := [name for name in names if name not in columns]:
@@ -91,11 +93,13 @@ class Recorded:
         )
         if starts.size != impulses.size:
             raise UnknownError("the run's contacts have no impulse")
-        if not all(np.isfinite(values).all() for values in (time, angle, velocity, gap, starts, impulses)):
+        memory = {name: np.asarray(columns[name], dtype=np.float64) for name in lasting}
+        numbers = time, angle, velocity, gap, starts, impulses, *memory.values()
+        if not all(np.isfinite(values).all() for values in numbers):
             raise UnknownError("some of the run's numbers are not finite")
         cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
         until = float(starts[cut].min(initial=time[-1]))
-        return cls(period, time, angle, velocity, gap, starts[~cut], impulses[~cut], until)
+        return cls(period, time, angle, velocity, gap, starts[~cut], impulses[~cut], until, memory)
 
 
 @final
@@ -114,6 +118,7 @@ class Periods:
             end at most a quarter of the record interval times what the velocity changes by within it.
         least_gap: of each [m].
         impulse: normal impulse of the contacts that begin in each [N s].
+        memory: internal variables of the run at the end of each, and their range within the last, by name.
     """
 
     length: float
@@ -122,6 +127,7 @@ class Periods:
     blur: float
     least_gap: Array
     impulse: Array
+    memory: Mapping[str, tuple[Array, float]] = field(default_factory=dict)
 
 
 def periods_of(run: Recorded, least: int) -> Periods:
@@ -165,6 +171,7 @@ def periods_of(run: Recorded, least: int) -> Periods:
         0.5 * widest * ripple / (0.5 * count * length),
         np.minimum.reduceat(run.gap, records[:-1]),
         impulse,
+        {name: (np.interp(ends[1:], time, x), float(np.ptp(x[last]))) for name, x in run.memory.items()},
     )
 
 

@@ -28,6 +28,12 @@ Until = Literal["duration", "steady"]
 
 STEADY: Final = "steady"
 
+PRECISION: Final = 1e-3
+"""Share by which the velocity may be off its steady one where a run ends, unless another is asked for."""
+
+LONGEST: Final = 1.0
+"""Duration of a run until steady [s] where none is asked for: some tens of a usual motor's settling times."""
+
 GROWTH: Final = 1.25
 """Of a run from a look to the next: it is too long by less than this, and a look costs a few ms."""
 
@@ -52,11 +58,15 @@ def simulate_until_steady(
     *,
     duration: float,
     record_interval: float,
+    precision: float = PRECISION,
     progress: Callable[[float], None] | None = None,
     start: dict[str, Any] | None = None,
     **others: Any,
 ) -> Trajectory:
     """Simulate as `contactlab.engine.simulate` does, until the motor has settled, at most for the duration.
+
+    It has settled once its mean velocity and the law's internal variables of the run are within the precision
+    of where they tend to, the error of that included; see `contactlab.settling.verdict.Settling.share`.
 
     The run ends on a record: records, contacts, ledger and state are those of the run over all the duration,
     bit for bit, up to there. One that is still on its way is as long as it was asked for.
@@ -84,7 +94,7 @@ def simulate_until_steady(
         )
         run = piece if run is None else _joined(run, piece)
         start = piece.state
-        if last or not piece.ending.reached_end or _has_settled(run, period):
+        if last or not piece.ending.reached_end or _has_settled(run, period, precision):
             return run
         look *= GROWTH
 
@@ -101,9 +111,10 @@ def _to_record(start: dict[str, Any] | None, interval: float, until: float) -> f
     return end - now
 
 
-def _has_settled(run: Trajectory, period: float) -> bool:
+def _has_settled(run: Trajectory, period: float, precision: float) -> bool:
     columns = {**run.series, "time": run.time}
-    return settling_of(columns, run.contacts, period).verdict == SETTLED
+    found = settling_of(columns, run.contacts, period, run.lasting)
+    return found.verdict == SETTLED and found.share <= precision
 
 
 def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:

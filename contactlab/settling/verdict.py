@@ -1,8 +1,9 @@
 """Whether a run has settled, to which velocity and in what kind of motion, and how that is said."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from math import floor, isfinite, isnan, log10, nan
+from math import floor, inf, isfinite, isnan, log10, nan
 from typing import Any, Final, final
 
 import numpy as np
@@ -11,6 +12,7 @@ from contactlab.arrays import Array
 from contactlab.settling.approach import LEAST_VALUES, approach
 from contactlab.settling.periods import Columns, Periods, Recorded, UnknownError, periods_of
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after
+from contactlab.variables import INTERNAL
 
 SETTLED, UNSETTLED, UNTOLD = "settled", "not settled", "cannot tell"
 
@@ -47,6 +49,7 @@ class Settling:
             'chaotic', 'irregular' or 'without contact'; empty where none is to be told.
         reason: why nothing can be told; empty where something can.
         longer: whether a longer run tells more.
+        memory_share: largest share by which an internal variable of the run may be off its steady value [1].
     """
 
     velocity: float = nan
@@ -58,14 +61,18 @@ class Settling:
     kind: str = ""
     reason: str = ""
     longer: bool = True
+    memory_share: float = 0.0
 
     @property
     def share(self) -> float:
-        """Largest share by which the velocity at the end is off its steady one [1]; NaN if not known."""
+        """Largest share by which the velocity at the end is off its steady one [1]; NaN if not known.
+
+        Or an internal variable of the run is off its own, where that is more.
+        """
         off = abs(self.now - self.velocity) + self.error
         if self.reason or not isfinite(off):
             return nan
-        return off / self.scale if off > 0.0 else 0.0
+        return max(off / self.scale if off > 0.0 else 0.0, self.memory_share)
 
     @property
     def verdict(self) -> str:
@@ -153,27 +160,60 @@ def with_error(value: float, error: float) -> str:
     return f"{value + 0.0:#.{digits}g} +- {error:.2g}" if error > 0.0 else f"{value + 0.0:.{digits}g} +- 0"
 
 
-def settling_of(columns: Columns, rows: Columns, period: float) -> Settling:
-    """Judge a run by its series, its contacts (see `contactlab.variables`) and its drive's period [s]."""
+def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterable[str] = ()) -> Settling:
+    """Judge a run by its series, its contacts (see `contactlab.variables`) and its drive's period [s].
+
+    Args:
+        columns, rows: the series and the contacts.
+        period: of the drive [s].
+        lasting: names of the series of internal variables whose life is the run. Where one of them has not
+            settled, no steady velocity is estimated: it still depends on where the variable goes.
+    """
     try:
-        run = periods_of(Recorded.of(columns, rows, period), LEAST_VALUES)
+        run = periods_of(Recorded.of(columns, rows, period, lasting), LEAST_VALUES)
     except UnknownError as unknown:
         return Settling(reason=str(unknown), longer=unknown.longer)
     found = approach(run.velocity)
     swing = float(np.abs(run.velocity - found.now).max())
-    told = isfinite(found.error)
+    memory_share, flowing = _memory_of(run)
+    told = isfinite(found.error) and not flowing
     impulse = approach(run.impulse)
     touching = bool(run.impulse[-max(run.impulse.size // LATE, 1) :].any())
     return Settling(
         found.limit if told else nan,
-        found.error + run.blur,
+        found.error + run.blur if not flowing else inf,
         found.now,
         found.drift,
         abs(impulse.drift / impulse.now) if touching and impulse.now else 0.0,
         max(abs(found.limit), run.ripple, AS_GOOD_AS_NONE * swing),
         _kind_of(run) if touching else WITHOUT_CONTACT,
-        "" if touching else _still_nearing(run.least_gap),
+        flowing or ("" if touching else _still_nearing(run.least_gap)),
+        memory_share=memory_share,
     )
+
+
+def _memory_of(run: Periods) -> tuple[float, str]:
+    """Return the largest share by which an internal variable is off its steady value, and a reason if large.
+
+    A difference is measured by the steady value, or the range of the variable within a period where that is
+    larger, or a small part of what it has changed by.
+    """
+    share, reason = 0.0, ""
+    for name, (values, ripple) in run.memory.items():
+        found = approach(values)
+        swing = float(np.abs(values - found.now).max())
+        scale = max(abs(found.limit), ripple, AS_GOOD_AS_NONE * swing)
+        off = abs(found.distance) + found.error
+        own = off / scale if off > 0.0 else 0.0
+        if own > max(share, SHARE):
+            limit = with_error(found.limit, found.error)
+            reason = (
+                f"the law's internal variable {name.removeprefix(INTERNAL)} is {found.now:.4g} at the end, "
+                f"changes by {abs(found.drift):.2g} per period, and tends to "
+                f"{limit if isfinite(found.error) else 'no value that the run shows'}"
+            )
+        share = max(share, own)
+    return share, reason
 
 
 def _still_nearing(gap: Array) -> str:

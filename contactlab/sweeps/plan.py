@@ -37,7 +37,7 @@ NOTHING: Final = (
 MOST_JOBS: Final = 100_000
 """Runs that leave a folder each, which takes a fifth of a second beside the run."""
 
-_TIMES: Final = ("solver.duration", "solver.until", "record.interval")
+_TIMES: Final = ("solver.duration", "solver.until", "solver.precision", "record.interval")
 
 Configuration = Mapping[str, Any]
 

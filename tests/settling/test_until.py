@@ -9,8 +9,10 @@ import pytest
 import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.metrics import Run
+from contactlab.motor.drive import period_of
 from contactlab.results.summary import summarise
-from contactlab.settling.until import simulate_until_steady
+from contactlab.settling.until import LONGEST, PRECISION, simulate_until_steady
+from contactlab.settling.verdict import settling_of
 from contactlab.trajectory import Trajectory
 
 FAST = ("rotor.inertia=1e-5", "record.interval=1e-5", "solver.duration=0.4")
@@ -41,9 +43,67 @@ def test_a_run_until_steady_is_the_beginning_of_the_uncut_run_to_the_last_bit(la
     assert_begins(setup(f"law={law}", until="duration").run(duration=part.time[-1] + 0.01), part)
     found = Run.of_trajectory(part, {}).settling
     assert found.verdict == "settled"
+    assert found.share <= PRECISION
     # One look earlier it had not.
     before = setup(f"law={law}", until="duration").run(duration=part.time[-1] / 1.3)
-    assert Run.of_trajectory(before, {}).settling.verdict != "settled"
+    assert Run.of_trajectory(before, {}).settling.share > PRECISION
+
+
+@pytest.mark.parametrize("law", ["hertz_penalty", "lagrange_stick", "newton"])
+@pytest.mark.parametrize("precision", [1e-2, 1e-3, 1e-4])
+def test_the_motor_is_as_near_to_its_orbit_as_was_asked_for(law: str, precision: float) -> None:
+    there = setup(f"law={law}", f"solver.precision={precision}")
+    found = Run.of_trajectory(there.run(), there.configuration).settling
+    assert found.now == pytest.approx(cl.steady(there).velocity[0], rel=precision)
+
+
+def test_without_a_duration_a_run_has_a_longest_of_its_own() -> None:
+    assert cl.build().duration == 0.02
+    assert cl.build(["solver.until=steady"]).duration == LONGEST
+    assert setup().duration == 0.4
+    motor = cl.build(["rotor.inertia=1e-5"])
+    run = cl.simulate(motor.motor, motor.law, record_interval=1e-5, until="steady")
+    assert 0.02 < run["time"][-1] < LONGEST
+    assert run.tree.attrs["settled"] == 1
+    with pytest.raises(ValueError, match="The duration is missing"):
+        cl.simulate(motor.motor, motor.law)
+
+
+@pytest.mark.parametrize("precision", [0.0, 0.02, -1.0, float("nan")])
+def test_a_precision_that_no_run_can_have_is_refused(precision: float) -> None:
+    with pytest.raises(ValueError, match="The precision is"):
+        cl.simulate(setup(), until="steady", precision=precision)
+    with pytest.raises(ValueError, match="until='steady'"):
+        cl.simulate(setup(), precision=1e-3)
+
+
+def test_a_memory_that_still_flows_is_waited_for() -> None:
+    """The rotor seems to have settled long before the lining has; it follows the lining, slowly."""
+    lining = ("law=composed", "law/normal=prony", "law.normal.first_stiffness=2e7")
+    still = setup(*lining, "law.normal.first_time=0.1", "solver.duration=0.2")
+    run = still.run()
+    assert run.time[-1] == pytest.approx(0.2)
+    found = Run.of_trajectory(run, still.configuration).settling
+    assert found.verdict != "settled"
+    assert np.isnan(found.velocity)
+    # Judged by the rotor alone it would be a steady state that the orbit is not.
+    alone = settling_of({**run.series, "time": run.time}, run.contacts, period_of(still.motor.drive))
+    assert alone.verdict == "settled"
+    assert abs(alone.velocity - cl.steady(still).velocity[0]) > 3.0 * alone.error
+    fast = setup(*lining, "law.normal.first_time=2e-3", "solver.duration=1")
+    run = fast.run()
+    assert run.time[-1] < 0.5
+    now = Run.of_trajectory(run, fast.configuration).settling.now
+    assert now == pytest.approx(cl.steady(fast).velocity[0], rel=PRECISION)
+
+
+def test_wear_is_never_settled_and_a_file_says_the_same(tmp_path: Path) -> None:
+    worn = cl.simulate(setup("law=archard", "solver.duration=0.3"))
+    assert worn["time"][-1] == pytest.approx(0.3)
+    assert worn.tree.attrs["settled"] != 1
+    assert "wear" in worn.tree.attrs["settling"]
+    worn.save(tmp_path / "run.nc")
+    assert Run.of(cl.load(tmp_path / "run.nc").tree).settling.sentence == worn.tree.attrs["settling"]
 
 
 def test_it_goes_on_from_a_state_that_falls_between_records_as_the_uncut_run_does() -> None:
