@@ -49,7 +49,7 @@ def main(arguments: list[str]) -> int:
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.cli.idle_words import KEPT, LASTING, refuse_idle
     from contactlab.config import ConfigurationError, build
-    from contactlab.orbits import NoPeriodError, basins
+    from contactlab.orbits import NoPeriodError, UnboundedError, basins
 
     refuse_idle(given.words, "a map of basins", *KEPT, *LASTING)
     try:
@@ -58,7 +58,7 @@ def main(arguments: list[str]) -> int:
         total = np.prod([values.size for values in axes.values()])
         with terminal.raising(), terminal.progress(float(total), "starts", "The map") as advance:
             found = basins(setup, axes, report=lambda done: advance(float(done)))
-    except (ConfigurationError, NoPeriodError) as error:
+    except (ConfigurationError, NoPeriodError, UnboundedError) as error:
         raise RefusalError(str(error)) from error
     data = found.to_xarray()
     for i in range(data.sizes["attractor"]):

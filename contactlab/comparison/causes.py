@@ -130,6 +130,9 @@ def _said_first(laws: Sequence[Refined]) -> Iterator[str]:
         )
     for law in laws:
         label = law.run.label
+        if not law.means and law.without:
+            yield f"{label} has no steady state: its numbers are those of the recorded run. {law.without}"
+            continue
         if not law.means:
             yield f"{label} is taken as recorded: whether its motor has settled is not known."
             continue

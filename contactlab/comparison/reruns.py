@@ -17,7 +17,7 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, richardson
-from contactlab.orbits import attractors
+from contactlab.orbits import NotSettledError, attractors
 from contactlab.simulation import simulate
 
 FRICTION_CHANGE: Final = 0.01  # of the friction coefficient, to show the sensitivity to it, relative
@@ -47,6 +47,7 @@ class Refined:
     means: list[Means] = field(default_factory=list)
     elsewhere: Means | None = None  # settled, on the other basis
     reached: list[Means] = field(default_factory=list)  # from all starts; empty if none was tried
+    without: str = ""  # why there is no steady state
     seconds: list[float] = field(default_factory=list)  # that a steady state takes on either basis
 
     @property
@@ -209,7 +210,8 @@ def _again(
         solution = simulate(setup, record_interval=interval)
     # A law of another package may fail in ways of its own.
     except Exception as error:
-        law.notes.append(f"{law.run.label} fails {words}: {error}".replace("  ", " "))
+        law.notes.append(f"{law.run.label} fails {words}: {error}".replace(" :", ":"))
+        law.without = str(error) if isinstance(error, NotSettledError) else ""
         return None
     if solution.ending.reached_end:
         return (Run.of(solution.tree),)

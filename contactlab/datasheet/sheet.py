@@ -99,7 +99,8 @@ def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Number], float]:
         return [free], {}, 0.0
     sense = float(np.sign(velocity))
     points = Curve(setup, velocity).points
-    stop, coasting = stop_time(setup, free.run, velocity)
+    memory = np.array([free.run.series[name][0] for name in free.run.lasting])
+    stop, coasting = stop_time(setup, free.run.motor, velocity, memory)
     stalled = next(point for point in points if point.belt == 0.0)
     numbers = {
         "no_load_velocity": (abs(velocity), error),
@@ -147,6 +148,7 @@ def _dataset(setups: Sequence[Setup]) -> xarray.Dataset:
         numbers = np.transpose([own.get(name, UNKNOWN) for _, own, _ in sheets])
         values |= _with_error(said, numbers)
     texts = {"kind": lambda points: [p.kind for p in points], "role": _roles, "load": _loads}
+    texts["reason"] = lambda points: [point.message for point in points]
     for name, of in texts.items():
         table = np.full(shape, "", dtype=object)
         for i, (points, *_) in enumerate(sheets):

@@ -119,6 +119,10 @@ def sentences(data: xarray.Dataset) -> list[str]:
 
 def _said_of(law: xarray.Dataset) -> Iterator[str]:
     if not law["no_load_velocity"] > 0.0:
+        reasons = sorted({str(reason) for reason in law["reason"].values} - {""})
+        if reasons:
+            yield f"the free rotor has no steady state to characterise. {' '.join(reasons)}"
+            return
         kinds = ", ".join(sorted({str(kind) for kind in law["kind"].values} - {""}))
         yield f"the free rotor does not turn ({kinds}); there is no curve to draw."
         return

@@ -15,7 +15,6 @@ from contactlab.metrics.convergence import FINER
 from contactlab.motor import Drive, ModalState, Motor
 from contactlab.orbits.period_map import PeriodMap
 from contactlab.simulation import changed
-from contactlab.trajectory import Trajectory
 
 STARTED: Final = 0.9
 STOPPED: Final = 0.1
@@ -44,23 +43,25 @@ def start_time(setup: Setup, velocity: float) -> Number:
     return _at_two_steps(setup, once)
 
 
-def stop_time(setup: Setup, settled: Trajectory, velocity: float) -> tuple[Number, Number]:
+def stop_time(
+    setup: Setup, settled: Motor, velocity: float, memory: Array | None = None
+) -> tuple[Number, Number]:
     """Give the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
 
     Args:
         setup: law and steps.
-        settled: a run of the free motor on its steady motion; its electrodes are made short at the start.
+        settled: the free motor, whose start lies on its steady motion; its electrodes are made short there.
         velocity: without load [rad/s].
+        memory: the law's internal variables of the run there; None takes their initial values.
 
     Returns:
         The time [s], infinite where nothing brakes the rotor any more, and the speed at which the tip leaves
         it [rad/s], zero where the contact stops it; with their errors.
     """
-    found, rotor = [], settled.motor.rotor
-    memory = np.array([settled.series[name][0] for name in settled.lasting])
+    found, rotor = [], settled.rotor
 
     def once(setup: Setup) -> float:
-        clock = PeriodMap(replace(setup, motor=_silent(settled.motor)))
+        clock = PeriodMap(replace(setup, motor=_silent(settled)))
         time, stopped, coasts = _until(clock, STOPPED * velocity, memory)
         found.append(0.0 if stopped else abs(coasts))
         if stopped:
