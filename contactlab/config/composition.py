@@ -31,8 +31,8 @@ EXPERIMENT: Final = "experiment"
 """The group whose options are files alone: named sets of changes to the default run."""
 
 SEVERAL: Final = (
-    "{} gives several values; a single run takes one. Add -m to run every combination; "
-    "in Python, contactlab.sweep does."
+    "{} gives several values; a single run takes one. `contactlab -m` runs every combination, without a "
+    "verb; in Python, contactlab.sweep does."
 )
 """What is wrong with an override that is swept."""
 
