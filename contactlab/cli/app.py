@@ -24,7 +24,7 @@ from contactlab.cli.jobs import perform
 from contactlab.cli.next_step import after_a_run
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
 from contactlab.config import ConfigurationError, build
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences, without_environment
 from contactlab.config.options import conf_directory
 from contactlab.results.provenance import versions
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
@@ -48,7 +48,7 @@ def main() -> int:
     )
     try:
         sys.argv[1:] = for_hydra(sys.argv[1:])
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), without_environment(hydra=True):
             # Hydra warns of a folder of options that there is not, and goes on without.
             warnings.filterwarnings("error", ".* is not available", UserWarning)
             command(run)()

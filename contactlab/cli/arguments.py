@@ -87,7 +87,7 @@ NO_TEXT = re.compile("[\0\ud800-\udfff]")
 """What the bytes of an argument become that are no UTF-8."""
 
 _LISTED = re.compile(r"(?P<key>[^=]+)=\s*'?(?P<value>(?P<name>linspace|geomspace|range)\(.*\))'?\s*")
-_NUMBER_WITH_UNIT = re.compile(r"[\d.]\s*(?![eE][-+\d])[^\W\d_]")
+_NUMBER_WITH_UNIT = re.compile(r"[\d.]\s*(?:(?![eE][-+\d])[^\W\d_]|[°%]|\s1\s*/)")
 
 
 class Parser(ArgumentParser):

@@ -4,6 +4,7 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, Final, final
 
 import hydra
@@ -15,8 +16,9 @@ from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
 from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.plugins.search_path_plugin import SearchPathPlugin
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import Container, DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
+from omegaconf.resolvers import oc
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
@@ -29,6 +31,9 @@ VERSION_BASE: Final = "1.3"
 SCHEME: Final = "contactlab"
 EXPERIMENT: Final = "experiment"
 """The group whose options are files alone: named sets of changes to the default run."""
+
+_ENVIRONMENT: Final = ContextVar("_ENVIRONMENT", default="all")
+"""Section of a configuration that may refer to variables of the environment; 'all', 'hydra' or 'nothing'."""
 
 SEVERAL: Final = (
     "{} gives several values; a single run takes one. `contactlab -m` runs every combination, without a "
@@ -49,7 +54,10 @@ LISTS: Final = (
 """How many values are written in one argument."""
 
 _BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·^][^,='\"]*)(?=,|$)")
-"""A number with a unit that has letters beyond those of Hydra's grammar."""
+"""A number with a unit that has characters beyond those of Hydra's grammar."""
+
+_FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
+"""An override that lists values by a function, which the command quotes as a whole."""
 
 _IN_OUR_WORDS: Final = {
     r"An item is already at '([^']+)'": (
@@ -76,7 +84,7 @@ _IN_OUR_WORDS: Final = {
 def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
     """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
     try:
-        with started():
+        with started(), without_environment(hydra=False):
             composed = hydra.compose(CONFIG_NAME, overrides=[*map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
@@ -92,7 +100,7 @@ def readable(override: str) -> str:
     plain = override.lstrip("+")
     group, sign, _ = plain.partition("=")
     chosen = plain if plain != override and sign and group in {*groups(), EXPERIMENT} else override
-    return _BEYOND.sub(r"'\1'", chosen)
+    return chosen if _FUNCTION.match(chosen) else _BEYOND.sub(r"'\1'", chosen)
 
 
 def resolved(config: DictConfig) -> dict[str, Any]:
@@ -103,19 +111,57 @@ def resolved(config: DictConfig) -> dict[str, Any]:
             secrets and are no part of what a run records.
     """
     mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
-    faults = [
-        f"{key} refers to a variable of the environment; it must be a value or refer to another key. Let the "
-        "shell put the value in its place."
-        for key, value in flat(OmegaConf.to_container(mine)).items()  # type: ignore[arg-type]
-        if "oc.env" in str(value)
-    ]
-    if faults:
-        raise ConfigurationError(faults)
     try:
-        return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
+        with without_environment(hydra=False):
+            return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
     except OmegaConfBaseException as error:
-        words = f"{one_line(error)} Correct the reference in ${{...}}."
+        words = _reads_environment(error) or f"{one_line(error)} Correct the reference in ${{...}}."
         raise ConfigurationError([words]) from None
+
+
+class EnvironmentReadError(ValueError):
+    """A configuration that refers to a variable of the environment where it must not."""
+
+
+@contextmanager
+def without_environment(*, hydra: bool) -> Iterator[None]:
+    """Refuse references to variables of the environment until the end of the context.
+
+    The variables may be secrets: a run's configuration is recorded, and messages show its values.
+
+    Args:
+        hydra: whether Hydra's own keys, which name folders and launchers, may refer to them.
+    """
+    before = _ENVIRONMENT.set("hydra" if hydra else "nothing")
+    try:
+        yield
+    finally:
+        _ENVIRONMENT.reset(before)
+
+
+def _environment(name: str, *default: Any, _parent_: Container) -> Any:
+    """Return a variable of the environment, the resolver `oc.env`, to what may refer to it."""
+    readers = _ENVIRONMENT.get()
+    section = str(_parent_._get_full_key("")).partition(".")[0]
+    if readers not in ("all", section):
+        raise EnvironmentReadError(name)
+    return oc.env(name, *default)
+
+
+def _reads_environment(error: BaseException | None) -> str:
+    """Return the fault of a reference to the environment that an exception comes from; empty for others."""
+    key = ""
+    while error is not None:
+        if isinstance(error, EnvironmentReadError):
+            # Hydra resolves the choices of a defaults list in a container of its own.
+            subject = key if key and not key.startswith("_") else "The choice of an option"
+            return (
+                f"{subject} refers to the variable {error} of the environment; it must be a value or refer "
+                "to another key. Let the shell put the value in its place."
+            )
+        key = key or str(getattr(error, "full_key", None) or "")
+        error = error.__cause__ or error.__context__
+    return ""
 
 
 def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
@@ -137,7 +183,7 @@ def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
     # What Hydra says of a key that is not there; the schema does not get to see it.
     if unknown := re.search(r"Could not override '([^']+)'", said):
         return [unknown_override(unknown[1], lines)]
-    if ours := _in_our_words(f"{said}\n{error.__cause__ or ''}"):
+    if ours := _reads_environment(error) or _in_our_words(f"{said}\n{error.__cause__ or ''}"):
         return [ours]
     if said.startswith("Config group override must be"):
         choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
@@ -264,3 +310,4 @@ def _split(path: str) -> tuple[str, str]:
 for plugin in (_DeclaredSource, _DeclaredSearchPath):
     Plugins.instance().register(plugin)
 OmegaConf.register_new_resolver("help_on_keys", help_on_keys, replace=True)
+OmegaConf.register_new_resolver("oc.env", _environment, replace=True)

@@ -8,10 +8,11 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.motor import ModalState
+from contactlab.laws import ContactLaw
+from contactlab.motor import ModalState, Motor
 from contactlab.orbits.arrival import NotSettledError, UnboundedError
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.search import LONGEST, Steady, steady
+from contactlab.orbits.search import LONGEST, Steady, steady, steady_setup
 
 SAME: Final = 1e-5
 """Relative distance of the states of two orbits at one section below which they are one: an orbit is closed
@@ -37,10 +38,11 @@ class Attractor:
 
 
 def attractors(
-    setup: Setup,
+    motor: Motor | Setup,
     count: int = 8,
     seed: int = 0,
     *,
+    law: ContactLaw | None = None,
     velocity: float | None = None,
     excitation: float = 2.0,
     longest: int = LONGEST,
@@ -60,9 +62,10 @@ def attractors(
         25% periodic, 1.9566 rad/s
 
     Args:
-        setup: motor and law; its own start is the first of those that are tried.
+        motor: what moves, or a whole setup; its own start is the first of those that are tried.
         count: of the starts in all.
         seed: of the random numbers.
+        law: what acts between tip and rotor; a setup has its own.
         velocity: [rad/s]; None is the largest with which the tip moves along the rotor without contact.
         excitation: [1].
         longest: as of `contactlab.steady`.
@@ -75,6 +78,7 @@ def attractors(
         NoPeriodError: the drive does not repeat itself.
         UnboundedError: an internal variable of the law comes to no steady value.
     """
+    setup = steady_setup(motor, law)
     found: list[tuple[Steady, int]] = []
     for start in _starts(setup, count, seed, velocity, excitation):
         try:

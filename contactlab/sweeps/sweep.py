@@ -11,7 +11,7 @@ import pandas
 import xarray
 
 from contactlab.checks import check_kind
-from contactlab.config import Setup, build
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.composition import compose, options_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import Value
@@ -172,10 +172,23 @@ def _setup(plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, 
 
 
 def _axes_of_numbers(setup: Setup, columns: Columns, samples: bool) -> tuple[Axis, ...]:
-    """Return the axes of a sweep over numbers of a motor made in Python, by full key or its last part."""
-    numbers, axes = variable_numbers(setup), []
+    """Return the axes of a sweep over numbers of a motor made in Python, by full key or its last part.
+
+    Raises:
+        ConfigurationError: a last part that several numbers have, or a number that is swept twice.
+    """
+    numbers, axes = variable_numbers(setup), list[Axis]()
+    keys: dict[tuple[str, ...], str] = {}
     for name, column in columns.items():
-        key = next((key for key in numbers if name in (key, key.rpartition(".")[2])), name)
+        ends = [name] if name in numbers else [key for key in numbers if key.rpartition(".")[2] == name]
+        # The friction coefficient that laws share has a key of the contact beside that of its law.
+        different = {numbers[key][0]: key for key in reversed(ends)}
+        if len(different) > 1:
+            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
+        path, key = next(iter(different.items()), ((name,), name))
+        if path in keys:
+            raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
+        keys[path] = key
         said = numbers[key][1].parameter if key in numbers else None
         units, meaning = (said.units, said.meaning) if said else ("", "")
         values = column if samples else [x for value in column for x in spread(key, value, units)]

@@ -3,13 +3,16 @@
 import math
 
 import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hypothesis import given, strategies as st
 
 import contactlab
+from contactlab.cli.arguments import for_hydra
 from contactlab.config.nesting import flat
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.laws.registry import own
 from contactlab.parameter import from_cf, parameters_of
+from contactlab.sweeps.values import call_in
 
 
 @pytest.mark.parametrize(
@@ -122,3 +125,11 @@ def test_a_number_in_any_unit_that_is_printed_is_read_as_it_is(unit: str, number
 )
 def test_such_a_unit_needs_no_quotes_of_its_own_on_the_command_line(line: str, number: float) -> None:
     assert flat(contactlab.build([line]).configuration)[line.partition("=")[0]] == number
+
+
+@pytest.mark.parametrize("unit", printed_units())
+def test_numbers_with_such_a_unit_are_listed_without_quotes_of_their_own(unit: str) -> None:
+    (line,) = for_hydra([f"key=range(1 {unit},4 {unit},2 {unit})"])
+    call = call_in(OverridesParser.create().parse_override(line).value())
+    assert call is not None
+    assert [to_si(end, unit) for end in call[1]] == [1.0, 4.0, 2.0]

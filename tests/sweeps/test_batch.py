@@ -10,6 +10,7 @@ import numpy as np
 import pandas
 import pytest
 import xarray
+from omegaconf import OmegaConf
 from support.command_line import Command, left_behind
 from support.motors import default_motor, every_law, hertz
 from support.sweeps import METRICS_ALONE
@@ -19,6 +20,7 @@ from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree
+from contactlab.simulation import load
 from contactlab.sweeps import Status, WorkerError, sweep
 
 DURATION = 1e-3
@@ -261,7 +263,10 @@ def test_a_faulty_table_is_refused_in_a_sentence(command: Command, table: str, w
     assert left_behind() == [Path("table.csv")]
 
 
-@pytest.mark.parametrize("where", ["cell", "override", "beside the sweep", "file"])
+@pytest.mark.parametrize(
+    "where",
+    ["cell", "override", "choice", "beside the sweep", "swept", "table", "names", "file", "defaults list"],
+)
 def test_a_variable_of_the_environment_is_neither_read_nor_shown(
     command: Command, monkeypatch: pytest.MonkeyPatch, where: str
 ) -> None:
@@ -270,17 +275,38 @@ def test_a_variable_of_the_environment_is_neither_read_nor_shown(
     Path("table.csv").write_text(f"drive.phase\n{reference}\n")
     Path("law").mkdir()
     Path("law/mine.yaml").write_text(f"name: newton\nrestitution: {reference}\n")
+    Path("chosen.yaml").write_text(f"defaults:\n  - config\n  - override law: {reference}\n")
     before = sorted(left_behind())
     lines = {
         "cell": ["-m", "sweep.samples=table.csv"],
         "override": [f"drive.phase={reference}"],
         "beside the sweep": ["-m", "drive.phase=0,1", f"contact.clearance={reference}"],
+        "choice": [f"law={reference}"],
+        "swept": ["-m", f"law=newton,{reference}"],
+        "table": ["-m", f"sweep.samples={reference}"],
+        "names": ["-m", "drive.phase=0,1", f"sweep.metrics={reference}"],
         "file": ["--config-dir=.", "law=mine"],
+        "defaults list": ["--config-dir=.", "--config-name=chosen"],
     }
     status, out, err = command(*lines[where])
     assert status == 2
     assert "hush" not in out + err
     assert sorted(left_behind()) == before
+
+
+def test_the_folder_of_a_run_may_be_named_by_a_variable_of_the_environment(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SCRATCH", "elsewhere")
+    short = ("solver.duration=1e-5", "record.picture=false", "drive.phase=${contact.friction_coefficient}")
+    status, _, _ = command(*short, "hydra.run.dir=${oc.env:SCRATCH}/run")
+    assert status == 0
+    run = load("elsewhere/run/run.nc")
+    assert run.setup is not None
+    assert run.setup.configuration["drive"]["phase"] == 0.3
+    # Configurations of others are resolved as Hydra does.
+    assert OmegaConf.create({"place": "${oc.env:SCRATCH}"}).place == "elsewhere"
+    assert OmegaConf.create({"place": "${oc.env:NOWHERE,here}"}).place == "here"
 
 
 def test_a_sweep_of_metrics_with_a_run_that_fails_says_so_by_its_status(command: Command) -> None:

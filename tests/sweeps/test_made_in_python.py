@@ -1,6 +1,7 @@
 """Sweeps, branches and data sheets of a motor and a law made in Python are those of their configuration."""
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any, final
 
 import numpy as np
 import pytest
@@ -10,6 +11,18 @@ import contactlab as cl
 SETUP = cl.build(["law=newton"])
 SHORT: Any = {"duration": 1e-3, "workers": 1}
 OWN: Any = {"base": SETUP.motor, "law": SETUP.law, **SHORT, "contact_step": SETUP.contact_step}
+
+
+@final
+@dataclass(frozen=True)
+class Spring(cl.Friction):
+    """Friction with a number whose name is that of one of the normal force."""
+
+    name = "spring"
+    equation = "|F| <= mu N"
+    source = "none"
+
+    stiffness: Annotated[float, cl.Parameter("k", "N m-1", "stiffness", above=0.0)] = 1e6
 
 
 def test_the_numbers_of_a_motor_vary_as_the_keys_of_a_configuration_do() -> None:
@@ -55,6 +68,20 @@ def test_what_does_not_go_with_it_is_refused(beside: dict[str, Any]) -> None:
         cl.sweep({"clearance": [1e-6]}, **{**OWN, **beside})
 
 
+@pytest.mark.parametrize(
+    "over",
+    [
+        {"stiffness": [1e9]},
+        {"clearance": [1e-6], "contact.clearance": [2e-6]},
+        {"law.friction.friction_coefficient": [0.2], "contact.friction_coefficient": [0.3]},
+    ],
+)
+def test_a_name_of_two_numbers_and_two_names_of_one_are_refused(over: dict[str, Any]) -> None:
+    law = cl.Composed(normal=cl.Linear(), friction=Spring())
+    with pytest.raises(cl.ConfigurationError, match=[*over][-1]):
+        cl.sweep(over, **OWN | {"law": law})
+
+
 def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
     numbers = {"base": SETUP.motor, "law": SETUP.law}
     sheets = cl.characterise(SETUP), cl.characterise(numbers["base"], numbers["law"])
@@ -67,6 +94,8 @@ def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
         cl.branch(SETUP.motor, "drive.phase", 0.0, 0.1, law=SETUP.law)
     axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
     assert np.array_equal(cl.basins(SETUP, axes).labels, cl.basins(SETUP.motor, axes, law=SETUP.law).labels)
+    found = cl.attractors(SETUP, 2), cl.attractors(SETUP.motor, 2, law=SETUP.law)
+    assert np.array_equal(*([(each.share, *each.steady.velocity) for each in one] for one in found))
 
 
 def test_a_faulty_key_is_refused_without_the_errors_of_other_libraries() -> None:
