@@ -116,8 +116,10 @@ def _ended(solver: Any, length: float, settling: Settling) -> str:
     precision, most = float(solver.get("precision", PRECISION)), float(solver["duration"])
     longest = f"solver.duration, {prefixed(most, 's')}"
     if settling.share <= precision:
-        return f"as settled to {precision:g}, after {prefixed(length, 's')} of the longest {longest}"
-    return f"at the longest {longest}, before it had settled to {precision:g}"
+        return f"once settled to {precision:g}, after {prefixed(length, 's')}; the longest was {longest}"
+    if length < (1.0 - ROUND_OFF) * most:
+        return ""
+    return f"at the longest, {longest}, before it had settled to {precision:g}"
 
 
 def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:

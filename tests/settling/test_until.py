@@ -10,7 +10,7 @@ import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.metrics import Run
 from contactlab.motor.drive import period_of
-from contactlab.results.summary import summarise
+from contactlab.results.summary import summarise, summary_of
 from contactlab.settling.until import LONGEST, PRECISION, simulate_until_steady
 from contactlab.settling.verdict import settling_of
 from contactlab.trajectory import Trajectory
@@ -65,6 +65,12 @@ def test_without_a_duration_a_run_has_a_longest_of_its_own() -> None:
     run = cl.simulate(motor.motor, motor.law, record_interval=1e-5, until="steady")
     assert 0.02 < run["time"][-1] < LONGEST
     assert run.tree.attrs["settled"] == 1
+    # The summary says what ended it: the precision and the time, or the longest duration.
+    assert f"{PRECISION:g}" in summary_of(run.tree)["ended"]
+    assert "1 s" in summary_of(run.tree)["ended"]
+    cut = cl.simulate(setup("rotor.inertia=4.8e-5", "solver.duration=0.02"))
+    assert "20 ms" in summary_of(cut.tree)["ended"]
+    assert "ended" not in summary_of(cl.simulate(cl.build(["solver.duration=1e-3"])).tree)
     with pytest.raises(ValueError, match="The duration is missing"):
         cl.simulate(motor.motor, motor.law)
 
