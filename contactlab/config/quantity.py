@@ -10,7 +10,7 @@ from functools import cache
 from math import isfinite
 from numbers import Real
 from types import NoneType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from contactlab.parameter import DeclaredField, from_cf
 
@@ -134,6 +134,13 @@ def factor(given: str, unit: str) -> Decimal:
     return have[0] / wanted[0]
 
 
+@cache
+def dimensions(unit: str) -> dict[str, float]:
+    """Return the powers of the base dimensions of a unit, {"[length]": 1.0}; an angle has none."""
+    powers: dict[str, Any] = dict(_registry().parse_units(_as_pint(unit)).dimensionality)
+    return {name: float(power) for name, power in powers.items()}
+
+
 def is_unit(text: str) -> bool:
     """Tell whether a text is a unit."""
     return bool(text.strip()) and _root(text.strip()) is not None
@@ -155,11 +162,15 @@ def _root(unit: str) -> "tuple[Decimal, pint.Unit] | None":
     return _parsed(from_cf(unit)) if found is None and _CF.fullmatch(unit) else found
 
 
+def _as_pint(unit: str) -> str:
+    """Return a unit as pint reads it."""
+    return "" if unit == "1" else _FORCE_TIMES.sub(lambda word: "*".join(filter(None, word.groups())), unit)
+
+
 def _parsed(unit: str) -> "tuple[Decimal, pint.Unit] | None":
     registry = _registry()
-    apart = _FORCE_TIMES.sub(lambda word: "*".join(filter(None, word.groups())), unit)
     try:
-        quantity = registry.Quantity(Decimal(1), registry.parse_units("" if unit == "1" else apart))
+        quantity = registry.Quantity(Decimal(1), registry.parse_units(_as_pint(unit)))
         root = quantity.to_root_units()
     # pint lets the errors of its tokenizer and parser through, among them AssertionError.
     except Exception:

@@ -43,6 +43,9 @@ COUPLINGS = (-50.0, 0.0, 50.0)
 
 ROUND_OFF = 1e-9
 
+STORED = 1e-3
+"""Share of the force that the derivative of the stored energy may be off by."""
+
 COUNTS = {"force": 4, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
 """Numbers that kernels answer with."""
 
@@ -206,6 +209,8 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
                     f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
                     "the normal force pulls there is no friction."
                 )
+            if not law.remembered:
+                _check_stored(law, partial(ask, "force", force, where), depth, (gap, rate, slip))
             if law.friction_kind != SET_VALUED:
                 # What else the variable may be than at first, the law alone knows.
                 first = own.initial if own else 0.0
@@ -226,6 +231,28 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
             fault = f"leaves an approach of {-left:g} m/s {where}; the impulse must stop it."
             raise LawError(f"{law.name}: its kernel solve {fault}")
         _check_memory(law, ask, of_memory, where, 0.0, approach, slip, p_n / law.default_contact_step)
+
+
+def _check_stored(law: ContactLaw, ask: Any, depth: float, state: tuple[float, float, float]) -> None:
+    """Hold the stored energy V against the force: loss = -(N + dV/dgap) gap rate, N = -dV/dgap at rest."""
+    gap, rate, slip = state
+    normal, _, stored, loss = ask(gap, rate, slip, abs(rate))
+
+    def slope(share: float) -> float:
+        ends = [ask(gap + sign * share * depth, rate, slip, abs(rate))[2] for sign in (-1.0, 1.0)]
+        return float(ends[1] - ends[0]) / (2.0 * share * depth)
+
+    coarse, fine = slope(2e-3), slope(1e-3)
+    # What float64 and the next order leave of a difference, in a force.
+    error = 2.0 * abs(coarse - fine) + 1e-12 * abs(stored) / (1e-3 * depth)
+    missed = abs(loss + (normal + fine) * rate) if rate else abs(normal + fine)
+    size = (abs(normal) + abs(fine)) * (abs(rate) or 1.0) + abs(loss)
+    if missed > STORED * size + error * (abs(rate) or 1.0):
+        raise LawError(
+            f"{law.name}: its stored energy grows by {-fine:g} N at a gap of {gap:g} m and a gap rate of "
+            f"{rate:g} m/s, where its normal force is {normal:g} N and its loss {loss:g} W; the loss must be "
+            "-(N + dV/dgap) times the gap rate, and so N = -dV/dgap at rest."
+        )
 
 
 def _first_limit(law: ContactLaw, ask: Any, limits: Kernel) -> float:
@@ -251,13 +278,19 @@ def _check_memory(law: ContactLaw, ask: Any, kernels: list[Kernel], where: str, 
 
 def _answer(law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Any:
     """Give the answer to one state, or raise a LawError where it cannot be one, whatever it means."""
-    answers = (kernel(*state, row) for row in rows)
+    # The first row once more: a kernel with side effects answers otherwise.
+    answers = (kernel(*state, row) for row in (rows[0], *rows))
     count = COUNTS[name]
-    given, *others = ((answer,) for answer in answers) if count == 1 else answers
+    given, again, *others = ((answer,) for answer in answers) if count == 1 else answers
     said = f"{law}: its kernel {name}"
     if not isinstance(given, tuple) or len(given) != count:
         found = f"{len(given)} numbers" if isinstance(given, tuple) else shown(given)
         raise LawError(f"{said} gives {found}; it must give {count} numbers.")
+    if repr(given) != repr(again):
+        raise LawError(
+            f"{said} gives another answer to the same question {where}; it must have no side effects and no "
+            "memory of its own. What a law remembers are its internal_variables."
+        )
     # No number is the same as no number.
     if any(repr(given) != repr(other) for other in others):
         raise LawError(

@@ -16,6 +16,7 @@ from contactlab.laws import ContactLaw, law_class, law_names
 from contactlab.metrics import INVARIANTS, NOT_APPLICABLE, assess
 from contactlab.testing import (
     closed_forms,
+    declaration_properties,
     flow_properties,
     kernel_properties,
     part_properties,
@@ -38,7 +39,12 @@ def declares_what_it_breaks(bench: Bench) -> Claims:
 CLOSED_FORMS = proofs_of(closed_forms)
 REFERENCES = proofs_of(references)
 PROPERTIES = proofs_of(
-    kernel_properties, part_properties, flow_properties, run_properties, repetition_properties
+    kernel_properties,
+    declaration_properties,
+    part_properties,
+    flow_properties,
+    run_properties,
+    repetition_properties,
 )
 PROPERTIES["declares_what_it_breaks"] = declares_what_it_breaks
 """By their names: small plants against what can be written down, the paper's motor and random flights

@@ -1,0 +1,257 @@
+"""Properties of what a law declares: parameters that act, units that fit, stiffness and stored energy."""
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config.quantity import dimensions
+from contactlab.laws import ContactLaw
+from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
+from contactlab.laws.composed import Composed
+from contactlab.laws.intake import guarded
+from contactlab.laws.memory import AT_TOUCH
+from contactlab.parameter import declared_fields, from_cf
+from contactlab.testing.asking import Asked
+from contactlab.testing.claim import Claims, at_most
+from contactlab.testing.kernel_properties import TINY, Worst, drawn_steps, states_of
+from contactlab.testing.plants import Bench
+
+Put = Callable[[float, str], float]
+"""Takes a number in SI and its units; gives it in the units of a bench."""
+
+SCALES = {"[length]": 2.0**7, "[mass]": 2.0**-3, "[time]": 2.0**5}
+"""Other units of length, mass and time: what a number in SI is multiplied by."""
+
+DIFFERENCE = 1e-6
+"""Error of a derivative that is a central difference, as a share."""
+
+SMALL_SLIP = 1e-3
+"""Slip velocity at which a friction is loaded and unloaded [m/s]."""
+
+LONGER = (1.0, 1e3, 1e6, 1e12)
+"""What the internal variables of the states are multiplied by, so that bounds on them are met."""
+
+LOADING = 200
+"""Steps of a loading, and of the unloading after it."""
+
+
+def reads_what_it_declares(bench: Bench) -> Claims:
+    """Every parameter that a law declares changes some answer of its kernels."""
+    law, unread = bench.law, []
+    benches = [bench, *(replace(bench, law=other) for other in _elsewhere(law))]
+    answers = [_answers(each.law, each) for each in benches]
+    for name, value, said in law.effective():
+        # How many pieces there are, the number of the variables shows.
+        if said is None or isinstance(value, int):
+            continue
+        if not any(_acts(name, each, before) for each, before in zip(benches, answers, strict=True)):
+            unread.append(name)
+    yield at_most(f"parameters that no kernel reads {unread}", len(unread), 0)
+
+
+def _acts(name: str, bench: Bench, before: Array) -> bool:
+    """Return whether another value of a parameter changes an answer."""
+    now = bench.law.describe()[name]
+    # What decides between two answers, as the end of stick, shows by larger steps alone.
+    for nearby in (1.001 * now, 0.5 * now, 2.0 * now, 0.01 * now, 100.0 * now) if now != 0.0 else (1e-3, 1.0):
+        with suppress(ValueError, TypeError):
+            other = _answers(bench.law.changed(name, nearby), bench)
+            if not np.array_equal(other, before, equal_nan=True):
+                return True
+    return False
+
+
+def answers_scale_with_units(bench: Bench) -> Claims:
+    """In other units of length, mass and time the kernels give the same answers, in those units.
+
+    Every number has the units that are declared of it: a stiffness of a power that is not the declared one,
+    or a constant with a dimension inside a kernel, does not fit.
+    """
+    law, worst = bench.law, Worst()
+    other = _in_other_units(law)
+    pairs = zip(_named_answers(other, bench, scaled=True), _named_answers(law, bench), strict=True)
+    for (given, _), (expected, kind) in pairs:
+        missed = abs(given / _scale(kind) - expected) / (abs(expected) + TINY)
+        worst.take("answers in other units less those in SI, relative", missed, 1e-9)
+    yield from worst.values()
+
+
+def part_says_its_stiffness(bench: Bench) -> Claims:
+    """A normal force's stiffness and slope are the derivatives of its force and stiffness by the depth."""
+    law, worst = bench.law, Worst()
+    if not isinstance(law, Composed):
+        return
+    part: NormalForce = law.normal
+    count = len(law.friction.internal_variables)
+    row = guarded(np.array(part.coefficients()))
+    for gap, rate, _, _, kept in states_of(bench):
+        depth, z = -gap, guarded(kept[count:])
+
+        def answer(d: float, rate: float = rate, z: Array = z) -> tuple[float, ...]:
+            if part.force is None:
+                return tuple(part.elastic(d, row, 0))
+            kernel: Any = part.force
+            return tuple(kernel(d, -rate, z, row, 0) if part.remembered else kernel(d, -rate, row, 0))
+
+        step = 1e-4 * abs(depth) + 1e-14
+        _, _, stiffness, slope, *_ = answer(depth)
+        for words, place, declared in (("stiffness", 0, stiffness), ("slope of the stiffness", 2, slope)):
+            coarse, fine = (
+                (answer(depth + h)[place] - answer(depth - h)[place]) / (2.0 * h) for h in (step, 0.5 * step)
+            )
+            # What a kink within the step, float64 and the next order leave of a difference.
+            error = 2.0 * abs(coarse - fine) + 1e-13 * abs(answer(depth)[place]) / step
+            size = abs(fine) + abs(declared) + TINY
+            missed = max(abs(declared - fine) - error, 0.0) / size
+            worst.take(f"{words} less the difference of the force, relative", missed, DIFFERENCE)
+    yield from worst.values()
+
+
+def friction_stores_what_it_gives(bench: Bench) -> Claims:
+    """Slip to and fro within the cone loses energy all along, with what friction stores taken into account.
+
+    -F v - dE/dt >= 0: a store that is too small gives back what it never had, one that is too large takes
+    more than the slip does work. The gap is held.
+    """
+    law, worst = bench.law, Worst()
+    if not isinstance(law, PenaltyLaw) or law.friction_kind != RATE_DEPENDENT:
+        return
+    asked = Asked(law)
+    gap = min(asked.limits(asked.initial)) - 1e-6
+    normal = asked.force(gap, 0.0, SMALL_SLIP, 0.0, asked.initial)[0]
+    if not normal > 0.0:
+        return
+    span = 1e-12
+    loaded: list[tuple[float, float]] = []
+    while span < 1e-3 and not loaded:
+        # The first span at whose end a good part of the friction has built up.
+        span *= 2.0
+        path = _loaded(asked, gap, normal, span)
+        if abs(path[LOADING // 2][0]) > 0.2 * law.friction_limit * normal:
+            loaded = path
+    if not loaded:
+        return
+    force, stored = np.transpose(loaded)
+    way = span / (LOADING // 2) * np.where(np.arange(LOADING) < LOADING // 2, 1.0, -1.0)
+    work = np.concatenate([[0.0], np.cumsum(-0.5 * (force[1:] + force[:-1]) * way)])
+    lost = work - (stored - stored[0])
+    most = float(np.abs(work).max() + np.abs(stored).max()) + TINY
+    gained = float((np.maximum.accumulate(lost) - lost).max()) / most
+    # The trapezium's error at friction that sets in with the first step.
+    worst.take("energy that friction gains over slip to and fro, over its work", gained, 0.02)
+    yield from worst.values()
+
+
+def _loaded(asked: Asked, gap: float, normal: float, span: float) -> list[tuple[float, float]]:
+    """Give friction [N] and its stored energy [J] along a slip of a span [m] forwards and back."""
+    kept, found = asked.initial.copy(), []
+    length = span / (LOADING // 2) / SMALL_SLIP
+    for i in range(LOADING + 1):
+        slip = SMALL_SLIP if i < LOADING // 2 else -SMALL_SLIP
+        friction, _, stored, _ = asked.friction(gap, 0.0, slip, normal, kept)
+        found.append((float(friction), float(stored)))
+        for _ in range(20):
+            first = asked.rates(gap, 0.0, slip, normal, kept)
+            middle = asked.rates(gap, 0.0, slip, normal, kept + 0.5 * length / 20 * first)
+            kept = kept + length / 20 * middle
+    return found
+
+
+def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
+    """Give the law with other numbers than its own: with an arm of no stiffness its time has no say."""
+    other = law
+    for name, value, said in law.effective():
+        if said is not None and not isinstance(value, int):
+            for instead in (1.3 * value,) if value != 0.0 else (1.0, 1e-3):
+                with suppress(ValueError, TypeError):
+                    other = other.changed(name, instead)
+                    break
+    yield other
+
+
+def _answers(law: ContactLaw, bench: Bench) -> Array:
+    """Give all that the kernels of a law answer to the states of a bench, after long histories too."""
+    with np.errstate(all="ignore"):
+        return np.array([value for longer in LONGER for value, _ in _named_answers(law, bench, longer)])
+
+
+def _named_answers(
+    law: ContactLaw, bench: Bench, longer: float = 1.0, scaled: bool = False
+) -> Iterator[tuple[float, str]]:
+    """Give answers of a law, with their units, to the states of a bench, or to these in other units.
+
+    What has been kept is larger by a factor than what the history of the bench's law leads to, and impacts
+    are slower by it.
+    """
+
+    def put(value: float, units: str) -> float:
+        return value * _scale(units) if scaled else value
+
+    asked, variables = Asked(law), bench.law.internal_variables
+    if longer == LONGER[-1]:
+        # What is declared of the variables has the law's own numbers in it.
+        yield from zip(asked.initial.tolist(), (one.units for one in variables), strict=True)
+    yield from (_of_steps if bench.rigid else _of_states)(asked, bench, longer, put)
+
+
+def _of_steps(asked: Asked, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
+    """Give the answers of a rigid law to drawn steps."""
+    usual, kinds = bench.law, (*["m s-1"] * 4, *["kg-1"] * 3)
+    kept = np.array([put(one.initial + longer - 1.0, one.units) for one in usual.internal_variables])
+    length = put(usual.default_contact_step, "s")
+    for step in islice(drawn_steps(usual.friction_limit), 200):
+        own = tuple(put(x, unit) for x, unit in zip(step, kinds, strict=True))
+        p_n, p_t, _ = asked.solve(own, length, step[2] < 0.0, kept)
+        yield from ((p_n, "N s"), (p_t, "N s"))
+        rates = asked.rates(0.0, own[0], own[1], p_n / length, kept).tolist()
+        yield from zip(rates, (_per_second(one.units) for one in usual.internal_variables), strict=True)
+
+
+def _of_states(asked: Asked, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
+    """Give the answers of a compliant law to the states that its history leads to."""
+    units = [one.units for one in bench.law.internal_variables]
+    for gap, rate, slip, speed, before in states_of(bench):
+        kept = np.array([put(longer * x, unit) for x, unit in zip(before, units, strict=True)])
+        place = put(gap, "m"), put(rate, "m s-1"), put(slip, "m s-1")
+        normal, bound, stored, loss = asked.force(*place, put(speed / longer, "m s-1"), kept)
+        yield from ((normal, "N"), (bound, "N"), (stored, "J"), (loss, "W"))
+        if asked.has_friction:
+            drag, _, held, _ = asked.friction(*place, normal, kept)
+            yield from ((drag, "N"), (held, "J"))
+        if units:
+            yield from zip(asked.rates(*place, normal, kept).tolist(), map(_per_second, units), strict=True)
+            yield from zip(asked.jumped(AT_TOUCH, *place, normal, kept).tolist(), units, strict=True)
+        yield from ((limit, "m") for limit in asked.limits(kept))
+
+
+def _per_second(unit: str) -> str:
+    return "s-1" if unit == "1" else f"{unit} s-1"
+
+
+@cache
+def _scale(units: str) -> float:
+    """Give what a number in SI units is multiplied by to be one in other units of `SCALES`."""
+    scale = 1.0
+    for name, power in dimensions(from_cf(units)).items():
+        scale *= SCALES[name] ** power
+    return scale
+
+
+def _in_other_units(owner: Any) -> Any:
+    """Give a law or a part with every declared number in other units of length, mass and time."""
+    changed: dict[str, Any] = {}
+    kind: type = type(owner)
+    declared = declared_fields(kind)
+    for field in fields(owner):
+        value, said = getattr(owner, field.name), declared[field.name].parameter
+        if is_dataclass(value):
+            changed[field.name] = _in_other_units(value)
+        elif isinstance(value, float) and said is not None:
+            changed[field.name] = value * _scale(said.units)
+    return replace(owner, **changed)
