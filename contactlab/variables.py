@@ -96,5 +96,5 @@ CONTACTS: Final = _along(
         "g_dot_1",
         "gap rate at release; missing for a contact that the end of the run cut",
     ),
-    ("energy_loss", "J", "W", "friction and contact loss during the contact"),
+    ("energy_loss", "J", "W", "friction and contact loss of the contact, until the next begins"),
 )

@@ -4,6 +4,10 @@ Over a stretch of flight the gap's second derivative is bounded by B. Between tw
 gap and gap rate are known, the gap lies above both parabolas that leave them with curvature -B. Where
 these stay positive there is no contact; where they do not, the stretch is halved, left half first,
 until every piece is either proven open or holds one falling zero.
+
+The gap at which the next contact begins may move, as that of a surface which recovers. Over a piece in which
+its curvature keeps its sign it stays below lines through its ends: their slopes are the larger of rate and
+chord at the left end, the smaller one at the right end. The parabolas are then those of the gap over them.
 """
 
 from math import sqrt
@@ -11,6 +15,7 @@ from math import sqrt
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.context import Law, Run
 from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
+from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import locate
 from contactlab.engine.state import (
@@ -48,8 +53,9 @@ MOST_HALVINGS = 10_000
 """Halvings of one stretch: a motor takes a few tens, a state that has run away takes them all."""
 
 
-Instant = tuple[float, float, float]
-"""Time in a step [s], gap [m] and gap rate [m/s]."""
+Instant = tuple[float, float, float, float, float]
+"""Time in a step [s], gap over that at which the next contact begins [m], gap rate [m/s], that gap [m] and
+its rate [m/s]."""
 
 
 @merged_kernel
@@ -60,39 +66,52 @@ def step_flight(run: Run, law: Law) -> int:
     where it has certainly opened; one that opens so slowly that round-off or the error of a rigid
     release decides its sign is followed, in steps that double from very short ones, until it is
     clear. A gap that is closed and closes faster and faster is a new contact; one that rests is none.
-    Gaps are those over the one at which the next contact begins.
+    Gaps are those over the one at which the next contact begins, and so are the rates that decide.
     """
     state, level = run.state, run.state.level
+    run.step.kind = FLIGHT
+    note_limit(run, law.memory)
     tip = tip_motion(run.plant, START)
-    before, rate_before, _, _, _, _, _ = contact_of(run.plant, tip)
-    before -= state.begins
+    before, rate_before, slip, _, _, _, _ = contact_of(run.plant, tip)
+    limit, limit_rate = limit_at(run, law.memory, 0.0, before, rate_before, slip)
+    before, widens = before - limit, rate_before - limit_rate
     coarse = coarseness(run, tip[1])
     h = step_length(run.propagator, level)
     bound = curvature_bound(run, tip, h)
-    opening = _certain_opening(before, rate_before, bound, h, coarse)
+    opening = _certain_opening(before, widens, bound, h, coarse)
     if state.phase == RELEASED:
         state.phase = SEPARATING
-        if opening == 0.0 and rate_before < bound * h:
+        if opening == 0.0 and widens < bound * h:
             # Of a gap that hardly opens, round-off would decide.
             level = min(level + REFINEMENT, run.propagator.rule.level_count - 1)
             h = step_length(run.propagator, level)
             bound = curvature_bound(run, tip, h)
-            opening = _certain_opening(before, rate_before, bound, h, coarse)
-    run.step.kind, state.length = FLIGHT, h
+            opening = _certain_opening(before, widens, bound, h, coarse)
+    state.length = h
     build_level(run.plant, run.propagator, level)
     free_response(run, level, LAST)
-    gap, rate, _, _, _, _, _ = contact_at(run.plant, LAST)
-    gap -= state.begins
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
+    last_limit, last_limit_rate = limit_at(run, law.memory, h, gap, rate, slip)
+    gap -= last_limit
+    closes = rate - last_limit_rate
+    end = h, gap, rate, last_limit, last_limit_rate
+    if last_limit == limit and limit_rate == 0.0 and last_limit_rate == 0.0:
+        run.step.limit_moves = 0
+    elif opening > 0.0:
+        rise = max(limit_rate, (last_limit - limit) / h)
+        opening = _certain_opening(before, rate_before - rise, bound, h, coarse)
     state.flight_steps += 1
     touch = NO_TOUCH
     if state.phase == OPEN:
-        touch = _first_touch(run, law, (0.0, before, rate_before), (h, gap, rate), bound, coarse)
+        start = 0.0, before, rate_before, limit, limit_rate
+        touch = _first_touch(run, law, start, end, bound, coarse)
     elif opening > 0.0:
         state.phase = OPEN
-        before, rate_before, _, _, _, _, _ = contact_after(run, opening)
-        before -= state.begins
-        touch = _first_touch(run, law, (opening, before, rate_before), (h, gap, rate), bound, coarse)
-    elif gap <= 0.0 and rate <= 0.0 and gap + rate < 0.0 and rate < rate_before:
+        before, rate_before, slip, _, _, _, _ = contact_after(run, opening)
+        limit, limit_rate = limit_at(run, law.memory, opening, before, rate_before, slip)
+        opened = opening, before - limit, rate_before, limit, limit_rate
+        touch = _first_touch(run, law, opened, end, bound, coarse)
+    elif gap <= 0.0 and closes <= 0.0 and gap + closes < 0.0 and closes < widens:
         touch = h
     elif gap > coarse * CLEAR:
         state.phase = OPEN
@@ -182,12 +201,16 @@ def coarseness(run: Run, slope: float) -> float:
 def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float, coarse: float) -> float:
     """Find the time of the first touch-down of a flight that begins open; else give NO_TOUCH or LOST."""
     step = run.step
-    a, gap_a, rate_a = start
-    b, gap_b, rate_b = end
+    a, gap_a, gap_rate_a, limit_a, limit_rate_a = start
+    b, gap_b, gap_rate_b, limit_b, limit_rate_b = end
     waiting, halvings = 0, 0
     while halvings < MOST_HALVINGS:
         h = b - a
-        indistinct = bound * h * h < coarse * RESOLUTION or waiting >= step.wait_time.size
+        chord = (limit_b - limit_a) / h if step.limit_moves != 0 else 0.0
+        rate_a = gap_rate_a - max(limit_rate_a, chord)
+        rate_b = gap_rate_b - min(limit_rate_b, chord)
+        bend = abs(limit_rate_b - limit_rate_a)
+        indistinct = (bound * h + bend) * h < coarse * RESOLUTION or waiting >= step.wait_time.size
         # The parabolas from both ends have the same curvature, so they cross once.
         slope = bound * h - rate_a + rate_b
         least = gap_a + rate_a * h - 0.5 * bound * h * h
@@ -201,19 +224,23 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
             if waiting == 0:
                 return NO_TOUCH
             waiting -= 1
-            a, gap_a, rate_a = b, gap_b, rate_b
+            a, gap_a, gap_rate_a = b, gap_b, gap_rate_b
+            limit_a, limit_rate_a = limit_b, limit_rate_b
             b, gap_b = step.wait_time[waiting], step.wait_gap[waiting]
-            rate_b = step.wait_rate[waiting]
-        elif gap_b <= 0.0 and rate_a + bound * h < 0.0:
+            gap_rate_b = step.wait_rate[waiting]
+            limit_b, limit_rate_b = step.wait_limit[waiting], step.wait_limit_rate[waiting]
+        elif gap_b <= 0.0 and gap_rate_a - min(limit_rate_a, limit_rate_b) + bound * h < 0.0:
             return locate(run, law, TOUCH, a, b, coarse * RESOLUTION)
         elif indistinct:
             return b
         else:
             step.wait_time[waiting], step.wait_gap[waiting] = b, gap_b
-            step.wait_rate[waiting] = rate_b
+            step.wait_rate[waiting] = gap_rate_b
+            step.wait_limit[waiting], step.wait_limit_rate[waiting] = limit_b, limit_rate_b
             waiting += 1
             halvings += 1
             b = 0.5 * (a + b)
-            gap_b, rate_b, _, _, _, _, _ = contact_after(run, b)
-            gap_b -= run.state.begins
+            gap_b, gap_rate_b, slip, _, _, _, _ = contact_after(run, b)
+            limit_b, limit_rate_b = limit_at(run, law.memory, b, gap_b, gap_rate_b, slip)
+            gap_b -= limit_b
     return LOST

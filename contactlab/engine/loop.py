@@ -260,6 +260,7 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
     """Open, close or switch the contact after the event of a committed step."""
     state = run.state
     if event == TOUCH:
+        _forget(run, law)
         _open_contact(run, law)
     elif event in (REVERSAL, CONE):
         switch_friction(state, event)
@@ -271,8 +272,6 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         count_event(state)
     elif event == RELEASE:
         _note_memory(state, ends)
-        if state.lasts == 0:
-            state.internal = state.first_internal
         jump(run, law, law.memory, AT_RELEASE)
         state.contact.separation_velocity = contact_at(run.plant, START)[1]
         if _is_contact(run):
@@ -281,14 +280,25 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         else:
             # Round-off alone tells a graze from a miss.
             state.touchdowns -= 1
+            if state.stored > 0:
+                run.step.contacts[state.stored - 1].energy_loss += state.contact.energy_loss
         state.mode, state.phase = FREE, RELEASED
         state.level = run.propagator.rule.fresh_level
-        leave(run, law, law.memory)
+        _forget(run, law)
     elif state.switched != 0:
         jump(run, law, law.memory, state.switched)
         state.switched = 0
     elif state.mode == FREE:
-        leave(run, law, law.memory)
+        _forget(run, law)
+
+
+@inner_kernel
+def _forget(run: Run, law: Law) -> None:
+    """Set where the next contact begins; the friction's variable is reset with the others of a contact."""
+    state = run.state
+    leave(run, law, law.memory)
+    if state.kept == 0 and state.lasts == 0:
+        state.internal = state.first_internal
 
 
 @inner_kernel

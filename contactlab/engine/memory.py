@@ -9,10 +9,13 @@ relaxation is no matter of the step; what couples variables is met by the sweeps
 a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
 """
 
+import numpy as np
+
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
+from contactlab.engine.propagator import step_length
 from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
 from contactlab.laws.base import SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
@@ -28,6 +31,10 @@ FLOWED = 1e-12
 
 MOST_CORRECTIONS = 25
 """Of a flow without collocation."""
+
+RELAXED, RELAXED_GROWTH = 0.5, 1.5
+"""First step of a flow in flight over the shortest relaxation time, and the ratio of each step to the one
+before: a fast exponential decays before the steps are too long for it, to an error of 3e-7."""
 
 
 @part_kernel
@@ -125,7 +132,8 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
 def _memory_at(run: Run, memory: Memory, s: float) -> None:
     state, step, rule = run.state, run.step, run.propagator.rule
     if step.kind != COLLOCATED:
-        _relax(run, memory, s)
+        gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
+        _relax(run, memory, s, gap, rate, slip)
     if step.kind != COLLOCATED or s == state.length:
         for k in range(state.variables):
             step.memory[BETWEEN, k] = step.memory[LAST, k]
@@ -191,17 +199,99 @@ def _flow_out(run: Run, memory: Memory, s: float) -> None:
 
 
 @inner_kernel
-def _relax(run: Run, memory: Memory, s: float) -> None:
-    """Let the variables flow for a time s in which the motion is held as it is at the step's end."""
+def _relax(run: Run, memory: Memory, s: float, gap: float, rate: float, slip: float) -> None:
+    """Integrate the variables over a time s in which gap [m], gap rate and slip [m/s] are constant."""
     state, step = run.state, run.step
-    gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
     normal = state.normal.node[0] if step.kind == HELD else 0.0
     for i in range(NODES):
         step.gap[i], step.gap_rate[i], step.slip[i] = gap, rate, slip
         state.normal.node[i] = normal
         for k in range(state.variables):
             step.memory[i, k] = state.memory[k]
-    _flow_out(run, memory, s)
+    recall_start(run, memory)
+    left, h = s, s
+    if step.kind == FLIGHT:
+        fastest = _fastest_relaxation(run, memory, s, gap, rate, slip)
+        h = RELAXED / fastest if fastest * s > RELAXED else s
+    _flow_out(run, memory, h)
+    while h < left:
+        left -= h
+        h = min(RELAXED_GROWTH * h, left)
+        for k in range(state.variables):
+            state.memory[k] = step.memory[LAST, k]
+            for i in range(NODES):
+                step.memory[i, k] = state.memory[k]
+        _flow_out(run, memory, h)
+    for k in range(state.variables):
+        state.memory[k] = step.memory[START, k]
+
+
+@inner_kernel
+def _fastest_relaxation(run: Run, memory: Memory, s: float, gap: float, rate: float, slip: float) -> float:
+    """Return the largest derivative of a variable's rate by the variable [1/s], in a flight over s."""
+    most = 0.0
+    for k in range(run.state.variables):
+        if run.step.memory_lasts[k] == 0.0:
+            continue
+        z, g = memory.row[k], memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
+        dz = NUDGE * (abs(z) + abs(s * g))
+        if dz != 0.0:
+            memory.row[k] = z + dz
+            nudged = memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
+            memory.row[k] = z
+            most = max(most, abs((nudged - g) / dz))
+    return float(most)
+
+
+@part_kernel
+def note_limit(run: Run, memory: Memory | None) -> None:
+    """Note whether the gap at which the next contact begins may move in flight."""
+    if memory is None:
+        return
+    run.step.limit_moves = 0
+    for k in range(run.state.variables):
+        if run.step.memory_lasts[k] != 0.0:
+            run.step.limit_moves = 1
+
+
+@inner_kernel
+def limit_at(
+    run: Run, memory: Memory | None, s: float, gap: float, rate: float, slip: float
+) -> tuple[float, float]:
+    """Return the gap at which the next contact begins [m] and its rate [m/s], at time s of a flight step.
+
+    The internal variables flow up to s under the gap [m], gap rate and slip [m/s] that there are at s.
+    """
+    if memory is None or run.step.limit_moves == 0:
+        return run.state.begins, 0.0
+    return _limit_at(run, memory, s, gap, rate, slip)
+
+
+@inner_kernel
+def _limit_at(
+    run: Run, memory: Memory, s: float, gap: float, rate: float, slip: float
+) -> tuple[float, float]:
+    state, step = run.state, run.step
+    _relax(run, memory, s, gap, rate, slip)
+    recall(run, memory, LAST)
+    begins = float(memory.limits(memory.parameters)[0])
+    # The time in which one variable at most changes by a part NUDGE of itself.
+    dt, moves = np.inf, False
+    for k in range(state.variables):
+        step.memory_rate[k] = 0.0
+        if step.memory_lasts[k] != 0.0:
+            step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
+        if step.memory_rate[k] != 0.0:
+            moves = True
+            if memory.row[k] != 0.0:
+                dt = min(dt, NUDGE * abs(memory.row[k] / step.memory_rate[k]))
+    if not moves:
+        return begins, 0.0
+    if dt == np.inf:
+        dt = NUDGE * step_length(run.propagator, 0)
+    for k in range(state.variables):
+        memory.row[k] += dt * step.memory_rate[k]
+    return begins, float((memory.limits(memory.parameters)[0] - begins) / dt)
 
 
 @part_kernel
@@ -244,6 +334,14 @@ def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
         return 0.0
     begins = memory.limits(memory.parameters)[0]
     return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[2])
+
+
+@part_kernel
+def stored_apart(run: Run, law: Law, memory: Memory | None) -> float:
+    """Return what the contacts so far have left stored in flight [J]; of the recalled variables."""
+    if memory is None or run.state.variables == 0 or run.state.touchdowns == 0:
+        return run.state.apart
+    return _stored_apart(run, law, memory)
 
 
 @inner_kernel
@@ -297,8 +395,11 @@ def _leave(run: Run, law: Law, memory: Memory) -> None:
             state.memory[k] = step.memory[BETWEEN, k]
         state.begins, state.kept = anew, 0
     recall_start(run, memory)
-    stored = _stored_apart(run, law, memory)
+    stored = stored_apart(run, law, memory)
     state.total.contact_loss += state.apart - stored
+    if state.stored > 0:
+        # It was stored in the contact before.
+        run.step.contacts[state.stored - 1].energy_loss += state.apart - stored
     state.apart = stored
 
 
@@ -307,7 +408,7 @@ def leave(run: Run, law: Law, memory: Memory | None) -> None:
     """Set where the next contact begins, after a release or a step of flight.
 
     What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
-    then it puts off the next one. What is stored while apart is lost as it goes.
+    then it puts off the next one. What is stored while apart is lost as it goes, by the contact before.
     """
     if memory is not None:
         _leave(run, law, memory)

@@ -21,7 +21,7 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.context import Law, Run
 from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
-from contactlab.engine.memory import end_at, memory_at, take_memory
+from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
 from contactlab.engine.moments import moment_power, moments_at
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
@@ -111,7 +111,10 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     u, th, _, th_rate, rotor = tip_motion(run.plant, BETWEEN)
     gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, BETWEEN)
     memory_at(run, law.memory, s)
-    stored, held, internal = state.apart if state.mode == FREE else 0.0, 0.0, state.internal
+    stored, held, internal = 0.0, 0.0, state.internal
+    if state.mode == FREE:
+        stored = stored_apart(run, law, law.memory)
+        contact += state.apart - stored
     if run.step.kind == COLLOCATED and gap < end_at(law.memory):
         normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:

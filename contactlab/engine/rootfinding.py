@@ -4,7 +4,7 @@ from contactlab.compiled import inner_kernel
 from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
-from contactlab.engine.memory import end_at, guard_at, memory_at
+from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at
 from contactlab.engine.state import (
     CONE,
     GUARD,
@@ -46,7 +46,7 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if event == SUMMIT:
         return rate
     if event == TOUCH:
-        return float(gap - state.begins)
+        return float(gap - limit_at(run, law.memory, s, gap, rate, slip)[0])
     memory_at(run, law.memory, s)
     end = end_at(law.memory)
     if event == RELEASE:

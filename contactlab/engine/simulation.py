@@ -96,25 +96,28 @@ def simulate(
     finished: list[Any] = []
     ends: list[Array] = []
 
-    def collect() -> None:
-        """Take the finished contacts out of the run's storage."""
-        count = state["stored"]
-        finished.append(run.step["contacts"][:count].copy())
+    def collect(kept: int) -> None:
+        """Take the finished contacts out of the run's storage, but for so many of the last ones."""
+        contacts, kept = run.step["contacts"], min(kept, state["stored"])
+        count = state["stored"] - kept
+        finished.append(contacts[:count].copy())
         ends.append(records.ends[:count].copy())
-        state["stored"] = 0
+        contacts[:kept], records.ends[:kept] = contacts[count:][:kept], records.ends[count:][:kept]
+        state["stored"] = kept
 
     ending, message = Ending.COMPLETE, ""
     try:
         while state.time < state.end and state.ending == RUNNING:
             ready.advance(run, states, motions, records, STEPS_PER_CALL)
-            collect()
+            # What the last one has stored may be lost until the next.
+            collect(1)
             if progress is not None:
                 progress(float(state.time))
     except KeyboardInterrupt:
         ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
     if state.ending != RUNNING:
         ending, message = ready.explain(run)
-    collect()
+    collect(0)
     if state.phase == TOUCHING:
         # The end of the run cut it: it has no separation.
         cut = state.contact.copy().reshape(1)

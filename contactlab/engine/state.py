@@ -123,13 +123,14 @@ STEP: Final = record(
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
     ("system", float, (2 * NODES, 2 * NODES + 1)),
     # Stretches of a flight that wait to be searched, and contacts that wait to be collected.
-    *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate")),
+    *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate", "wait_limit", "wait_limit_rate")),
     ("contacts", CONTACT, 512),
     # The state before the step that reaches the end.
     ("saved", STATE, (1,)),
     # The moments where the step starts [N m].
     real="first_tilting first_spinning",
-    whole="kind",
+    # Kind of the step; whether the gap at which the next contact begins moves in flight.
+    whole="kind limit_moves",
 )
 """Scratch of one step."""
 

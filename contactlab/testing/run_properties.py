@@ -123,6 +123,16 @@ def ledger_closes(bench: Bench) -> Claims:
         yield at_most(f"ledger residual, {words}, over the energy", residual, bench.balance)
 
 
+def contacts_sum_to_the_losses(bench: Bench) -> Claims:
+    """Every loss of friction and contact is that of one contact, what it stored and lost later with it."""
+    for words, made in bench.runs.items():
+        rows = made.contacts["energy_loss"]
+        lost = sum(np.diff(made.series[f"{name}_loss"][[0, -1]])[0] for name in ("friction", "contact"))
+        energy = made.series["kinetic_energy"] + made.series["strain_energy"]
+        scale = max(float(np.abs(rows).sum()), 1e-6 * float(energy.max()))
+        yield close(f"losses of the contacts, {words}", float(rows.sum()), float(lost), 1e-9, "J", scale)
+
+
 def impulse_is_momentum(bench: Bench) -> Claims:
     """A block and its belt, contact by contact; along the belt wherever there is none, and at the end."""
     made = bench.runs["block"]

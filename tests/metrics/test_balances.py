@@ -53,6 +53,10 @@ def lower_deepest(values: np.ndarray) -> None:
     values[values.argmin()] -= 1e-7
 
 
+def lose_more_at_the_end(values: np.ndarray) -> None:
+    values[-1] *= 1.5
+
+
 def sink_in_flight(run: xarray.DataTree) -> None:
     # The widest gap is far from every contact.
     run["gap"].values[run["gap"].values.argmax()] = -1e-8
@@ -71,6 +75,8 @@ def lengthen_into_the_next(run: xarray.DataTree) -> None:
         (contact("peak_normal_force", slice(None), lambda v: v / 13.0), {"peak_deficit"}),
         (contact("normal_impulse", 4, lambda v: 1.01 * v), {"impulse_balance"}),
         (contact("friction_impulse", 4, lambda v: v + 1e-5), {"impulse_balance", "rotor_momentum"}),
+        (contact("energy_loss", 4, lambda w: 1.01 * w), {"loss_balance"}),
+        (record("friction_loss", lose_more_at_the_end), {"energy_residual", "loss_balance"}),
         (lengthen_into_the_next, {"phantom_contacts"}),
         (record("gap", lower_deepest), {"depth_deficit", "gap_mismatch"}),
         (sink_in_flight, {"missed_contact", "gap_mismatch"}),

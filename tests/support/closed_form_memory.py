@@ -296,3 +296,36 @@ class TwoClocks(PenaltyLaw):
     @kernel
     def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
         return 10.0 * z[1] + event + 1.0 if event >= 0 and which == 1 else z[which]
+
+
+@final
+@dataclass(frozen=True)
+class Swelling(PenaltyLaw):
+    """A spring on a surface that rises by itself, from zero to a height h, by w = h (1 - exp(-t/T))."""
+
+    name = "swelling"
+    equation = "N = k (w - g), dw/dt = (h - w)/T; it begins and ends at g = w"
+    source = "this test"
+    default_contact_step = 4e-6
+    internal_variables = (InternalVariable("rise", "w", "m", "rise of the surface", life="run"),)
+
+    stiffness: Annotated[float, STIFFNESS] = 1e6
+    time: Annotated[float, TIME] = 2e-5
+    height: Annotated[float, positive("h", "m", "height")] = 1e-6
+
+    @staticmethod
+    @kernel
+    def force(gap, gap_rate, slip, impact_speed, z, parameters):
+        normal = parameters[0] * (z[0] - gap)
+        # What lifts the surface does work.
+        return normal, 0.0, 0.5 * normal * (z[0] - gap), -normal * (parameters[2] - z[0]) / parameters[1]
+
+    @staticmethod
+    @kernel
+    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+        return (parameters[2] - z[0]) / parameters[1]
+
+    @staticmethod
+    @kernel
+    def limits(z, parameters):
+        return z[0], z[0]

@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from support.closed_form_memory import Swelling
 from support.normal_balance import answer, imbalance
 
 from contactlab.laws import Composed, Linear, Prony
@@ -106,10 +108,65 @@ def test_a_lining_recovers_in_flight_and_is_met_where_it_then_is() -> None:
     made = run(block(MASS, height=0.0, gap_rate=-speed, weight=weight), Composed(lining), end)
     touches = switches[1:-1:2]
     assert made.contacts["start_time"].size == len(touches) + 1 == 6
-    # It is looked for at the place of the surface where a step of flight began, some nm away.
-    assert_allclose(made.contacts["start_time"][1:], touches, rtol=2e-3)
-    assert_allclose(-last(made, "gap"), state[0], rtol=1e-2)
+    assert_allclose(made.contacts["start_time"][1:], touches, rtol=1e-9)
+    assert_allclose(-last(made, "gap"), state[0], rtol=1e-8)
     assert np.abs(made.series["energy_residual"]).max() < 1e-6 * last(made, "contact_loss")
+
+
+@pytest.mark.parametrize(("fast", "error"), [(1e-4, 1e-9), (1e-6, 1e-9), (1e-12, 1e-6)])
+def test_a_touch_down_is_where_a_parabola_meets_the_exponentials_of_the_surface(
+    fast: float, error: float
+) -> None:
+    """Every flight by itself, from the rows of the contact before: no error of a contact adds to it."""
+    lining, weight = Prony(5e6, 2e7, fast, 1e7, 3e-4), 20.0
+    made = run(block(MASS, gap_rate=-0.33, weight=weight), Composed(lining), 4e-4)
+    rows, (arms, times) = made.contacts, np.transpose(lining.arms)
+    whole = lining.relaxed_stiffness + arms.sum()
+    decay, shapes = np.linalg.eig((np.ones((2, 1)) * arms / whole - np.eye(2)) / times[:, None])
+    flights = np.diff(rows["start_time"]) - rows["duration"][:-1]
+    assert flights.size > 1
+    for i, flight in enumerate(flights):
+        creep = [rows[f"internal_creep_{k}"][i] for k in (1, 2)]
+        parts = (arms @ shapes / whole) * np.linalg.solve(shapes, creep)
+        leaves = rows["separation_velocity"][i]
+
+        def over(
+            t: float, parts: np.ndarray = parts, leaves: float = leaves, decay: np.ndarray = decay
+        ) -> float:
+            return float(leaves * t - 0.5 * weight / MASS * t**2 + parts @ np.expm1(decay * t))
+
+        lands = brentq(over, 0.5 * flight, 1.5 * flight, xtol=1e-18, rtol=1e-14)
+        assert_allclose(flight, lands, rtol=error)
+        # It is the first one.
+        assert min(over(t) for t in np.geomspace(1e-3, 0.999, 500) * lands) > 0.0
+
+
+def test_a_surface_that_rises_faster_than_the_body_leaves_is_met_while_the_gap_opens() -> None:
+    """A lining that is heated swells: w approaches 1 um, and meets a body that retreats."""
+    law, retreat = Swelling(), 0.01
+    made = run(block(MASS, height=1e-7, gap_rate=retreat), law, 2e-4, record_interval=1e-7)
+    lands = brentq(
+        lambda t: 1e-7 + retreat * t + law.height * np.expm1(-t / law.time), 1e-7, 5e-5, xtol=1e-18
+    )
+    assert_allclose(made.contacts["start_time"], lands, rtol=1e-9)
+    assert_allclose(made.contacts["approach_velocity"], retreat, rtol=1e-12)
+    assert first(made, "separation_velocity") > retreat
+
+
+def test_what_a_lining_gives_back_to_nobody_is_lost_by_the_contact_that_stored_it() -> None:
+    made = run(block(MASS, height=1e-6, gap_rate=-0.1), Composed(Prony()), 3e-3)
+    lost = 0.5 * MASS * (0.1**2 - first(made, "separation_velocity") ** 2)
+    assert_allclose(made.contacts["energy_loss"], lost, rtol=1e-5)
+    # What the end of the run finds stored is not lost yet.
+    short = run(block(MASS, height=1e-6, gap_rate=-0.1), Composed(Prony()), 7e-5)
+    assert last(short, "contact_energy") > 1e-3 * lost
+    assert_allclose(short.contacts["energy_loss"] + last(short, "contact_energy"), lost, rtol=1e-5)
+
+
+@pytest.mark.parametrize("end", [1.1e-4, 2.5e-4, 3.37e-4, 4e-4])
+def test_the_rows_sum_to_the_losses_wherever_the_run_ends(end: float) -> None:
+    made = run(block(MASS, gap_rate=-0.33, weight=20.0), Composed(Prony(5e6, 2e7, 1e-4)), end)
+    assert_allclose(made.contacts["energy_loss"].sum(), last(made, "contact_loss"), rtol=1e-12)
 
 
 def test_what_is_much_faster_and_what_is_much_slower_than_the_arms_is_elastic() -> None:
