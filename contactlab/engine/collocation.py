@@ -22,11 +22,11 @@ from contactlab.engine.friction import (
     mobility,
     push_node,
 )
-from contactlab.engine.kinematics import contact_of, free_response, tip_motion
+from contactlab.engine.kinematics import contact_at, contact_of, free_response, tip_motion
 from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
 from contactlab.engine.moments import fit_moments, missed_moments, set_moments
 from contactlab.engine.propagator import build_level, step_length
-from contactlab.engine.state import NODES, fit, largest, value_at
+from contactlab.engine.state import LAST, NODES, START, fit, largest, value_at
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
 
 MOST_ITERATIONS = 25
@@ -36,6 +36,12 @@ sweep, so that what is left is round-off."""
 
 ROUND_OFF = 1e-9
 """Of a friction bound, relative to the normal force."""
+
+STICK_ERROR = 0.1
+"""Error of sticking friction at the step's start over the highest coefficient of its polynomial [1]."""
+
+NODE_PRODUCT = 126.0
+"""Reciprocal product of the Radau nodes, (2 n - 1)!/(n! (n - 1)!) of n = 5 [1]."""
 
 KINK = 1e3
 """Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
@@ -94,8 +100,24 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         if depends:
             error = max(error, missed_between(run, law, mobility(run, level, FIRST, FIRST)))
     if state.mode == STICK:
-        error = max(error, 0.1 * abs(state.friction.coefficient[NODES - 1]))
+        error = max(error, STICK_ERROR * abs(_highest_coefficient(run, level)))
     return float(error * h / allowed)
+
+
+@merged_kernel
+def _highest_coefficient(run: Run, level: int) -> float:
+    """Return the highest coefficient of the friction [N], in exact stick without that of the slip residue.
+
+    Of the slip v_0 that the step before left, the nodes leave the share prod(1 - x/c_i), by an impulse
+    v_0/D_tt that does not shrink with the step: no shorter step is more accurate.
+    """
+    highest = float(run.state.friction.coefficient[NODES - 1])
+    if run.state.friction_kind != SET_VALUED:
+        return highest
+    slip, yielding = contact_at(run.plant, START)[2], 0.0
+    for m in range(NODES):
+        yielding += mobility(run, level, LAST, m)
+    return highest + NODES * NODE_PRODUCT * slip / yielding
 
 
 @merged_kernel

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.collocation import Known, attempt, sound_normal
+from contactlab.engine.collocation import STICK_ERROR, Known, attempt, sound_normal
 from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import friction_and_steepness
 from contactlab.engine.kinematics import add_collocated, checked, contact_at
@@ -121,7 +121,7 @@ def _solve(
             level += 2 if error > 500.0 or hidden else 1
             if error < np.inf:
                 level = min(level, finest)
-        elif _contradicted(run, law, slip):
+        elif _contradicted(run, law, slip, known[1]):
             # Neither slipping nor sticking fits at this length: look closer before trying again.
             flips += 1
             level += 2 * (flips // 2)
@@ -259,11 +259,14 @@ def _switch(state: Any, event: int, friction: float) -> None:
 
 
 @merged_kernel
-def _contradicted(run: Run, law: Law, slip: float) -> bool:
-    """Tell whether the step denies its own friction mode from its start; the other mode is then set.
+def _contradicted(run: Run, law: Law, slip: float, bound: float) -> bool:
+    """Return whether the step contradicts its own friction mode at its start; the other mode is then set.
 
-    Stick whose friction leaves the cone at once must slip against it; slip that starts from
-    zero into the wrong direction must stick. Rate-dependent friction has no modes.
+    Stick stands where the friction that it demands at that instant lies inside the `bound` [N] of that
+    instant; outside it the contact slips against the demand. The first node alone does not decide: by then a
+    growing normal force may have closed the cone over the demand. An excess counts by the impulse that it
+    has over the step, beyond the error of the demand. Slip that starts from zero into the wrong direction
+    must stick. Rate-dependent friction has no modes.
     """
     state, step = run.state, run.step
     friction, sticks = state.friction.node[0], state.mode == STICK
@@ -272,6 +275,11 @@ def _contradicted(run: Run, law: Law, slip: float) -> bool:
     if sticks:
         denied = abs(friction) > state.bound.node[0] * (1.0 + CONE_ROUND_OFF)
         denied = denied and value_at(state.bound, 0.0) <= abs(value_at(state.friction, 0.0))
+        if not denied and bound > 0.0 and state.friction_kind == SET_VALUED:
+            friction = value_at(state.friction, 0.0)
+            excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
+            excess -= STICK_ERROR * abs(state.friction.coefficient[NODES - 1])
+            denied = excess * state.length > state.tolerance * state.momentum
     else:
         denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0
         if denied and state.friction_kind != SET_VALUED:
@@ -279,4 +287,4 @@ def _contradicted(run: Run, law: Law, slip: float) -> bool:
         denied = denied and not state.sign * slip > SLIP_ROUND_OFF
     if denied:
         _switch(state, CONE if sticks else REVERSAL, friction)
-    return denied
+    return bool(denied)

@@ -17,12 +17,12 @@ import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.context import Law, Memory, Run
-from contactlab.engine.kinematics import contact_after
+from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
-from contactlab.engine.memory import end_at, memory_at, recall
+from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start
 from contactlab.engine.moments import push_moments
-from contactlab.engine.state import NODES, internal_at, value_at
-from contactlab.laws.base import Forces
+from contactlab.engine.state import NODES, START, internal_at, value_at
+from contactlab.laws.base import ELASTOPLASTIC, SLIP, Forces
 from contactlab.laws.memory import EVEN
 
 FIRST: Final = cast(int, np.int64(0))
@@ -173,6 +173,36 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
             recall(run, law.memory, i)
             stretching = friction_at(law, at, step.end[i], state.normal.node[i], step.internal[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
+
+
+@inner_kernel
+def _spring_at_start(run: Run, law: Law) -> tuple[float, float]:
+    """Return friction [N] and tangential stiffness [N/m] of an elastoplastic friction at the step's start."""
+    state = run.state
+    if state.friction_kind != ELASTOPLASTIC:
+        return 0.0, 0.0
+    recall_start(run, law.memory)
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    end, normal = end_at(law.memory), value_at(state.normal, state.taken / state.length)
+    friction, _, _, stiffness = friction_at(law, (gap, rate, slip), end, normal, state.internal)
+    return friction, stiffness
+
+
+@merged_kernel
+def jump_at_guard(run: Run, law: Law) -> bool:
+    """Apply a guard's reset map; returns whether an elastoplastic friction that slid is held again.
+
+    Where the reset changes the stiffness, the rate of the stretch is integrated over that jump (Elata and
+    Berryman 1996): stiffness that the contact gains carries nothing, so that the force stays and the stretch
+    shrinks; stiffness that it loses takes its share of the force along, which then lies below the bound.
+    """
+    state = run.state
+    friction, before = _spring_at_start(run, law)
+    jump(run, law, law.memory, state.guard)
+    after = _spring_at_start(run, law)[1]
+    if after > before:
+        state.internal *= before / after
+    return bool(after < before and friction != 0.0 and state.mode == SLIP)
 
 
 @merged_kernel

@@ -15,6 +15,7 @@ from contactlab.compiled import INTERPRETED, inner_kernel, is_compiled, kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.context import Law, Memory, Records, Run
 from contactlab.engine.flight import step_flight
+from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.law_kernels import OF_PLAIN
 from contactlab.engine.memory import jump, leave
@@ -266,7 +267,8 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         switch_friction(state, event)
         jump(run, law, law.memory, AT_STICK if event == REVERSAL else AT_SLIP)
     elif event == GUARD:
-        jump(run, law, law.memory, state.guard)
+        if jump_at_guard(run, law):
+            switch_friction(state, REVERSAL)
         # No polynomial goes on over a jump.
         state.level_before = state.level + 1
         count_event(state)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 
 from contactlab.arrays import Array
+from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
@@ -57,9 +58,22 @@ def _exponent(ladder: Ladder, value: Callable[[Run], float], form: Any = float) 
     return float(form(x @ np.log(values) / positive(float(x @ x))))
 
 
-for _value, _key, _symbol, _name in (
-    (peak_force, "peak_force", "N_max", "peak force"),
-    (total_impulse, "impulse", "sum p_n", "normal impulse"),
+def _finite_peak(run: Run) -> float:
+    """Return the largest normal force [N] of a law that has one: that of an impulse is infinite."""
+    needed(not issubclass(run.law_classes.get("", object), MultiplierLaw))
+    return peak_force(run)
+
+
+for _value, _judged, _key, _symbol, _name, _except in (
+    (
+        peak_force,
+        _finite_peak,
+        "peak_force",
+        "N_max",
+        "peak force",
+        "; not applicable to rigid laws, whose impacts have an impulse and no force",
+    ),
+    (total_impulse, total_impulse, "impulse", "sum p_n", "normal impulse", ""),
 ):
     of_steps(
         f"d ln {_symbol} / d ln h",
@@ -69,13 +83,13 @@ for _value, _key, _symbol, _name in (
     )(partial(_exponent, value=_value))
     of_steps(
         f"|d ln {_symbol} / d ln h|",
-        f"dependence of the {_name} on the step",
+        f"dependence of the {_name} on the step{_except}",
         key=f"{_key}_step_dependence",
         bound=0.05,
         reason="what is physical does not depend on the step: one that converges has an exponent of its "
-        "order times its remaining error, 0.05 for five per cent at first order; impulse over step has one",
+        "order times its remaining error, 0.05 for five per cent at first order",
         source="paper, fig. 9 and its discussion",
-    )(partial(_exponent, value=_value, form=abs))
+    )(partial(_exponent, value=_judged, form=abs))
 
 
 def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:

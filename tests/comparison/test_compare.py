@@ -21,7 +21,7 @@ from contactlab.comparison.findings import conclusion, differences, verdicts
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.runs import collect
 from contactlab.comparison.scorecard import LATEX, as_latex, as_text, energy_flow
-from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
+from contactlab.metrics import FAIL, METRICS, SENSITIVITIES, STEP_METRICS, VERDICTS, Run, read_run
 from contactlab.metrics.convergence import richardson
 
 FIGURES = ("contact_force", "tip_trajectory", "rotor_velocity", "energy_flow", "phase_portrait")
@@ -171,12 +171,15 @@ def test_the_latex_table_is_whole(data: xarray.Dataset) -> None:
 
 
 def test_words_name_what_fails_with_value_and_bound(data: xarray.Dataset) -> None:
-    said = verdicts(data)
-    assert said["hertz_penalty"][0].startswith("Meets ")
-    (peak,) = [s for s in said["lagrange_stick"] if "peak_force_step_dependence" in s]
-    assert "must be <= 0.05" in peak
-    assert conclusion(data) == (
-        "hertz_penalty meets all thresholds that apply; lagrange_slip fails 2 and lagrange_stick fails 1."
+    assert all(said[0].startswith("Meets ") for said in verdicts(data).values())
+    driven = data.copy(deep=True)
+    place = {"metric": "friction_work", "law": "lagrange_slip"}
+    driven["value"].loc[place] = 0.5
+    driven["verdict"].loc[place] = VERDICTS.index(FAIL)
+    (work,) = [s for s in verdicts(driven)["lagrange_slip"] if "friction_work" in s]
+    assert "must be <= 0.001" in work
+    assert conclusion(driven) == (
+        "lagrange_stick and hertz_penalty meet all thresholds that apply; lagrange_slip fails 1."
     )
 
 

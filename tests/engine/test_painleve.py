@@ -156,3 +156,17 @@ def test_a_law_that_does_not_answer_an_approach_is_told_so() -> None:
     assert found.ending is Ending.INCONSISTENT
     assert "Check the law" in found.message
     assert "Painleve" not in found.message
+
+
+def test_slip_against_the_friction_of_stick_never_presses_an_approach_ever_more() -> None:
+    """Where stick leaves the cone on an approach, D_nn > s mu D_nt for the slip s against it."""
+    rng = np.random.default_rng(3)
+    nn, tt = 10.0 ** rng.uniform(1.0, 4.0, (2, 100_000))
+    nt, mu = rng.uniform(-1.0, 1.0, nn.size) * np.sqrt(nn * tt), rng.uniform(0.0, 20.0, nn.size)
+    rate, slip = -(10.0 ** rng.uniform(-3.0, 0.0, nn.size)), rng.normal(size=nn.size)
+    determinant = nn * tt - nt * nt
+    normal, friction = (nt * slip - tt * rate) / determinant, (nt * rate - nn * slip) / determinant
+    slides = np.abs(friction) > mu * normal
+    presses = np.sign(-friction) * mu * nt >= nn
+    assert (slides & (mu * np.abs(nt) > nn)).any()
+    assert not (slides & presses).any()

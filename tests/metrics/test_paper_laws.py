@@ -15,13 +15,8 @@ from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
 STEPS = {"lagrange_slip": RIGID_STEPS, "lagrange_stick": RIGID_STEPS, "hertz_penalty": (8e-6, 4e-6, 2e-6)}
-EXPECTED = {
-    "lagrange_slip": {"slip_reversal", "peak_force_step_dependence"},
-    "lagrange_stick": {"peak_force_step_dependence"},
-    "hertz_penalty": set(),
-}
-"""Lines on which a law fails, as the paper argues: a slip-only impact reverses the slip, and the force of
-a rigid impact is its impulse over the step."""
+GIVING = {"default": 0, "high friction": 1, "near the steady state, loaded": 1, "far from the second mode": 1}
+"""Whether friction drives the slip-only law over whole contacts, or only reverses its slip."""
 
 VARIED = {
     "default": {},
@@ -47,7 +42,8 @@ def ladder(law: str, interval: float) -> dict[str, float]:
 @pytest.mark.parametrize("law", STEPS)
 def test_the_scorecard_tells_the_papers_laws_apart_as_the_paper_does(law: str, interval: float) -> None:
     one = assess(case_a_tree(law, None, interval))
-    assert failed(one | ladder(law, interval)) == EXPECTED[law]
+    assert failed(one | ladder(law, interval)) == set()
+    assert (one["slip_reversal"] > 0.9) == (law == "lagrange_slip")
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
@@ -56,14 +52,18 @@ def test_the_default_run_has_the_same_verdicts(law: str, interval: float) -> Non
     default = configured(
         law, drive={"frequency": None}, solver={"duration": 0.02}, record={"interval": interval}
     )
-    assert failed(assess(datatree(default))) == EXPECTED[law] - {"peak_force_step_dependence"}
+    found = assess(datatree(default))
+    assert failed(found) == set()
+    assert (found["slip_reversal"] > 0.5) == (law == "lagrange_slip")
 
 
 @pytest.mark.parametrize("law", STEPS)
 @pytest.mark.parametrize("motor", VARIED)
 def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
-    tree = datatree(configured(law, **VARIED[motor]))
-    assert failed(assess(tree)) == EXPECTED[law] - {"peak_force_step_dependence"}
+    found = assess(datatree(configured(law, **VARIED[motor])))
+    assert failed(found) <= ({"friction_work"} if law == "lagrange_slip" else set())
+    if law == "lagrange_slip" and motor in GIVING:
+        assert len(failed(found)) == GIVING[motor]
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
@@ -71,7 +71,7 @@ def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
 def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> None:
     # All but the time, whose differences would not survive.
     single = case_a_tree(law, None, interval).map_over_datasets(lambda node: node.astype(np.float32))
-    assert failed(assess(read_run(single))) == EXPECTED[law] - {"peak_force_step_dependence"}
+    assert failed(assess(read_run(single))) == set()
 
 
 def test_the_peak_of_rigid_laws_goes_as_one_over_the_step_and_their_impulse_stays() -> None:
@@ -79,10 +79,21 @@ def test_the_peak_of_rigid_laws_goes_as_one_over_the_step_and_their_impulse_stay
         found = ladder(law, 1e-6)
         # The impulse of the largest impact converges with the step.
         assert found["peak_force_exponent"] == pytest.approx(-1.0, abs=0.01)
-        assert found["peak_force_step_dependence"] == pytest.approx(1.0, abs=0.01)
+        # An impulse has no peak force that could converge.
+        assert isnan(found["peak_force_step_dependence"])
         assert found["impulse_step_dependence"] < 1e-3
     found = ladder("hertz_penalty", 1e-6)
     assert found["peak_force_step_dependence"] < 1e-6
+
+
+def test_tangential_restitution_reverses_slips_and_takes_energy() -> None:
+    """What a compliance gives back: nine in ten impacts reverse the slip, and friction makes no energy."""
+    sections = configured("chatterjee_ruina")
+    sections["law"] |= {"tangential_restitution": 0.8}
+    found = assess(datatree(sections))
+    assert found["slip_reversal"] > 0.9
+    assert found["friction_work"] == 0.0
+    assert failed(found) == set()
 
 
 def test_rigid_stick_shows_its_order_and_extrapolates_beyond_its_finest_step() -> None:

@@ -2,7 +2,7 @@
 
     N = K max(-g, 0)^1.5
     slip   F = -mu N sign(slip)
-    stick  F holds slip' = 0:  F = -(slip_bias + D_nt N)/D_tt,  as long as |F| <= mu N
+    stick  F holds slip' = 0:  F = -(slip_bias + D_nt N)/D_tt,  as long as |F| <= mu_s N
 
 Phases: free, slip of sign +1, slip of sign -1, stick (mode 0).  When stick begins and ends the slip
 is brought to exactly zero by a touch to the rotor speed, at the rounding of the event location;
@@ -32,12 +32,13 @@ from oracle.run import (
 
 
 class HertzCoulomb:
-    """The contact law of one run: normal stiffness K [N/m^1.5] and friction coefficient mu."""
+    """The contact law of one run: normal stiffness K [N/m^1.5], friction coefficients mu and mu_s."""
 
-    def __init__(self, stiffness: float, mu: float) -> None:
-        """Take K [N/m^1.5] and mu [1]."""
+    def __init__(self, stiffness: float, mu: float, static_ratio: float = 1.0) -> None:
+        """Set K [N/m^1.5], mu [1] and mu_s / mu [1]."""
         self.stiffness = stiffness
         self.mu = mu
+        self.static = mu * static_ratio
 
     def normal(self, c: Contact) -> float:
         """N [N]."""
@@ -69,13 +70,13 @@ class HertzCoulomb:
             return int(copysign(1, c.slip))
         force = self.sticking_force(c)
         # At equality the contact still sticks; an untouched symmetric motor has both sides zero.
-        return 0 if abs(force) <= self.mu * self.normal(c) else -int(copysign(1, force))
+        return 0 if abs(force) <= self.static * self.normal(c) else -int(copysign(1, force))
 
     def events(self, mechanics: Mechanics, c: Contact, mode: int) -> list[Event]:
         """Switches of a phase that begins at `c`.
 
         Release (0), deepest point (1, passed), then the ways out of the mode: slip zero (2), or in
-        stick the cone at F = +mu N (2) and F = -mu N (3).
+        stick the cone at F = +mu_s N (2) and F = -mu_s N (3).
         """
         ceiling = max(c.gap, 0.0) + SHORTEST
         found = [
@@ -86,7 +87,7 @@ class HertzCoulomb:
         def margin(sign: int) -> Event:
             def value(t: float, y: np.ndarray) -> float:
                 now = mechanics.contact(t, y)
-                return self.mu * self.normal(now) - sign * self.sticking_force(now)
+                return self.static * self.normal(now) - sign * self.sticking_force(now)
 
             return Event(value, -1)
 
@@ -130,7 +131,7 @@ def dwell(
             return t, y
         y = without_slip(mechanics, y)
         if mode == 0:
-            # The slip starts against the friction: at F = +mu N (event 2) it is negative.
+            # The slip starts against the friction: at F = +mu_s N (event 2) it is negative.
             mode = -1 if result.fired == 2 else 1
         else:
             c = mechanics.contact(t, y)
@@ -148,6 +149,7 @@ def solve_hertz(
     method: str = "DOP853",
     flight_step: float = 2e-6,
     contact_step: float = 1e-6,
+    static_ratio: float = 1.0,
 ) -> OracleRun:
     """Run the motor with Hertz contact from rest for `duration` [s].
 
@@ -158,7 +160,7 @@ def solve_hertz(
     if not (stiffness > 0.0 and duration > 0.0):
         raise ValueError(f"stiffness {stiffness} N/m^1.5 and duration {duration} s must both be positive.")
     mechanics = Mechanics(motor)
-    law = HertzCoulomb(float(stiffness), motor.friction_coefficient)
+    law = HertzCoulomb(float(stiffness), motor.friction_coefficient, static_ratio)
     scaled = mechanics.tolerances(rtol) if atol is None else atol
     stepper = Stepper(method, rtol, scaled, flight_step, contact_step)
     book = ContactBook(slice(2 * mechanics.shapes + 6, 2 * mechanics.shapes + 8))
