@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from oracle.composed import Judge, Parts
+from oracle import OracleMotor, solve_rigid_slip
+from oracle.composed import Judge, JudgedRun, Parts
+from oracle.flight import Flight
 from oracle.friction_parts import (
     Ageing,
     BoucWen,
@@ -22,6 +24,17 @@ from oracle.friction_parts import (
     SetValued,
     Stribeck,
 )
+from oracle.impact_laws import (
+    RigidJudge,
+    Rough,
+    brach,
+    chatterjee_ruina,
+    johnson,
+    newton,
+    plastic_ageing,
+    process,
+)
+from oracle.motor import Mechanics
 from oracle.normal_parts import (
     Damping,
     Dmt,
@@ -70,7 +83,16 @@ class Dice:
 
 
 def motor_of(dice: Dice) -> Draw:
-    """A motor that touches its rotor, in words of `motors.DEFAULTS`."""
+    """A motor that touches its rotor within half of the run, in words of `motors.DEFAULTS`."""
+    while True:
+        changes = any_motor(dice)
+        mechanics = Mechanics(oracle_motor(**changes))
+        if Flight(mechanics).until(0.0, mechanics.initial_state(), 0.5 * DURATION, lambda s: 0.0)[2]:
+            return changes
+
+
+def any_motor(dice: Dice) -> Draw:
+    """A motor, in words of `motors.DEFAULTS`."""
     start = dice.between(0.2e-3, 15e-3)
     return {
         "patch_start": start,
@@ -306,7 +328,55 @@ def rows() -> list[str]:
     return ["hertz_penalty", "archard", *parts, *(f"friction {n}" for n in FRICTIONS), MIXED, *RIGID]
 
 
-RIGID: tuple[str, ...] = ()
+RIGID = (
+    *("lagrange_stick", "lagrange_slip", "lagrange_ageing", "newton", "moreau_jean"),
+    *("poisson", "stronge", "brach", "johnson", "chatterjee_ruina"),
+)
+SLIP_STEP = 5e-8
+"""Step of the law that has no limit without one [s]: there the judge steps too, as the authors say."""
+
+
+def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[float], Any]]:
+    """A rigid law and the judge of it."""
+    changes["friction_coefficient"] = mu = min(changes["friction_coefficient"], 0.4)
+    motor = oracle_motor(**changes)
+    e = dice.between(0.1, 0.8)
+    if row == "lagrange_slip":
+        return LAWS[row](mu), lambda rtol: slip_only(motor)
+    rough, numbers = Rough(mu), {}
+    if row == "lagrange_stick":
+        impact = newton(mu, 0.0)
+    elif row == "lagrange_ageing":
+        numbers = {
+            "static_ratio": dice.between(1.0, 1.6),
+            "strengthening": dice.log(0.003, 0.05),
+            "ageing_time": dice.log(1e-6, 1e-4),
+        }
+        rough = Rough(mu, *numbers.values())
+        impact = plastic_ageing(rough)
+    elif row == "johnson":
+        numbers = {
+            "modulus": dice.log(2e10, 1e11),
+            "yield_strength": dice.log(3e7, 5e8),
+            "radius": dice.log(1e-3, 8e-3),
+        }
+        impact = johnson(mu, *numbers.values())
+    elif row == "chatterjee_ruina":
+        numbers = {"restitution": e, "tangential_restitution": dice.between(-0.9, 0.9)}
+        impact = chatterjee_ruina(mu, *numbers.values())
+    else:
+        numbers = {"restitution": e}
+        made = {"poisson": process(mu, e, False), "stronge": process(mu, e, True), "brach": brach(mu, e)}
+        impact = made.get(row, newton(mu, e))
+    law = LAWS[row](friction_coefficient=mu, **numbers)
+    return law, lambda rtol: RigidJudge(motor, impact, rough, max(rtol, 1e-11)).run(DURATION)
+
+
+def slip_only(motor: OracleMotor) -> JudgedRun:
+    """The stepped judge of the law that always slips."""
+    run = solve_rigid_slip(motor, DURATION, SLIP_STEP)
+    rows = (run.start_time, run.duration, run.normal_impulse, run.friction_impulse)
+    return JudgedRun(run.rotor_velocity, run.u, float("nan"), *(column.tolist() for column in rows))
 
 
 def case_of(number: int) -> Case:
@@ -315,6 +385,9 @@ def case_of(number: int) -> Case:
     row = names[number % len(names)]
     changes = motor_of(dice)
     mu = changes["friction_coefficient"]
+    if row in RIGID:
+        law, judge = rigid(row, changes, dice)
+        return Case(number, row, changes, law, judge)
     if row == "hertz_penalty":
         k = dice.log(3e8, 5e10)
         law, parts = LAWS["hertz_penalty"](k, mu), Parts(Power(k, 1.5), SetValued(mu))
