@@ -1,0 +1,246 @@
+"""Any composed law, and Archard's, on the motor: DOP853 in contact, every switch an event.
+
+The normal force, damping and friction are those of `normal_parts` and `friction_parts`. The state is that of
+the motor without its ledger, two impulses, the work of the contact, and the internal variables:
+
+    y = (r, r', Omega, P_n, P_t, W, z of the friction, z of the normal force)
+
+W = -int (N gdot + F v) dt is what the contact has taken from the motor: its losses and what it stores.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from oracle.flight import Flight
+from oracle.friction_parts import At, Friction
+from oracle.motor import Contact, Mechanics, OracleMotor
+from oracle.normal_parts import Damping, Normal, undamped
+
+SHORTEST = 1e-18
+MOST = 5_000
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A law of parts; wear is that of Archard: k/(H A) [1/Pa/m2], z the depth worn off [m]."""
+
+    normal: Normal
+    friction: Friction
+    damped: Damping = undamped
+    clamps: bool = False
+    """Whether the damping has a kink where it would pull."""
+    wear: float = 0.0
+
+
+@dataclass
+class JudgedRun:
+    """End of a run and its contacts, SI units."""
+
+    rotor_velocity: float = 0.0
+    u: float = 0.0
+    contact_work: float = 0.0
+    starts: list[float] = field(default_factory=list)
+    durations: list[float] = field(default_factory=list)
+    normal_impulses: list[float] = field(default_factory=list)
+    friction_impulses: list[float] = field(default_factory=list)
+    memory: list[float] = field(default_factory=list)
+    """Internal variables at the end: the friction's, the normal force's, the wear."""
+
+
+class Judge:
+    """One motor with one law."""
+
+    def __init__(self, motor: OracleMotor, parts: Parts, rtol: float) -> None:
+        self.mechanics, self.parts, self.rtol = Mechanics(motor), parts, rtol
+        self.flight = Flight(self.mechanics)
+        self.n = n = self.mechanics.shapes
+        self.first = 2 * n + 4
+        self.second = self.first + len(parts.friction.sizes)
+        self.third = self.second + len(parts.normal.sizes)
+        sizes = self.mechanics.tolerances(1.0)
+        work, impulse = sizes[2 * n + 4], sizes[2 * n + 6]
+        own = [*parts.friction.sizes, *parts.normal.sizes, 1e-9]
+        self.atol = rtol * np.concatenate([sizes[: 2 * n + 1], [impulse, impulse, work], 0.1 * np.array(own)])
+
+    def split(self, y: np.ndarray) -> tuple[list[float], list[float], float]:
+        """z of friction and normal force, and the wear [m]."""
+        return (
+            y[self.first : self.second].tolist(),
+            y[self.second : self.third].tolist(),
+            float(y[self.third]),
+        )
+
+    def instant(
+        self, c: Contact, y: np.ndarray, mode: int, speed: float
+    ) -> tuple[At, list[float], list[float], float]:
+        """What friction sees, z of both, and the depth [m]."""
+        z_f, z_n, worn = self.split(y)
+        d, rate = -c.gap - worn, -c.gap_rate
+        elastic, stiffness, slope = self.parts.normal.spring(mode, d, rate, z_n)
+        normal = self.parts.damped(elastic, rate, speed)
+        hold = -(c.slip_bias + c.dnt * normal) / c.dtt
+        at = At(normal, stiffness, slope * rate, c.slip, hold, self.parts.normal.pace(d, rate, z_n))
+        return at, z_f, z_n, d
+
+    def derivative(self, t: float, y: np.ndarray, modes: tuple[int, int], speed: float) -> np.ndarray:
+        """Time derivative of y in contact."""
+        mechanics, n, m = self.mechanics, self.n, self.mechanics.motor
+        acceleration = mechanics._free(t, y)[1]
+        c = mechanics._contact(y, acceleration)
+        at, z_f, z_n, d = self.instant(c, y, modes[0], speed)
+        sticks = self.parts.friction.set_valued and modes[1] == 0
+        friction = self.parts.friction.force(modes[1], at, z_f)
+        normal, slip = at.normal, 0.0 if sticks else c.slip
+        load = (normal * c.n_row[0] + friction * c.t_row[0], normal * c.n_row[1] + friction * c.t_row[1])
+        out = np.empty_like(y)
+        out[:n] = y[n : 2 * n]
+        out[n : 2 * n] = acceleration + mechanics.tip_response @ load
+        omega = y[2 * n]
+        torque = -m.rotor_radius * friction - m.rotor_damping * omega - m.load_torque
+        out[2 * n : 2 * n + 4] = (
+            torque / m.rotor_inertia, normal, friction, -normal * c.gap_rate - friction * c.slip
+        )  # fmt: skip
+        out[self.first : self.second] = self.parts.friction.rates(modes[1], at, z_f)
+        out[self.second : self.third] = self.parts.normal.rates(d, z_n)
+        out[self.third] = self.parts.wear * max(normal, 0.0) * abs(slip)
+        return out
+
+    def without_slip(self, t: float, y: np.ndarray) -> np.ndarray:
+        """The state with the rotor at exactly the tip's speed."""
+        out = y.copy()
+        c = self.mechanics.contact(t, y)
+        out[2 * self.n] += c.slip / self.mechanics.motor.rotor_radius
+        return out
+
+    def events(
+        self, t: float, y: np.ndarray, modes: tuple[int, int], speed: float
+    ) -> list[tuple[str, int, Callable[[float, np.ndarray], float]]]:
+        """Kind, number and function (falling through zero) of every event of a phase."""
+        parts, found = self.parts, []
+
+        def add(kind: str, k: int, value: Callable[[Contact, np.ndarray], float]) -> None:
+            start = value(self.mechanics.contact(t, y), y)
+            offset = max(-start, 0.0) + SHORTEST
+            found.append((kind, k, lambda t, y: value(self.mechanics.contact(t, y), y) + offset))
+
+        def depth(c: Contact, y: np.ndarray) -> float:
+            return -c.gap - float(y[self.third])
+
+        add("release", 0, lambda c, y: parts.normal.left(modes[0], depth(c, y), self.split(y)[1]))
+        for k, switch in enumerate(parts.normal.switches(modes[0])):
+            add("normal", k, lambda c, y, f=switch: f(depth(c, y), -c.gap_rate, self.split(y)[1]))
+        for k, switch in enumerate(parts.friction.switches(modes[1], self.split(y)[0])):
+            def of(c: Contact, y: np.ndarray, f: Any = switch) -> float:
+                at, z_f, _, _ = self.instant(c, y, modes[0], speed)
+                return float(f(at, z_f))
+
+            add("friction", k, of)
+        return found
+
+    def dwell(self, run: JudgedRun, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
+        """One contact from its touch-down to its release or `end` [s]."""
+        parts, n = self.parts, self.n
+        c = self.mechanics.contact(t, y)
+        speed = max(-c.gap_rate, 0.0)
+        begun, impulses = t, y[2 * n + 1 : 2 * n + 3].copy()
+        mode_n = parts.normal.touch(self.split(y)[1])
+        at, z_f, _, _ = self.instant(c, y, mode_n, speed)
+        modes = mode_n, parts.friction.touch(at, z_f)
+        for _ in range(MOST):
+            watched = self.events(t, y, modes, speed)
+            functions = []
+            for _, _, value in watched:
+                def function(t: float, y: np.ndarray, value: Any = value) -> float:
+                    return float(value(t, y))
+
+                function.terminal, function.direction = True, -1  # type: ignore[attr-defined]
+                functions.append(function)
+            done = solve_ivp(
+                lambda t, y, modes=modes: self.derivative(t, y, modes, speed),
+                (t, end), y, "Radau" if parts.friction.stiff else "DOP853", events=functions,
+                rtol=self.rtol, atol=self.atol, max_step=2e-6,
+            )  # fmt: skip
+            if done.status < 0:
+                raise RuntimeError(f"The contact at {t} s: {done.message}")
+            t, y = float(done.t[-1]), done.y[:, -1].copy()
+            fired = [i for i, hits in enumerate(done.t_events) if len(hits) and hits[-1] == t]
+            if not fired or watched[fired[0]][0] == "release":
+                break
+            kind, k, _ = watched[fired[0]]
+            c = self.mechanics.contact(t, y)
+            if kind == "normal":
+                z_n = self.split(y)[1]
+                mode, z_n = parts.normal.switched(modes[0], -c.gap - float(y[self.third]), z_n)
+                modes = mode, modes[1]
+                y[self.second : self.third] = z_n
+                continue
+            if parts.friction.set_valued:
+                y = self.without_slip(t, y)
+                c = self.mechanics.contact(t, y)
+            at, z_f, _, _ = self.instant(c, y, modes[0], speed)
+            mode, z_f = parts.friction.switched(modes[1], k, at, z_f)
+            modes = modes[0], mode
+            y[self.first : self.second] = z_f
+        else:
+            raise RuntimeError(f"More than {MOST} phases in the contact at {begun} s.")
+        run.starts.append(begun)
+        run.durations.append(t - begun)
+        p_n, p_t = y[2 * n + 1 : 2 * n + 3] - impulses
+        run.normal_impulses.append(float(p_n))
+        run.friction_impulses.append(float(p_t))
+        return t, y
+
+    def fly(self, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
+        """From a release, or the start, to the next touch-down or `end` [s]."""
+        normal, friction = self.parts.normal, self.parts.friction
+        _, z_n, worn = self.split(y)
+        fresh = self.first, self.second
+
+        def clear(y: np.ndarray) -> None:
+            y[fresh[0] : fresh[1]] = friction.fresh()
+            if not normal.lasts:
+                y[self.second : self.third] = normal.fresh()
+
+        if normal.lasts or normal.begins(z_n) == 0.0:
+            def level(s: float) -> float:
+                return -worn - (normal.begins(normal.in_flight(z_n, s)) if normal.sizes else 0.0)
+
+            clear(y)
+            start = t
+            t, y, _ = self.flight.until(t, y, end, level)
+            y[self.second : self.third] = normal.in_flight(z_n if normal.lasts else normal.fresh(), t - start)
+            return t, y
+        # Over a dent: it is clear where the gap has opened, or touched again before.
+        dent = normal.begins(z_n)
+        t_down, y_down, down = self.flight.until(t, y, end, lambda s: -dent)
+        t_up, y_up, up = self.flight.until(t, y, end, lambda s: 0.0, upwards=True)
+        if up and t_up < t_down:
+            clear(y_up)
+            return self.fly(t_up, y_up, end)
+        return t_down, y_down
+
+    def run(self, duration: float) -> JudgedRun:
+        """From rest, the gap open, for a duration [s]."""
+        n, run = self.n, JudgedRun()
+        y = np.zeros(self.third + 1)
+        y[2 * n] = self.mechanics.motor.initial_velocity
+        y[self.first : self.second] = self.parts.friction.fresh()
+        y[self.second : self.third] = self.parts.normal.fresh()
+        t = 0.0
+        while t < duration:
+            t, y = self.fly(t, y, duration)
+            if t < duration:
+                t, y = self.dwell(run, t, y, duration)
+            if len(run.starts) > MOST:
+                raise RuntimeError(f"More than {MOST} contacts.")
+        run.rotor_velocity = float(y[2 * n])
+        run.u = float(self.mechanics.tip_state(y)[0])
+        run.contact_work = float(y[2 * n + 3])
+        run.memory = y[self.first :].tolist()
+        return run

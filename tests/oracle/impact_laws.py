@@ -1,0 +1,259 @@
+"""Rigid laws with any impact, in the limit of no step: impacts are maps, flights exact, contact by DOP853.
+
+An impact answers gap rate and slip with impulses, from the Delassus matrix (d_nn, d_nt, d_tt). What rebounds
+flies; below the rate `SLOW` a rebound is none, and the contact lasts as under the multiplier with stick.
+
+    newton, moreau_jean   gdot+ = -e gdot-, stick or slip at the end (rigid.stick_or_slip)
+    johnson               the same, e from m V^2/2 = pi a^4 p_d/(4 R) and 3 P^2/(10 a E*), P = pi a^2 p_d
+    poisson, stronge      Routh's process, piece by piece
+    brach                 p_t = r p_n with the least of mu, the r that ends the slip, the r without a loss
+    chatterjee_ruina      (1 + e) p_I + k (p_II - p_I), k = 1 + e_t or less on the cone
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import copysign, hypot, inf, log1p, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from oracle.composed import JudgedRun
+from oracle.flight import Flight
+from oracle.motor import Contact, Mechanics, OracleMotor
+from oracle.rigid import force_law, settle, sticking, stick_or_slip
+from oracle.run import Event, Stepper, run_phase
+
+SLOW = 1e-7
+"""Rebound [m/s] that is none."""
+FREE = 2
+MOST = 20_000
+
+Impact = Callable[[Contact, float, float], tuple[float, float]]
+"""Gives p_n, p_t [N s] from contact, gap rate and slip [m/s]."""
+
+
+def newton(mu: float, e: float) -> Impact:
+    """Restitution of the gap rate."""
+    return lambda c, rate, slip: stick_or_slip(c, (1.0 + e) * rate, slip, mu)[1:]
+
+
+def johnson(mu: float, modulus: float, strength: float, radius: float) -> Impact:
+    """Newton's with the restitution of a ball that has yielded all over."""
+    pressure = 3.0 * strength
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        brought = 0.5 * rate * rate / c.dnn
+        a = (4.0 * radius * brought / (pi * pressure)) ** 0.25
+        back = 3.0 * (pi * a * a * pressure) ** 2 / (10.0 * a * modulus)
+        return newton(mu, min(1.0, sqrt(back / brought)))(c, rate, slip)
+
+    return impact
+
+
+def process(mu: float, e: float, of_energy: bool) -> Impact:
+    """Routh's process: pieces in which gap rate and slip are linear in the normal impulse."""
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        p_n = p_t = work = 0.0
+        target, compressing = inf, True
+        for _ in range(8):
+            if slip != 0.0:
+                ratio = -mu * copysign(1.0, slip)
+            elif abs(c.dnt) <= mu * c.dtt:
+                ratio = -c.dnt / c.dtt
+            else:
+                ratio = -mu * copysign(1.0, c.dnt)
+            gains, drags = c.dnn + c.dnt * ratio, c.dnt + c.dtt * ratio
+            if abs(drags) < 1e-12 * c.dtt:
+                drags = 0.0
+            to_rest = -slip / drags if slip * drags < 0.0 else inf
+            if compressing:
+                to_end = -rate / gains if gains > 0.0 else inf
+            elif of_energy:
+                # rate p + gains p^2/2 = what is still to be given back.
+                left = target - work
+                to_end = 2.0 * left / (rate + sqrt(rate * rate + 2.0 * gains * left))
+            else:
+                to_end = target - p_n
+            p = min(to_rest, to_end)
+            work += rate * p + 0.5 * gains * p * p
+            p_n, p_t, rate = p_n + p, p_t + ratio * p, rate + gains * p
+            slip = 0.0 if to_rest <= to_end else slip + drags * p
+            if to_end <= to_rest:
+                if not compressing:
+                    return p_n, p_t
+                compressing, rate = False, 0.0
+                target = -e * e * work if of_energy else (1.0 + e) * p_n
+                work = 0.0
+                if e == 0.0:
+                    return p_n, p_t
+        raise RuntimeError("Routh's process does not end.")
+
+    return impact
+
+
+def brach(mu: float, e: float) -> Impact:
+    """The least of three ratios."""
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        def impulses(r: float) -> tuple[float, float]:
+            p_n = -(1.0 + e) * rate / (c.dnn + r * c.dnt)
+            return p_n, r * p_n
+
+        def left(r: float) -> float:
+            p_n, p_t = impulses(r)
+            return slip + c.dnt * p_n + c.dtt * p_t
+
+        def loss(r: float) -> float:
+            p_n, p_t = impulses(r)
+            return -0.5 * (p_n * (1.0 - e) * rate + p_t * (slip + left(r)))
+
+        if left(0.0) == 0.0:
+            return impulses(0.0)
+        s = -copysign(1.0, left(0.0))
+        most = mu
+        if left(0.0) * left(s * mu) <= 0.0:
+            most = abs(brentq(left, 0.0, s * mu, xtol=1e-16))
+        if loss(s * most) < 0.0:
+            most = abs(brentq(loss, 0.0, s * most, xtol=1e-16)) if loss(0.0) > 0.0 else 0.0
+        return impulses(s * most)
+
+    return impact
+
+
+def chatterjee_ruina(mu: float, e: float, e_t: float) -> Impact:
+    """Between two plastic impacts, overdone."""
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        first = np.array([-rate / c.dnn, 0.0])
+        second = np.array(sticking(c, rate, slip))
+
+        def total(k: float) -> np.ndarray:
+            return (1.0 + e) * first + k * (second - first)
+
+        def outside(k: float) -> float:
+            p_n, p_t = total(k)
+            return float(abs(p_t) - mu * p_n)
+
+        k = 1.0 + e_t
+        if outside(k) > 0.0:
+            k = brentq(outside, 0.0, k, xtol=1e-16)
+        p_n, p_t = total(k)
+        return float(p_n), float(p_t)
+
+    return impact
+
+
+class Rough(NamedTuple):
+    """Friction of a contact that lasts: kinetic mu, and a static cone that may age in stick."""
+
+    mu: float
+    ratio: float = 1.0
+    strengthening: float = 0.0
+    ageing_time: float = 1.0
+    longest_age: float = 1e5
+
+    def static(self, age: float) -> float:
+        """Static coefficient."""
+        grown = log1p(min(age, self.longest_age) / self.ageing_time)
+        return self.mu * self.ratio + self.strengthening * grown
+
+
+def plastic_ageing(rough: Rough) -> Impact:
+    """The plastic impact: static friction holds only what the stick would not have to stop."""
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        p_n, p_t = sticking(c, rate, slip)
+        if p_t * slip >= 0.0 and abs(p_t) <= rough.static(0.0) * p_n:
+            return p_n, p_t
+        return stick_or_slip(c, rate, slip, rough.mu)[1:]
+
+    return impact
+
+
+class RigidJudge:
+    """One motor with one rigid law."""
+
+    def __init__(self, motor: OracleMotor, impact: Impact, rough: Rough, rtol: float) -> None:
+        self.mechanics, self.impact, self.rough = Mechanics(motor), impact, rough
+        self.flight = Flight(self.mechanics)
+        self.stepper = Stepper("DOP853", rtol, self.mechanics.tolerances(rtol), 2e-6, 1e-6)
+
+    def at_rest(self, c: Contact, age: float) -> int:
+        """Mode at zero slip: the forces decide."""
+        p_n, p_t = sticking(c, c.normal_bias, c.slip_bias)
+        if abs(p_t) <= self.rough.static(age) * p_n:
+            return 0
+        if c.normal_bias >= 0.0:
+            return FREE
+        return stick_or_slip(c._replace(), c.normal_bias, c.slip_bias, self.rough.mu)[0] or -int(copysign(1, p_t))
+
+    def last(self, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
+        """A contact that lasts, from zero gap and gap rate to its release or `end`."""
+        mechanics, mu, arrived = self.mechanics, self.rough.mu, False
+        for _ in range(MOST):
+            c = mechanics.contact(t, y)
+            speed = hypot(c.slip, 1e-6)
+            if arrived or abs(c.slip) < 1e-9 * speed or abs(c.slip) < 1e-11:
+                mode = self.at_rest(c, 0.0)
+            else:
+                mode = int(copysign(1, c.slip))
+            while True:
+                if mode == FREE:
+                    return t, y
+                y = settle(mechanics, t, y, mode)
+                c, law, begun = mechanics.contact(t, y), force_law(mode, mu), t
+                if law(c)[0] <= 0.0:
+                    return t, y
+                events = [Event(lambda t, y, law=law: law(mechanics.contact(t, y))[0], -1)]
+                if mode == 0:
+                    for sign in (1.0, -1.0):
+
+                        def room(t: float, y: np.ndarray, sign: float = sign, begun: float = begun) -> float:
+                            p_n, p_t = sticking(c := mechanics.contact(t, y), c.normal_bias, c.slip_bias)
+                            return self.rough.static(t - begun) * p_n - sign * p_t
+
+                        events.append(Event(room, -1))
+                else:
+                    floor = min(mode * c.slip, 0.0) - 1e-18
+                    events.append(
+                        Event(lambda t, y, m=mode, f=floor: m * mechanics.contact(t, y).slip - f, -1)
+                    )
+                phase = run_phase(mechanics, law, events, t, y, end, self.stepper)
+                t, y = phase.t, phase.y
+                if phase.fired in (None, 0):
+                    return t, settle(mechanics, t, y, mode)
+                if mode != 0:
+                    arrived = True
+                    break
+                mode = -1 if phase.fired == 1 else 1
+        raise RuntimeError(f"More than {MOST} phases at {t} s.")
+
+    def run(self, duration: float) -> JudgedRun:
+        """From rest, the gap open, for a duration [s]."""
+        mechanics, run, n = self.mechanics, JudgedRun(), self.mechanics.shapes
+        t, y = 0.0, mechanics.initial_state()
+        while t < duration:
+            t, y, down = self.flight.until(t, y, duration, lambda s: 0.0)
+            if not down:
+                break
+            before, begun = y[2 * n + 6 : 2 * n + 8].copy(), t
+            c = mechanics.contact(t, y)
+            if c.gap_rate < 0.0:
+                y = mechanics.push(y, c, *self.impact(c, c.gap_rate, c.slip))
+            c = mechanics.contact(t, y)
+            if c.gap_rate < SLOW:
+                t, y = self.last(t, settle(mechanics, t, y, 1), duration)
+            p_n, p_t = y[2 * n + 6 : 2 * n + 8] - before
+            run.starts.append(begun)
+            run.durations.append(t - begun)
+            run.normal_impulses.append(float(p_n))
+            run.friction_impulses.append(float(p_t))
+            if len(run.starts) > MOST:
+                raise RuntimeError(f"More than {MOST} contacts.")
+        run.rotor_velocity = float(y[2 * n])
+        run.u = float(mechanics.tip_state(y)[0])
+        run.contact_work = float("nan")
+        return run

@@ -1,0 +1,408 @@
+"""Random motors over every law and part, each for the engine and for the independent judge.
+
+Number i is of row i modulo the number of rows; its motor and its law's numbers are those of the seed (i, 26).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from oracle import OracleMotor, solve_rigid_slip
+from oracle.composed import Judge, JudgedRun, Parts
+from oracle.flight import Flight
+from oracle.friction_parts import (
+    Ageing,
+    BoucWen,
+    Bristles,
+    Dahl,
+    Friction,
+    Iwan,
+    Mindlin,
+    RateAndState,
+    Regularised,
+    SetValued,
+    Stribeck,
+)
+from oracle.impact_laws import (
+    RigidJudge,
+    Rough,
+    brach,
+    chatterjee_ruina,
+    johnson,
+    newton,
+    plastic_ageing,
+    process,
+)
+from oracle.motor import Mechanics
+from oracle.normal_parts import (
+    Damping,
+    Dmt,
+    Jkr,
+    Lining,
+    Normal,
+    Power,
+    Prony,
+    Thornton,
+    WaltonBraun,
+    dashpot,
+    dashpot_coefficient,
+    elliptic_stiffness,
+    hysteretic,
+    loss_number,
+)
+from support.motors import default_motor, oracle_motor
+
+from contactlab.laws import LAWS, PARTS, ContactLaw
+from contactlab.motor.motor import Motor
+
+STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
+DURATION = 2e-3
+TOTAL = 245
+
+Draw = dict[str, Any]
+
+
+class Dice:
+    """Random numbers of one case."""
+
+    def __init__(self, number: int) -> None:
+        self.rng = np.random.default_rng([number, 26])
+
+    def between(self, low: float, high: float) -> float:
+        """Uniform."""
+        return float(self.rng.uniform(low, high))
+
+    def log(self, low: float, high: float) -> float:
+        """Uniform in the logarithm."""
+        return float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
+
+    def choice(self, *values: float) -> float:
+        """One of some values."""
+        return float(self.rng.choice(values))
+
+
+def motor_of(dice: Dice) -> Draw:
+    """A motor that touches its rotor within half of the run, in words of `motors.DEFAULTS`."""
+    while True:
+        changes = any_motor(dice)
+        mechanics = Mechanics(oracle_motor(**changes))
+        if Flight(mechanics).until(0.0, mechanics.initial_state(), 0.5 * DURATION, lambda s: 0.0)[2]:
+            return changes
+
+
+def any_motor(dice: Dice) -> Draw:
+    """A motor, in words of `motors.DEFAULTS`."""
+    start = dice.between(0.2e-3, 15e-3)
+    return {
+        "patch_start": start,
+        "patch_end": dice.between(start + 5e-3, min(start + 12e-3, 27e-3)),
+        "tip_mass": dice.log(0.4e-3, 2.5e-3),
+        "tip_inertia": dice.log(0.6e-7, 3e-7),
+        "tip_length": dice.between(10e-3, 24e-3),
+        "rotor_radius": dice.between(12e-3, 40e-3),
+        "rotor_inertia": dice.log(4e-6, 1e-4),
+        "rotor_damping": dice.choice(0.0, dice.log(1e-6, 1e-3)),
+        "load_torque": dice.choice(0.0, dice.between(-5e-3, 5e-3)),
+        "initial_velocity": dice.choice(0.0, dice.between(-2.0, 2.0)),
+        "clearance": dice.log(5e-8, 1e-6),
+        "friction_coefficient": dice.between(0.05, 0.7),
+        "voltage_1": dice.between(60.0, 300.0),
+        "voltage_2": dice.between(60.0, 300.0),
+        "frequency": dice.between(1800.0, 4500.0),
+        "frequency_ratio": dice.choice(1.0, 1.5, 2.0, 3.0),
+        "phase": dice.between(-np.pi, np.pi),
+        "shapes": int(dice.choice(3, 4, 5)),
+        "mass_damping": dice.log(2.0, 200.0),
+        "stiffness_damping": dice.log(4e-6, 4e-5),
+    }
+
+
+def sphere(dice: Dice) -> Draw:
+    return {"radius": dice.log(1e-3, 8e-3), "effective_modulus": STEEL * dice.log(0.2, 1.0)}
+
+
+def adhesive(dice: Dice) -> Draw:
+    return sphere(dice) | {"work_of_adhesion": dice.log(0.02, 2.0)}
+
+
+def bristles(dice: Dice) -> Draw:
+    return {
+        "static_ratio": dice.between(1.0, 1.8),
+        "bristle_stiffness": dice.log(3e5, 3e6),
+        "bristle_damping": dice.choice(0.0, dice.log(0.01, 0.3)),
+        "stribeck_velocity": dice.log(5e-3, 5e-2),
+    }
+
+
+def prony(dice: Dice) -> Draw:
+    arms = int(dice.choice(1, 2, 3))
+    return {
+        "relaxed_stiffness": dice.log(2e6, 2e7),
+        "first_stiffness": dice.log(2e6, 2e7),
+        "first_time": dice.log(3e-6, 3e-4),
+        "second_stiffness": dice.log(1e6, 1e7) if arms > 1 else 0.0,
+        "second_time": dice.log(3e-5, 1e-3),
+        "third_stiffness": dice.log(1e6, 1e7) if arms > 2 else 0.0,
+        "third_time": dice.log(3e-4, 3e-3),
+    }
+
+
+def walton_braun(dice: Dice) -> Draw:
+    loading = dice.log(3e6, 3e7)
+    return {
+        "loading_stiffness": loading,
+        "unloading_stiffness": loading * dice.between(1.1, 3.0),
+        "hardening": dice.choice(0.0, dice.log(1e5, 1e6)),
+    }
+
+
+def prony_of(p: Draw) -> Normal:
+    arms = [(p[f"{k}_stiffness"], p[f"{k}_time"]) for k in ("first", "second", "third")]
+    return Prony(p["relaxed_stiffness"], [arm for arm in arms if arm[0] > 0.0])
+
+
+NORMALS: dict[str, tuple[Callable[[Dice], Draw], Callable[[Draw], Normal]]] = {
+    "hertz_point": (lambda d: {"stiffness": d.log(3e8, 5e10)}, lambda p: Power(p["stiffness"], 1.5)),
+    "hertz_elliptic": (
+        lambda d: {
+            "radius_along": d.log(1e-3, 2e-2),
+            "radius_across": d.log(1e-3, 2e-2),
+            "effective_modulus": STEEL * d.log(0.2, 1.0),
+        },
+        lambda p: Power(elliptic_stiffness(*p.values()), 1.5),
+    ),
+    "line": (
+        lambda d: {"length": d.log(2e-3, 2e-2), "effective_modulus": STEEL * d.log(0.05, 0.5)},
+        lambda p: Power(p["effective_modulus"] * (p["length"] ** 0.8 / 1.36) ** (10.0 / 9.0), 10.0 / 9.0),
+    ),
+    "linear": (lambda d: {"stiffness": d.log(2e6, 5e7)}, lambda p: Power(p["stiffness"], 1.0)),
+    "lining": (
+        lambda d: {
+            "soft_stiffness": d.log(2e6, 1e7),
+            "hard_stiffness": d.log(2e7, 1e8),
+            "lining_depth": d.log(5e-8, 5e-7),
+            "passage": d.log(5e-8, 3e-7),
+        },
+        lambda p: Lining(*p.values()),
+    ),
+    "thornton": (lambda d: sphere(d) | {"yield_pressure": d.log(2e8, 1.5e9)}, lambda p: Thornton(*p.values())),
+    "walton_braun": (walton_braun, lambda p: WaltonBraun(*p.values())),
+    "jkr": (adhesive, lambda p: Jkr(*p.values())),
+    "dmt": (adhesive, lambda p: Dmt(*p.values())),
+    "prony": (prony, prony_of),
+}
+
+DAMPINGS: dict[str, tuple[Callable[[Dice], Draw], Callable[[Draw, Normal], Damping]]] = {
+    "linear": (
+        lambda d: {
+            "restitution": d.between(0.4, 0.95),
+            "effective_mass": d.log(5e-4, 5e-3),
+            "impact_speed": d.log(0.02, 0.2),
+        },
+        lambda p, n: dashpot(dashpot_coefficient(n, p["restitution"], p["effective_mass"], p["impact_speed"])),
+    ),
+    "hunt_crossley": (
+        lambda d: {"restitution": d.between(0.5, 0.95), "impact_speed": d.log(0.02, 0.2)},
+        lambda p, n: hysteretic(loss_number(p["restitution"]), p["impact_speed"]),
+    ),
+    "lankarani_nikravesh": (
+        lambda d: {"restitution": d.between(0.7, 0.97), "least_speed": 1e-3},
+        lambda p, n: hysteretic(loss_number(p["restitution"]), least=p["least_speed"]),
+    ),
+    "flores": (
+        lambda d: {"restitution": d.between(0.2, 0.95), "least_speed": 1e-3},
+        lambda p, n: hysteretic(loss_number(p["restitution"]), least=p["least_speed"]),
+    ),
+}
+
+FRICTIONS: dict[str, tuple[Callable[[Dice], Draw], Callable[[float, Draw], Friction]]] = {
+    "coulomb": (
+        lambda d: {"static_ratio": d.choice(1.0, d.between(1.0, 2.5))},
+        lambda mu, p: SetValued(mu, p["static_ratio"]),
+    ),
+    "regularised": (
+        lambda d: {"creep_velocity": d.log(1e-4, 1e-2)},
+        lambda mu, p: Regularised(mu, p["creep_velocity"]),
+    ),
+    "mindlin": (lambda d: {"stiffness_ratio": d.between(0.4, 1.2)}, lambda mu, p: Mindlin(mu, p["stiffness_ratio"])),
+    "lugre": (bristles, lambda mu, p: Bristles(mu, *p.values())),
+    "elasto_plastic": (
+        lambda d: bristles(d) | {"breakaway_ratio": d.between(0.2, 0.9)},
+        lambda mu, p: Bristles(mu, *p.values()),
+    ),
+    "stribeck": (
+        lambda d: {
+            "static_ratio": d.between(1.0, 2.0),
+            "stribeck_velocity": d.log(3e-3, 1e-1),
+            "stribeck_exponent": d.choice(1.0, 2.0),
+        },
+        lambda mu, p: Stribeck(mu, *p.values()),
+    ),
+    "cohesive": (
+        lambda d: {"static_ratio": d.choice(1.0, d.between(1.0, 2.0)), "cohesion": d.log(0.01, 1.0)},
+        lambda mu, p: SetValued(mu, p["static_ratio"], p["cohesion"]),
+    ),
+    "ageing_stick": (
+        lambda d: {
+            "strengthening": d.log(0.003, 0.1),
+            "ageing_time": d.log(1e-6, 1e-4),
+            "longest_age": d.choice(1e5, d.log(1e-6, 1e-5)),
+        },
+        lambda mu, p: Ageing(mu, *p.values()),
+    ),
+    "dahl": (
+        lambda d: {"rest_stiffness": d.log(3e5, 3e6), "exponent": d.choice(1.0, 2.0, 1.5)},
+        lambda mu, p: Dahl(mu, *p.values()),
+    ),
+    "bouc_wen": (
+        lambda d: {
+            "yield_displacement": d.log(1e-7, 1e-6),
+            "shape": d.between(0.5, 1.0),
+            "exponent": d.choice(1.0, 2.0, 3.0),
+        },
+        lambda mu, p: BoucWen(mu, *p.values()),
+    ),
+    "iwan": (
+        lambda d: {"elements": int(d.choice(1, 3, 6)), "full_slip": d.log(1e-7, 1e-6)},
+        lambda mu, p: Iwan(mu, *p.values()),
+    ),
+    "rate_and_state": (
+        lambda d: {
+            "direct_effect": d.log(0.005, 0.03),
+            "evolution_effect": d.log(0.005, 0.03),
+            "renewal_distance": d.log(3e-7, 3e-6),
+            "reference_velocity": d.log(1e-6, 1e-5),
+            "fresh_age": d.log(1e-7, 1e-5),
+            "creep_velocity": d.log(1e-7, 1e-6),
+        },
+        lambda mu, p: RateAndState(mu, *p.values()),
+    ),
+}
+
+MIXED = "mixed"
+"""Parts of a composed law drawn together."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One motor: for the engine, and for the judge."""
+
+    number: int
+    row: str
+    changes: Draw
+    law: ContactLaw
+    judge: Callable[[float], Any]
+    """Gives the judge's run at a relative tolerance."""
+
+    @property
+    def motor(self) -> Motor:
+        """The engine's motor."""
+        return default_motor(**self.changes)
+
+
+def composed(changes: Draw, dice: Dice, normal: str, damping: str, friction: str) -> tuple[ContactLaw, Parts]:
+    """The law of three parts, twice."""
+    mu = changes["friction_coefficient"]
+    n, f = NORMALS[normal][0](dice), FRICTIONS[friction][0](dice)
+    if normal in ("hertz_point",) and damping == "none" and friction != "coulomb":
+        # Stiff contacts are short: friction with a spring would see one half period of it.
+        n = {"stiffness": dice.log(1e9, 2e10)}
+    spring = NORMALS[normal][1](n)
+    damped, p = None, {}
+    if damping != "none":
+        p = DAMPINGS[damping][0](dice)
+        damped = DAMPINGS[damping][1](p, spring)
+    law = LAWS["composed"](
+        normal=PARTS["normal"][normal](**n),
+        damping=PARTS["damping"][damping](**p),
+        friction=PARTS["friction"][friction](friction_coefficient=mu, **f),
+    )
+    own = Parts(spring, FRICTIONS[friction][1](mu, f), *([damped] if damped else []))
+    return law, own
+
+
+def rows() -> list[str]:
+    """Names of the rows of the table."""
+    parts = [f"normal {n}" for n in NORMALS] + [f"damping {n}" for n in DAMPINGS]
+    return ["hertz_penalty", "archard", *parts, *(f"friction {n}" for n in FRICTIONS), MIXED, *RIGID]
+
+
+RIGID = (
+    *("lagrange_stick", "lagrange_slip", "lagrange_ageing", "newton", "moreau_jean"),
+    *("poisson", "stronge", "brach", "johnson", "chatterjee_ruina"),
+)
+SLIP_STEP = 5e-8
+"""Step of the law that has no limit without one [s]: there the judge steps too, as the authors say."""
+
+
+def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[float], Any]]:
+    """A rigid law and the judge of it."""
+    changes["friction_coefficient"] = mu = min(changes["friction_coefficient"], 0.4)
+    motor = oracle_motor(**changes)
+    e = dice.between(0.1, 0.8)
+    if row == "lagrange_slip":
+        return LAWS[row](mu), lambda rtol: slip_only(motor)
+    rough, numbers = Rough(mu), {}
+    if row == "lagrange_stick":
+        impact = newton(mu, 0.0)
+    elif row == "lagrange_ageing":
+        numbers = {
+            "static_ratio": dice.between(1.0, 1.6),
+            "strengthening": dice.log(0.003, 0.05),
+            "ageing_time": dice.log(1e-6, 1e-4),
+        }
+        rough = Rough(mu, *numbers.values())
+        impact = plastic_ageing(rough)
+    elif row == "johnson":
+        numbers = {
+            "modulus": dice.log(2e10, 1e11),
+            "yield_strength": dice.log(3e7, 5e8),
+            "radius": dice.log(1e-3, 8e-3),
+        }
+        impact = johnson(mu, *numbers.values())
+    elif row == "chatterjee_ruina":
+        numbers = {"restitution": e, "tangential_restitution": dice.between(-0.9, 0.9)}
+        impact = chatterjee_ruina(mu, *numbers.values())
+    else:
+        numbers = {"restitution": e}
+        made = {"poisson": process(mu, e, False), "stronge": process(mu, e, True), "brach": brach(mu, e)}
+        impact = made.get(row, newton(mu, e))
+    law = LAWS[row](friction_coefficient=mu, **numbers)
+    return law, lambda rtol: RigidJudge(motor, impact, rough, max(rtol, 1e-11)).run(DURATION)
+
+
+def slip_only(motor: OracleMotor) -> JudgedRun:
+    """The stepped judge of the law that always slips."""
+    run = solve_rigid_slip(motor, DURATION, SLIP_STEP)
+    rows = (run.start_time, run.duration, run.normal_impulse, run.friction_impulse)
+    return JudgedRun(run.rotor_velocity, run.u, float("nan"), *(column.tolist() for column in rows))
+
+
+def case_of(number: int) -> Case:
+    """The motor and law with a number."""
+    names, dice = rows(), Dice(number)
+    row = names[number % len(names)]
+    changes = motor_of(dice)
+    mu = changes["friction_coefficient"]
+    if row in RIGID:
+        law, judge = rigid(row, changes, dice)
+        return Case(number, row, changes, law, judge)
+    if row == "hertz_penalty":
+        k = dice.log(3e8, 5e10)
+        law, parts = LAWS["hertz_penalty"](k, mu), Parts(Power(k, 1.5), SetValued(mu))
+    elif row == "archard":
+        k, wear = dice.log(3e8, 2e10), dice.log(1e-4, 1e-1)
+        law = LAWS["archard"](k, mu, wear)
+        parts = Parts(Power(k, 1.5), SetValued(mu), wear=wear / (law.hardness * law.apparent_area))
+    elif row == MIXED:
+        normal = list(NORMALS)[int(dice.between(0, len(NORMALS)))]
+        friction = list(FRICTIONS)[int(dice.between(0, len(FRICTIONS)))]
+        law, parts = composed(changes, dice, normal, "none", friction)
+    else:
+        family, name = row.split()
+        chosen = {"normal": "hertz_point", "damping": "none", "friction": "coulomb", family: name}
+        law, parts = composed(changes, dice, **chosen)
+    return Case(
+        number, row, changes, law, lambda rtol: Judge(oracle_motor(**changes), parts, rtol).run(DURATION)
+    )
