@@ -9,6 +9,7 @@ from itertools import product
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.engine.context import Run
@@ -123,7 +124,9 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     return Ending.STALLED, f"The run stalls at {time}: {words}. {why}"
 
 
-def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple[Ending, str]:
+def balanced(
+    state: Any, series: dict[str, Array], modes: NDArray[np.int8], contact_step: float
+) -> tuple[Ending, str]:
     """Give the ending of a run that reached its end: complete, or with an open ledger and a sentence."""
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
@@ -132,7 +135,7 @@ def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple
     share = openness(float(residual), float(state.turned_over), 0.0, start)
     # A ledger that is no number is not closed.
     if share <= LEDGER_LIMIT:
-        opened = _opened_by_contact(series)
+        opened = _opened_by_contact(series, modes)
         if opened <= LEDGER_LIMIT:
             return Ending.COMPLETE, ""
         return Ending.UNBALANCED, (
@@ -152,14 +155,14 @@ def balanced(state: Any, series: dict[str, Array], contact_step: float) -> tuple
     )
 
 
-def _opened_by_contact(series: dict[str, Array]) -> float:
+def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8]) -> float:
     """Return how far the ledger opens between flight and contact, over what a contact stores and loses [1].
 
     A stored energy that does not fit the force is missing from the ledger while the contact lasts and back at
     its end, where the share in all that the run has turned over is small. Rigid laws store nothing.
     """
     stored, residual = series["contact_energy"], series["energy_residual"]
-    touches = series["contact_mode"] != FREE
+    touches = modes != FREE
     begins = np.flatnonzero(touches[1:] & ~touches[:-1])
     if not begins.size or not stored.max() > 0.0:
         return 0.0

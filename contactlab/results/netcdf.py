@@ -220,6 +220,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "git_revision": revision,
         "git_dirty": dirty,
         "drive_period": period,
+        **({} if trajectory.motor.preload is None else {"preloaded": 1}),
         **settling_of(columns, trajectory.contacts, period, trajectory.lasting).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "ending": Ending(trajectory.ending).name.lower(),

@@ -55,8 +55,13 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
     }
     if ended := _ended(configuration_of(tree).get("solver"), end - start, settling):
         lines["ended"] = ended
-    if root["load_work"].values.any():
-        work = float(root["load_work"][-1])
+    work, loaded = float(root["load_work"][-1]), bool(root["load_work"].values.any())
+    if "preloaded" in attributes:
+        # The ledger adds up what the torque takes and what the preload takes.
+        by_torque = float(configuration_of(tree)["rotor"]["load_torque"]) * float(root["rotor_angle"][-1])
+        lines["preload"] = f"has done {by_torque - work:.4g} J of work on the motor"
+        work, loaded = by_torque, by_torque != 0.0
+    if loaded:
         what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
         lines["load"] = f"{what}: {abs(work):.4g} J"
     impulse = float(np.sum(contacts["normal_impulse"].values))

@@ -65,7 +65,7 @@ class Recorded:
         period: of the drive [s]; zero where there is none.
         time, angle, velocity: of the rotor at the records.
         gap: at the records.
-        start_time, normal_impulse: a number a contact, of those that have ended.
+        start_time, end_time, normal_impulse: a number a contact, of those that have ended.
         whole_until: time from which on a contact lasts that has not [s]; the end where there is none.
         memory: internal variables of the law whose life is the run, at the records, by name.
     """
@@ -76,6 +76,7 @@ class Recorded:
     velocity: Array
     gap: Array
     start_time: Array
+    end_time: Array
     normal_impulse: Array
     whole_until: float
     memory: Columns = field(default_factory=dict)
@@ -99,7 +100,11 @@ class Recorded:
             raise UnknownError("some of the run's numbers are not finite")
         cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
         until = float(starts[cut].min(initial=time[-1]))
-        return cls(period, time, angle, velocity, gap, starts[~cut], impulses[~cut], until, memory)
+        held = np.asarray(rows.get("duration", np.zeros(starts.size)), dtype=np.float64)
+        ended = starts + (held if held.size == starts.size else 0.0)
+        return cls(
+            period, time, angle, velocity, gap, starts[~cut], ended[~cut], impulses[~cut], until, memory
+        )
 
 
 @final
@@ -118,6 +123,7 @@ class Periods:
             end at most a quarter of the record interval times what the velocity changes by within it.
         least_gap: of each [m].
         impulse: normal impulse of the contacts that begin in each [N s].
+        touching: whether a contact begins, lasts or ends in each.
         memory: internal variables of the run at the end of each, and their range within the last, by name.
     """
 
@@ -127,6 +133,7 @@ class Periods:
     blur: float
     least_gap: Array
     impulse: Array
+    touching: NDArray[np.bool_]
     memory: Mapping[str, tuple[Array, float]] = field(default_factory=dict)
 
 
@@ -164,6 +171,9 @@ def periods_of(run: Recorded, least: int) -> Periods:
     records[-1] = min(records[-1], time.size - 1)
     last = slice(max(int(records[-2]) - 1, 0), int(records[-1]) + 1)
     ripple = float(np.ptp(run.velocity[last]))
+    lasting = run.end_time > run.start_time
+    begun = np.searchsorted(np.sort(run.start_time[lasting]), ends[1:])
+    over = np.searchsorted(np.sort(run.end_time[lasting]), ends[:-1])
     return Periods(
         length,
         np.diff(_angle_at(run, ends)) / length,
@@ -171,6 +181,7 @@ def periods_of(run: Recorded, least: int) -> Periods:
         0.5 * widest * ripple / (0.5 * count * length),
         np.minimum.reduceat(run.gap, records[:-1]),
         impulse,
+        (impulse != 0.0) | (begun > over) | (ends[1:] > run.whole_until),
         {name: (np.interp(ends[1:], time, x), float(np.ptp(x[last]))) for name, x in run.memory.items()},
     )
 

@@ -178,7 +178,7 @@ def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterabl
     memory_share, flowing = _memory_of(run)
     told = isfinite(found.error) and not flowing
     impulse = approach(run.impulse)
-    touching = bool(run.impulse[-max(run.impulse.size // LATE, 1) :].any())
+    touching = bool(run.touching[-max(run.touching.size // LATE, 1) :].any())
     return Settling(
         found.limit if told else nan,
         found.error + run.blur if not flowing else inf,
@@ -228,7 +228,9 @@ def _kind_of(run: Periods) -> str:
     """Tell what kind of motion the last half of the periods shows, in velocity and impulse."""
     half = run.velocity.size // 2
     scale = max(float(np.abs(run.velocity[half:]).mean()), run.ripple) or 1.0
-    states = np.column_stack([run.velocity[half:] / scale, run.impulse[half:] / run.impulse[half:].mean()])
+    # A contact that lasts through all of them has no impulse in any.
+    mean = run.impulse[half:].mean() or 1.0
+    states = np.column_stack([run.velocity[half:] / scale, run.impulse[half:] / mean])
     # Of what moves on by less than it shakes, only the shaking tells the kind.
     steps = np.arange(len(states))
     shaking = states - np.column_stack([np.polyval(np.polyfit(steps, x, 1), steps) for x in states.T])
@@ -238,4 +240,6 @@ def _kind_of(run: Periods) -> str:
     before, after = (float(np.std(part[:, 1])) for part in np.array_split(shaking, 2))
     if after < FADING * before:
         return ""
-    return f"period {count}" if count else kind_without_period(shaking[:, 1])
+    return (
+        f"period {count}" if count else kind_without_period(shaking[:, 1 if run.impulse[half:].any() else 0])
+    )

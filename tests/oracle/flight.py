@@ -131,7 +131,9 @@ class Flight:
                 dip = (room[i - 1] - room[i]) + (room[i + 1] - room[i])
                 if room[i] < dip:
                     low = minimize_scalar(
-                        lambda s, i=i: at(i - 1, s), bounds=(0.0, 2.0 * STEP), method="bounded",
+                        lambda s, i=i: at(i - 1, s),
+                        bounds=(0.0, 2.0 * STEP),
+                        method="bounded",
                         options={"xatol": 1e-6 * STEP},
                     )
                     if low.fun < 0.0:

@@ -151,7 +151,13 @@ class Bristles(Friction):
     sizes = (1e-7,)
 
     def __init__(
-        self, mu: float, ratio: float, stiffness: float, damping: float, speed: float, away: float | None = None
+        self,
+        mu: float,
+        ratio: float,
+        stiffness: float,
+        damping: float,
+        speed: float,
+        away: float | None = None,
     ) -> None:
         self.mu, self.ratio, self.stiffness, self.damping = mu, ratio, stiffness, damping
         self.speed, self.away = speed, away
@@ -164,7 +170,9 @@ class Bristles(Friction):
             return [v - mode * v * bent]
         alpha, size = 0.0, abs(bent)
         if mode * z[0] > 0.0 and size > self.away:
-            alpha = 1.0 if size >= 1.0 else 0.5 + 0.5 * sin(pi * (size - 0.5 * (1 + self.away)) / (1 - self.away))
+            alpha = (
+                1.0 if size >= 1.0 else 0.5 + 0.5 * sin(pi * (size - 0.5 * (1 + self.away)) / (1 - self.away))
+            )
         return [v * (1.0 - alpha * size)]
 
     def force(self, mode: int, at: At, z: list[float]) -> float:
@@ -295,7 +303,9 @@ class RateAndState(Friction):
     sizes = (1.0,)
     stiff = True
 
-    def __init__(self, mu: float, a: float, b: float, way: float, speed: float, age: float, creep: float) -> None:
+    def __init__(
+        self, mu: float, a: float, b: float, way: float, speed: float, age: float, creep: float
+    ) -> None:
         self.numbers = mu, a, b, way, speed, creep
         self.first = log(speed * age / way)
 

@@ -188,7 +188,9 @@ class RigidJudge:
             return 0
         if c.normal_bias >= 0.0:
             return FREE
-        return stick_or_slip(c._replace(), c.normal_bias, c.slip_bias, self.rough.mu)[0] or -int(copysign(1, p_t))
+        return stick_or_slip(c._replace(), c.normal_bias, c.slip_bias, self.rough.mu)[0] or -int(
+            copysign(1, p_t)
+        )
 
     def last(self, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
         """A contact that lasts, from zero gap and gap rate to its release or `end`."""

@@ -336,7 +336,13 @@ def dashpot_coefficient(normal: Normal, e: float, mass: float, speed: float) -> 
 
         force.terminal, force.direction = True, -1  # type: ignore[attr-defined]
         done = solve_ivp(
-            lambda t, y: [y[1], -force(t, y)], (0, 1e6), [0.0, 1.0], "DOP853", events=force, rtol=1e-12, atol=1e-12
+            lambda t, y: [y[1], -force(t, y)],
+            (0, 1e6),
+            [0.0, 1.0],
+            "DOP853",
+            events=force,
+            rtol=1e-12,
+            atol=1e-12,
         )
         return -float(done.y[1, -1])
 

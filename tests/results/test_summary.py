@@ -108,6 +108,19 @@ def test_a_load_brakes_one_direction_and_drives_the_other(torque: float) -> None
     assert lines_of(summarise(to_datatree(run), wall_time=1e-3))["load"] == f"{what}: {abs(work):.4g} J"
 
 
+def test_a_preload_is_no_load_of_the_rotor() -> None:
+    """Constant modal forces do the work f'q; the rotor carries no torque."""
+    motor = default_motor(clearance=1e-3)
+    force = 5.0 * motor.modes.tip_displacement
+    pressed = dataclasses.replace(motor, preload=force)
+    run = simulate(pressed, HertzPenalty(1e10, 0.3), duration=2e-3, record_interval=1e-4)
+    work = float(force @ run.final.displacement)
+    assert work > 0.0
+    lines = lines_of(summarise(to_datatree(run), wall_time=1e-3))
+    assert "load" not in lines
+    assert lines["preload"].split()[2] == f"{work:.4g}"
+
+
 @pytest.mark.parametrize("records", [1, 2])
 def test_a_run_of_hardly_any_record_divides_by_nothing(records: int) -> None:
     whole = synthetic_trajectory(contact=False)

@@ -147,6 +147,19 @@ def test_a_tip_that_still_comes_nearer_may_yet_touch() -> None:
     assert "comes nearer to the rotor" in found.sentence
 
 
+@pytest.mark.parametrize("separation", [nan, 0.1])
+def test_a_tip_that_stays_in_contact_is_not_free(separation: float) -> None:
+    """A contact from the first period on, which the end of the run cuts or not, pressed ever deeper."""
+    columns = lag(250.0, PERIOD / 20)
+    end = columns["time"][-1]
+    columns["gap"] = 1e-6 * (1.2 * np.exp(-columns["time"] / 0.05) - 1.5)
+    rows = {"start_time": 1e-5, "duration": end, "normal_impulse": 1.0, "separation_velocity": separation}
+    found = settling_of(columns, {name: np.array([value]) for name, value in rows.items()}, PERIOD)
+    assert found.reason == ""
+    assert found.verdict == "settled"
+    assert found.motion == "period one"
+
+
 @pytest.mark.parametrize(
     ("impulses", "kind"),
     [

@@ -186,7 +186,10 @@ NORMALS: dict[str, tuple[Callable[[Dice], Draw], Callable[[Draw], Normal]]] = {
         },
         lambda p: Lining(*p.values()),
     ),
-    "thornton": (lambda d: sphere(d) | {"yield_pressure": d.log(2e8, 1.5e9)}, lambda p: Thornton(*p.values())),
+    "thornton": (
+        lambda d: sphere(d) | {"yield_pressure": d.log(2e8, 1.5e9)},
+        lambda p: Thornton(*p.values()),
+    ),
     "walton_braun": (walton_braun, lambda p: WaltonBraun(*p.values())),
     "jkr": (adhesive, lambda p: Jkr(*p.values())),
     "dmt": (adhesive, lambda p: Dmt(*p.values())),
@@ -200,7 +203,9 @@ DAMPINGS: dict[str, tuple[Callable[[Dice], Draw], Callable[[Draw, Normal], Dampi
             "effective_mass": d.log(5e-4, 5e-3),
             "impact_speed": d.log(0.02, 0.2),
         },
-        lambda p, n: dashpot(dashpot_coefficient(n, p["restitution"], p["effective_mass"], p["impact_speed"])),
+        lambda p, n: dashpot(
+            dashpot_coefficient(n, p["restitution"], p["effective_mass"], p["impact_speed"])
+        ),
     ),
     "hunt_crossley": (
         lambda d: {"restitution": d.between(0.5, 0.95), "impact_speed": d.log(0.02, 0.2)},
@@ -225,7 +230,10 @@ FRICTIONS: dict[str, tuple[Callable[[Dice], Draw], Callable[[float, Draw], Frict
         lambda d: {"creep_velocity": d.log(1e-4, 1e-2)},
         lambda mu, p: Regularised(mu, p["creep_velocity"]),
     ),
-    "mindlin": (lambda d: {"stiffness_ratio": d.between(0.4, 1.2)}, lambda mu, p: Mindlin(mu, p["stiffness_ratio"])),
+    "mindlin": (
+        lambda d: {"stiffness_ratio": d.between(0.4, 1.2)},
+        lambda mu, p: Mindlin(mu, p["stiffness_ratio"]),
+    ),
     "lugre": (bristles, lambda mu, p: Bristles(mu, *p.values())),
     "elasto_plastic": (
         lambda d: bristles(d) | {"breakaway_ratio": d.between(0.2, 0.9)},
