@@ -340,7 +340,7 @@ def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
 def stored_apart(run: Run, law: Law, memory: Memory | None) -> float:
     """Return what the contacts so far have left stored in flight [J]; of the recalled variables."""
     if memory is None or run.state.variables == 0 or run.state.touchdowns == 0:
-        return run.state.apart
+        return float(run.state.apart)
     return _stored_apart(run, law, memory)
 
 

@@ -95,7 +95,7 @@ def test_a_contact_of_no_length_is_a_phantom() -> None:
     rows = run["contacts"].to_dataset()
     empty = rows.isel(contact=[3]).copy(deep=True)
     empty["start_time"] -= 1e-5
-    for name in ("duration", "stick_duration", "normal_impulse", "friction_impulse"):
+    for name in ("duration", "stick_duration", "normal_impulse", "friction_impulse", "energy_loss"):
         empty[name] *= 0.0
     run["contacts"] = xarray.DataTree(xarray.concat([rows, empty], "contact"))
     assert broken(run) == {"phantom_contacts"}

@@ -182,12 +182,15 @@ SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force"
             ["impulse_balance"],
         ),
         # Falls of a loss are a share of all changes of both.
-        ({"changes": fallen("friction_loss")}, "friction_gain", 0.5 / 3.5, ["friction_gain"]),
-        ({"changes": fallen("contact_loss")}, "normal_gain", 0.25 / 3.25, ["normal_gain"]),
+        # The rows, which have no fall, no longer sum to it.
+        ({"changes": fallen("friction_loss")}, "friction_gain", 0.5 / 3.5, ["loss_balance", "friction_gain"]),
+        ({"changes": fallen("contact_loss")}, "normal_gain", 0.25 / 3.25, ["loss_balance", "normal_gain"]),
         # A fall within the step of an impact is left to the slip that it leaves.
         ({"changes": {"friction_loss": IN_STEP}}, "friction_gain", 0.0, None),
         # Energy from contacts is a share of the energy that all exchange.
-        ({"table": {"energy_loss": np.array([3.0, -1.0])}}, "contact_gain", 0.25, ["contact_gain"]),
+        ({"table": {"energy_loss": np.array([4.5, -1.5])}}, "contact_gain", 0.25, ["contact_gain"]),
+        # The rows sum to the losses of friction and contact.
+        ({"table": {"energy_loss": np.array([1.5, 2.25])}}, "loss_balance", 0.2, ["loss_balance"]),
         # Slip while sticking counts where the neighbours stick too: the first record is on the switch.
         ({"changes": sticking(0.0, 0.0)}, "stick_slip", 0.0, []),
         ({"changes": sticking(0.5, 0.0)}, "stick_slip", 0.0, []),
