@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from contactlab.arrays import Array
 from contactlab.comparison.canvas import LONGEST_LABEL, THIN, drawing, legend_above, style
 from contactlab.comparison.causes import CAUSES, NUMERICAL
-from contactlab.comparison.weighing import CLEAR, WIDEST, withheld
+from contactlab.comparison.weighing import CLEAR, unclear
 from contactlab.metrics import METRICS, needed
 
 TITLES: Final = {
@@ -85,14 +85,14 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     figure, (axes,) = drawing(1, 1, 0.9 + 0.36 * order.size)
     place = np.arange(order.size)
     for rows, offset, words, number in ((total, -0.18, "with others", 0), (first, 0.18, "alone", 1)):
-        share, low, high = np.where(np.ptp(rows[order, 1:], axis=1)[:, None] > WIDEST, np.nan, rows[order]).T
+        share, low, high = rows[order].T
         colour = style(number)["color"]
         axes.barh(place + offset, share.clip(min=0.0), height=0.34, color=colour, label=words)
         reach = [(share.clip(min=0.0) - low).clip(min=0.0), (high - share.clip(min=0.0)).clip(min=0.0)]
         axes.errorbar(share.clip(min=0.0), place + offset, xerr=reach, fmt="none", color="black", capsize=2)
     # The estimate's intervals may reach beyond what a share can be.
     axes.set_xlim(0.0, 1.0)
-    doubt = ["\nnot known" if withheld(*row[1:]) else "" for row in total[order]]
+    doubt = ["\ncannot tell" if unclear(*row) else "" for row in total[order]]
     names = [f"{name}{words}" for name, words in zip(here["factor"].values[order], doubt, strict=True)]
     axes.set_yticks(place, names)
     axes.invert_yaxis()

@@ -10,19 +10,14 @@ from contactlab.arrays import Array
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.samples import Factor, Samples
 from contactlab.comparison.settled import LONGEST, QUANTITIES, Means
-from contactlab.laws.declaration import SHARED
 from contactlab.metrics import METRICS, NotApplicableError
 
 NUMERICAL, BASIS, PARAMETERS, ATTRACTORS = "numerical error", "basis", "parameters", "start"
 CAUSES: Final = (NUMERICAL, BASIS, PARAMETERS, ATTRACTORS)
 
 UNSETTLED: Final = 0.01  # relative distance of a recorded run's velocity from the settled one that is told
-POSSIBLE: Final = {"peak_force": (0.0, np.inf), "stick_share": (0.0, 1.0), "friction_share": (0.0, np.inf)}
-"""Least and greatest value that a quantity can have; the velocity has no bounds."""
-
 FEWEST_DRAWN: Final = 8  # motors of a law; one more would move it further in a ninth of all cases
 WITHOUT_CONTACT: Final = "without contact"
-NOT_KNOWN: Final = "not known"
 
 
 def with_causes(
@@ -55,9 +50,6 @@ def with_causes(
             value, at = law.means[-1].values[known], CAUSES.index(cause)
             least[number, at, known] = value + np.minimum(np.nanmin(moved[:, known], axis=0), 0.0)
             greatest[number, at, known] = value + np.maximum(np.nanmax(moved[:, known], axis=0), 0.0)
-    # What moves a law on another basis is added to its value on its own, and may lead beyond what can be.
-    low, high = np.transpose([POSSIBLE.get(key, (-np.inf, np.inf)) for key in QUANTITIES])
-    least, greatest = np.clip(least, low, high), np.clip(greatest, low, high)
     three, units = ("law", "cause", "quantity"), {"comment": "units differ by quantity, see `quantity_units`"}
     found = data.assign(
         least=(three, least, {"long_name": "smallest value that a cause gives", **units}),
@@ -66,10 +58,9 @@ def with_causes(
         cause=list(CAUSES),
         quantity=list(QUANTITIES),
         quantity_units=("quantity", [METRICS[key].units for key in QUANTITIES]),
-        kind=("law", [law.means[-1].kind if law.means else NOT_KNOWN for law in laws]),
-        varied=("law", [", ".join(_varied(law, factors)) for law in laws]),
+        kind=("law", [law.means[-1].kind if law.means else "not known" for law in laws]),
     )
-    found.attrs["first"] = "\n".join([*_said_first(laws), *_not_varied(laws, factors)])
+    found.attrs["first"] = "\n".join(_said_first(laws))
     found.attrs["parameters"] = _listed_ranges([f for f in factors if f.keys]) or "nothing"
     return found if samples is None else _with_samples(found, samples)
 
@@ -122,30 +113,6 @@ def _with_samples(data: xarray.Dataset, samples: Samples) -> xarray.Dataset:
         said = f"{len(reasons)} of the {len(samples.reasons)} motors drawn have no steady state: {reasons[0]}"
         found.attrs["notes"] = "\n".join(filter(None, (found.attrs["notes"], said)))
     return found
-
-
-def _varied(law: Refined, factors: Sequence[Factor]) -> list[str]:
-    """Return the names of the parameters that are drawn and that a law or its motor has."""
-    return [factor.name for factor in factors if any(key in law.run.settings for key in factor.keys)]
-
-
-def _not_varied(laws: Sequence[Refined], factors: Sequence[Factor]) -> Iterator[str]:
-    """State which numbers of the laws themselves keep their values, whatever these are known to."""
-    if not any(factor.keys for factor in factors):
-        return
-    drawn = {key for factor in factors for key in factor.keys}
-    fixed = {
-        law.run.label: [
-            key.removeprefix("law.")
-            for key, value in law.run.settings.items()
-            # A coefficient of friction of the law's own is the shared one.
-            if key.startswith("law.") and isinstance(value, float) and key not in drawn and SHARED not in key
-        ]
-        for law in settled_of(laws)
-    }
-    named = [f"{listed(keys)} of {label}" for label, keys in fixed.items() if keys]
-    if named:
-        yield f"Not varied: {'; '.join(named)}. What they move is not known; a range is given by its key."
 
 
 def _listed_ranges(factors: Sequence[Factor]) -> str:

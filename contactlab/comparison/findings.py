@@ -108,10 +108,7 @@ def conclusion(data: xarray.Dataset) -> str:
     counts = {label: len(sentences) - 1 for label, sentences in verdicts(data).items()}
     clean = [label for label, failures in counts.items() if not failures]
     if len(clean) == len(counts):
-        return (
-            "Every law meets all thresholds that apply to it. Quantities without a threshold, such as the "
-            "peak force, are not judged."
-        )
+        return "Every law meets all thresholds that apply to it."
     rest = listed([f"{label} fails {count}" for label, count in counts.items() if count])
     if not clean:
         return f"No law meets all thresholds that apply to it: {rest}."

@@ -17,8 +17,8 @@ from contactlab.comparison.page import bulleted, filled, pictured
 from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
-from contactlab.comparison.scorecard import PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
-from contactlab.comparison.weighing import WIDEST, withheld
+from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
+from contactlab.comparison.weighing import unclear
 from contactlab.metrics import CANNOT_TELL, FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
@@ -210,19 +210,17 @@ def _shares(data: xarray.Dataset) -> str:
         data["factor"].values, here["first_order"].values, here["total_order"].values, strict=True
     ):
         cells = "".join(
-            "<td class='none'>not known</td>"
-            if withheld(low, high)
-            else f"<td>{max(share, 0.0):.2f} <small>{max(low, 0.0):.2f} to {min(high, 1.0):.2f}</small></td>"
+            f"<td>{share:.2f} <small>{low:.2f} to {high:.2f}</small></td>"
             for share, low, high in (alone, both)
         )
-        lines.append(f"<tr><td>{escape(str(name))}</td>{cells}</tr>")
+        doubt = " <small>cannot tell</small>" if unclear(*both) else ""
+        lines.append(f"<tr><td>{escape(str(name))}{doubt}</td>{cells}</tr>".replace("-", MINUS))
     head = "<tr><th>factor</th><th>alone</th><th>with others</th></tr>"
     ranges = escape(str(data.attrs["parameters"]).replace("+-", PLUS_MINUS))
     return (
         "<h2>Shares in the variance of the settled rotor velocity</h2>"
         f"<p>Of {data.sizes['motor']} motors drawn together: every law, both bases and three steps equally "
-        f"likely, {ranges}. Not known: the 95 % interval is wider than {WIDEST:g}.</p>"
-        f"<div class='box'><table>{head}{''.join(lines)}</table></div>"
+        f"likely, {ranges}.</p><div class='box'><table>{head}{''.join(lines)}</table></div>"
     )
 
 

@@ -12,11 +12,11 @@ from typing import Final, final
 import numpy as np
 import xarray
 
-from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NOT_KNOWN, NUMERICAL, PARAMETERS, listed
+from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NUMERICAL, PARAMETERS, listed
 from contactlab.metrics import METRICS, Metric
 
 CLEAR: Final = 3.0  # numerical errors beyond which a difference is one between the laws
-WIDEST: Final = 0.3  # width of the 95 % interval of a share beyond which the share is withheld
+SMALL: Final = 0.05  # share of a variance below which a factor does not matter
 
 
 @final
@@ -31,7 +31,6 @@ class Weighed:
         weights: by cause, that of the numerical errors `CLEAR` times their sum; NaN where it is not known.
         parameters: what was drawn of them, in words.
         lost: laws whose value does not converge.
-        settled: whether both motors are known to have settled.
     """
 
     metric: Metric
@@ -40,7 +39,6 @@ class Weighed:
     weights: dict[str, float]
     parameters: str
     lost: tuple[str, ...]
-    settled: bool = True
 
     @property
     def apart(self) -> float:
@@ -65,7 +63,7 @@ class Weighed:
 
     def __str__(self) -> str:
         name, unit = self.metric.brief[0].upper() + self.metric.brief[1:], self.metric.unit
-        if self.metric.key == "rotor_velocity" and self.settled:
+        if self.metric.key == "rotor_velocity":
             name = "Settled rotor velocity"
         (low, high), (one, other) = self.laws, self.values
         if self.apart == 0.0:
@@ -169,9 +167,8 @@ def _pair(data: xarray.Dataset, key: str, low: str, high: str) -> Weighed:
     weights[NUMERICAL] = CLEAR * float(errors.sum())
     lost = tuple(law for law, x, e in zip((low, high), values, errors, strict=True) if e > abs(x) > 0.0)
     apart = float(values[1] - values[0])
-    # What one law of the two has; the others of the comparison may have more.
-    names = dict.fromkeys(name for words in both["varied"].values for name in filter(None, words.split(", ")))
-    drawn = f"the {listed([*names])}" if names else ""
+    names = listed([name.split(" +-")[0] for name in data.attrs["parameters"].split(", ")])
+    drawn = "" if data.attrs["parameters"] == "nothing" else f"the {names}"
     return Weighed(
         METRICS[key],
         (low, high),
@@ -179,7 +176,6 @@ def _pair(data: xarray.Dataset, key: str, low: str, high: str) -> Weighed:
         weights,
         drawn,
         lost if weights[NUMERICAL] >= apart else (),
-        NOT_KNOWN not in both["kind"].values,
     )
 
 
@@ -187,35 +183,22 @@ def shares_said(data: xarray.Dataset) -> str:
     """Say what the factors have of the variance of the settled velocity; empty where nothing was drawn."""
     if "total_order" not in data:
         return ""
-    rows = data["total_order"].sel(quantity="rotor_velocity").values
-    if not np.isfinite(rows).all():
-        return "The settled rotor velocity is the same whatever is drawn, or too few motors settle."
-    names = data["factor"].values
-    told = sorted((-share, name, low, high) for name, (share, low, high) in zip(names, rows, strict=True))
-    known = [
-        f"{name} {max(-less, 0.0):.2f} ({max(low, 0.0):.2f} to {min(high, 1.0):.2f})"
-        for less, name, low, high in told
-        if not withheld(low, high)
-    ]
-    rest = [str(name) for _, name, low, high in told if withheld(low, high)]
-    said = ""
-    if known:
-        said = (
-            "Shares in the variance of the settled rotor velocity, each with what it does together with "
-            f"others and its 95 % interval: {'; '.join(known)}."
-        )
-    if rest:
-        # The interval's width falls with the root of the sample.
-        widest = max(high - low for *_, low, high in told)
-        count = data.sizes["motor"] // (len(names) + 2)
-        needed = 1 << int(np.ceil(np.log2(count * (widest / WIDEST) ** 2)))
-        said += (
-            f" {count} samples do not tell the share of {listed(rest)} in the variance of the settled rotor "
-            f"velocity; about {needed} would."
-        )
-    return said.strip()
+    told = []
+    for name, row in zip(
+        data["factor"].values, data["total_order"].sel(quantity="rotor_velocity").values, strict=True
+    ):
+        share, low, high = (float(x) for x in row)
+        if not isfinite(share):
+            return "The settled rotor velocity is the same whatever is drawn, or too few motors settle."
+        words = f"{name} {share:.2f} ({max(low, 0.0):.2f} to {high:.2f})"
+        told.append((share, f"{words}, cannot tell" if unclear(share, low, high) else words))
+    ordered = [words for _, words in sorted(told, key=lambda pair: -pair[0])]
+    return (
+        "Shares in the variance of the settled rotor velocity, each with what it does together with others "
+        f"and its 95 % interval: {'; '.join(ordered)}."
+    )
 
 
-def withheld(low: float, high: float) -> bool:
-    """Return whether the interval of a share is too wide for the share to be shown."""
-    return high - low > WIDEST
+def unclear(share: float, low: float, high: float) -> bool:
+    """Tell whether an interval is wider than the share that it is of, and not all but zero."""
+    return high - low > abs(share) and high > SMALL

@@ -9,7 +9,6 @@ import xarray
 from support.command_line import Command
 from support.configurations import altered, datatree
 
-import contactlab as cl
 from contactlab import build, steady
 from contactlab.comparison import ComparisonError, compare
 from contactlab.comparison.cause_figures import draw_shares
@@ -19,7 +18,7 @@ from contactlab.comparison.reruns import Refined, on_other_basis, refined
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
 from contactlab.comparison.scorecard import as_text, scorecard
 from contactlab.comparison.settled import QUANTITIES
-from contactlab.comparison.weighing import CLEAR, Weighed, pairs, shares_said, weighed, withheld
+from contactlab.comparison.weighing import CLEAR, Weighed, unclear, weighed
 from contactlab.metrics import METRICS, Run
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
@@ -135,70 +134,9 @@ def test_parameters_within_their_ranges_explain_what_laws_that_are_close_differ_
     )
     assert data.attrs["parameters"] == "friction coefficient +-33 %, stiffness +-30 %, clearance +-20 %"
     assert data.sizes["motor"] == 8 * (data.sizes["factor"] + 2)
+    assert "Shares in the variance" in differences(data)[-1]
     (drawn,) = draw_shares(data).axes
     assert [words.get_text().split("\n")[0] for words in drawn.get_yticklabels()][-1] in data["factor"]
-
-
-def shares_of(count: int, **rows: tuple[float, float, float]) -> xarray.Dataset:
-    total = np.array([[*rows.values()]])
-    return xarray.Dataset(
-        {"total_order": (("quantity", "factor", "estimate"), total), "drawn": (("motor",), np.zeros(count))},
-        {"quantity": ["rotor_velocity"], "factor": [*rows]},
-    )
-
-
-def test_a_share_is_shown_only_where_the_sample_carries_it() -> None:
-    said = shares_said(
-        shares_of(5 * 32, basis=(0.89, 0.57, 1.33), law=(-0.01, -0.05, 0.03), step=(0.1, 0.0, 0.2))
-    )
-    assert "0.89" not in said
-    assert "step 0.10 (0.00 to 0.20)" in said
-    assert "law 0.00 (0.00 to 0.03)" in said
-    # 32 (0.76/0.3)^2 = 205, and the next power of two.
-    assert "32 samples do not tell the share of basis" in said
-    assert "256" in said
-    assert "samples" not in shares_said(shares_of(4 * 32, basis=(0.9, 0.85, 0.95), law=(0.1, 0.05, 0.15)))
-
-
-def test_numbers_of_a_law_that_are_not_drawn_are_named() -> None:
-    """Of a lining k_1, k_2 and two lengths are not drawn, and no stiffness is said to be."""
-    laws = [refined(Run.of(recorded(name))) for name in ("hertz_penalty", "lagrange_stick")]
-    lining = cl.simulate(cl.build(["law=composed", "law/normal=lining"]), duration=1e-3)
-    laws.append(refined(Run.of(lining.tree)))
-    for number, law in enumerate(laws):
-        law.run = replace(law.run, label=f"law {number}")
-    data = with_causes(scorecard(laws), laws, factors_of(laws, {}), None)
-    (said,) = (sentence for sentence in data.attrs["first"].splitlines() if "Not varied" in sentence)
-    for key in ("normal.soft_stiffness", "normal.hard_stiffness", "normal.lining_depth", "normal.passage"):
-        assert key in said
-    assert "law 1" not in said
-    assert data["varied"].sel(law="law 0").item() == "friction coefficient, stiffness, clearance"
-    assert data["varied"].sel(law="law 2").item() == "friction coefficient, clearance"
-    by_laws = {pair.laws: pair.parameters for pair in pairs(data)}
-    with_hertz = [words for laws, words in by_laws.items() if "law 0" in laws]
-    without = [words for laws, words in by_laws.items() if "law 0" not in laws]
-    assert all("stiffness" in words for words in with_hertz)
-    assert without == ["the friction coefficient and clearance"]
-
-
-def test_what_a_quantity_can_be_bounds_what_it_is_drawn_as() -> None:
-    laws = [refined(Run.of(recorded(name))) for name in ("hertz_penalty", "lagrange_stick")]
-    for number, law in enumerate(laws):
-        law.run = replace(law.run, label=f"law {number}")
-        moved = law.means[0].values + np.array([0.0, -1e6, 1.06, -9.0])
-        law.elsewhere = replace(law.means[0], values=moved)
-    data = with_causes(scorecard(laws), laws, (), None)
-    shares = data.sel(quantity="stick_share")
-    assert shares["least"].min() >= 0.0
-    assert shares["greatest"].max() == 1.0
-    for key in ("peak_force", "friction_share"):
-        assert data.sel(quantity=key)["least"].min() == 0.0
-
-
-def test_a_velocity_is_called_settled_only_where_the_motors_are_known_to_have_settled() -> None:
-    pair = example()
-    assert str(pair).startswith("Settled rotor velocity")
-    assert not str(replace(pair, settled=False)).startswith("Settled")
 
 
 def test_a_coexisting_motion_is_said_first_and_is_no_difference_of_the_laws() -> None:
@@ -309,8 +247,8 @@ def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
     np.testing.assert_allclose(first[0, :, 0], [*parts[:2] / parts.sum(), 0.0], atol=0.03)
     np.testing.assert_allclose(total[0, :, 0], [*(parts[:2] + parts[2]) / parts.sum(), 0.0], atol=0.03)
     assert np.all(total[0, :, 1] <= total[0, :, 0] + 1e-12)
-    assert not withheld(*total[0, 0, 1:])
-    assert withheld(0.57, 1.33)
+    assert not unclear(*total[0, 0])
+    assert unclear(0.3, 0.0, 0.9)
     # Rows without a steady state are left out.
     holed = replace(samples, values=np.where(np.arange(y.size)[:, None] == 5, np.nan, samples.values))
     np.testing.assert_allclose(holed.shares()[1][0, :, 0], total[0, :, 0], atol=0.1)
