@@ -206,7 +206,7 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
         if argument.startswith("="):
             raise RefusalError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
         if argument in VERBS and not (flags and flags[-1] in _VALUED):
-            rest = shlex.join(each for each in arguments if each not in (argument, "-m", "--multirun"))
+            rest = shlex.join(each for each in arguments if each != argument)
             raise RefusalError(f"{argument} is a verb; it stands first: contactlab {argument} {rest}")
         is_value = bool(flags) and flags[-1] in _VALUED and "=" not in argument
         (flags if argument.startswith("-") or is_value else overrides).append(argument)

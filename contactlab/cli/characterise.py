@@ -24,7 +24,7 @@ def main(arguments: list[str]) -> int:
         "turns in the positive sense and drives one that turns in the negative.",
     )
     parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="the motor, as for a run")
-    parser.add_argument("--law", metavar="A,B,C", help="laws that share the sheet, as law=A,B,C")
+    parser.add_argument("--law", metavar="A,B,C", help="laws that share the sheet; default: the motor's own")
     parser.add_output("datasheet", "sheet.html, sheet.nc and the figure")
     given = parser.read(arguments)
     # Imported here: they bring Hydra and the plotting, which --help does not need.
@@ -35,15 +35,12 @@ def main(arguments: list[str]) -> int:
 
     output: Path = given.output
     check_output(output)
-    chosen = [word for word in given.overrides if word.startswith("law=")]
-    if given.law and chosen:
-        raise RefusalError(f"{chosen[0]} and --law are both given; it must be one of them. Leave one out.")
-    rest = [word for word in given.overrides if word not in chosen]
-    names = given.law or ",".join(word.removeprefix("law=") for word in chosen)
-    laws = [f"law={name.strip()}" for name in names.split(",")] if names else []
+    laws = [f"law={name.strip()}" for name in given.law.split(",")] if given.law else []
+    if laws and (twice := [word for word in given.overrides if word.startswith("law=")]):
+        raise RefusalError(f"{twice[0]} and --law are both given; it must be one of them. Leave one out.")
     refuse_idle(given.overrides, "a data sheet", *KEPT, *LASTING)
     try:
-        setups = [build([*rest, law]) for law in laws] or [build(rest)]
+        setups = [build([*given.overrides, law]) for law in laws] or [build(given.overrides)]
         data = characterise(setups, output=output)
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import INSTEAD, NO_TEXT, VERBS
-from contactlab.cli.terminal import COMPLETE, INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
+from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.suggestion import suggestion
 
 
@@ -35,12 +35,9 @@ def _status(verb: str = "", *arguments: str) -> int:
     """Do what is asked for, and give its exit status however it ends."""
     try:
         with terminal.ending_at_once():
-            if verb == "help" and not arguments:
-                print(_verbs())
-                return COMPLETE
             if verb == "help":
-                verb, arguments = arguments[0], ("--help",)
-                sys.argv[1:] = [verb, *arguments]
+                verb, arguments = (*arguments[:1], "")[0], ("--help",)
+                sys.argv[1:] = [verb, *arguments] if verb else arguments
             if verb in VERBS:
                 module = verb.replace("-", "_")
                 return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
@@ -67,16 +64,6 @@ def _status(verb: str = "", *arguments: str) -> int:
                 "must be without special characters here. Set LC_ALL=C.UTF-8 or leave them out."
             ]
         )
-
-
-def _verbs() -> str:
-    """Return the list of all verbs, a line each."""
-    lines = {
-        "[KEY=VALUE ...]": "simulate a motor, or with -m a sweep; contactlab --help lists groups and keys"
-    }
-    lines |= VERBS | {"help VERB": "print the options of a verb"}
-    width = max(map(len, lines))
-    return "\n".join(f"contactlab {name:<{width}}  {words}" for name, words in lines.items())
 
 
 def _refuse_what_is_no_verb(word: str, *arguments: str) -> None:

@@ -36,8 +36,8 @@ _ENVIRONMENT: Final = ContextVar("_ENVIRONMENT", default="all")
 """Section of a configuration that may refer to variables of the environment; 'all', 'hydra' or 'nothing'."""
 
 SEVERAL: Final = (
-    "{} gives several values; a single run takes one. `contactlab -m` runs every combination, without a "
-    "verb; in Python, contactlab.sweep does."
+    "{} gives several values; a single run takes one. Add -m to run every combination; "
+    "in Python, contactlab.sweep does."
 )
 """What is wrong with an override that is swept."""
 

@@ -11,7 +11,7 @@ import xarray
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import unknown_key
 from contactlab.config.nesting import flat, nested
-from contactlab.config.schema import Examination
+from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.orbits.continuation import follow
@@ -196,17 +196,11 @@ def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
     """Give unit and meaning of a parameter."""
     if parameter == BELT:
         return "rad s-1", "velocity at which the rotor is held"
-    declared = {
-        key: field for key, field in Examination(setup.configuration).declared.items() if field.is_number
-    }
+    declared = declared_in(setup.configuration)
     if "resonator" not in setup.configuration:
-        declared = {key: field for key, (_, field) in variable_numbers(setup).items()}
+        numbers = variable_numbers(setup).items()
+        declared = {key: field.parameter for key, (_, field) in numbers if field.parameter}
     if parameter not in declared:
         raise ConfigurationError([unknown_key(parameter, "", [BELT, *declared])])
-    field = declared[parameter]
-    if float not in field.kinds:
-        raise ConfigurationError(
-            [f"{parameter} is a whole number; a branch must be over a number that varies steadily."]
-        )
-    assert field.parameter is not None
-    return field.parameter.units, field.parameter.meaning
+    found = declared[parameter]
+    return found.units, found.meaning

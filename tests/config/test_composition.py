@@ -44,7 +44,7 @@ def test_a_text_is_no_list_of_overrides() -> None:
         ("law.stifness=1", "law.stifness is not a known key. Did you mean law.stiffness?"),
         ("um", "um cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."),
         ("solver.duration=[1", "solver.duration=[1 cannot be read; "),
-        ("solver.duration=1,2", "solver.duration=1,2 gives several values"),
+        ("solver.duration=1,2", "solver.duration=1,2 gives several values; a single run takes one."),
         ("law=null", "law=null names no option; it must have the form GROUP=OPTION."),
         ("rotor.inertia=${nothing}", "Correct the reference in ${...}."),
     ],

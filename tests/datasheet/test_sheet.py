@@ -191,15 +191,6 @@ def test_the_command_leaves_page_figure_and_dataset_that_tell_the_same(
     assert "http" not in page.partition("<h2>What ran")[0]
 
 
-@pytest.mark.parametrize("several", [("law=newton,poisson",), ("--law", "newton,poisson")])
-def test_several_laws_share_a_sheet(command: Command, tmp_path: Path, several: tuple[str, ...]) -> None:
-    # Beyond its reach the tip touches nothing, which takes no time to find out.
-    status, _, err = command("characterise", *several, "contact.clearance=1e-4", "--output", str(tmp_path))
-    assert (status, err) == (0, "")
-    with xarray.open_dataset(tmp_path / "sheet.nc") as data:
-        assert data["law"].values.tolist() == ["newton", "poisson"]
-
-
 def test_the_command_refuses_in_sentences(command: Command, tmp_path: Path) -> None:
     for words, said in {
         ("law=newton", "--law", "newton"): "both given",
