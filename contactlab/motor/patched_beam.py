@@ -55,8 +55,7 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 _DENSITY = positive("rho_p", "kg m-3", "density")
 _POISSON = Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
 _STRAIN_RATIO = Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam")
-_CLAMPED = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
-_PERMITTIVITY = positive("eps_p", "F m-1", "permittivity of a layer clamped in its plane, free in thickness")
+_PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
 _LOSS_TANGENT = Parameter(
     "tan delta",
     "1",
@@ -111,16 +110,13 @@ class Piezoceramic(Checked):
         >>> layer = cl.Piezoceramic(loss_tangent=0.02)
         >>> modes = cl.RitzResonator(piezoceramic=layer).modes
         >>> (1e9 * modes.capacitance.diagonal()).round(3) # nF
-        array([2.35, 2.35])
-
-    A layer on a beam at rest is clamped in its plane and free through its thickness, T3 = 0, as in bending:
-    eps_p = eps33^S + e33^2/c33^E. The loss tangent is that of this permittivity.
+        array([1.831, 1.831])
     """
 
     bending_modulus: Annotated[float, positive("c_p", "Pa", "bending modulus")] = 94.295e9
     bending_coupling: Annotated[float, Parameter("e_p", "C m-2", "bending coupling")] = 9.196
     density: Annotated[float, _DENSITY] = 7700.0
-    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY + 14.7**2 / 123e9
+    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
     loss_tangent: Annotated[float, _LOSS_TANGENT] = 0.0
 
 
@@ -129,18 +125,7 @@ class Piezoceramic(Checked):
 class PiezoceramicDatasheet(Checked):
     """The constants of a piezoceramic, transversely isotropic about x3, in which it is poled; those of PZ26.
 
-    Bending strains the layer along the beam and through its thickness, not across its width, so that c12
-    enters no bending quantity. It enters the free permittivity, that of a data sheet's loss tangent:
-
-        eps33^T = eps33^S + e (c^E)^-1 e',  e = (e31, e31, e33)
-
-    Its imaginary part tan(delta) eps33^T is that of eps33^S too where elastic and piezoelectric constants are
-    real, and so that of eps_p (IEEE Std 176-1987, sec. 2.4 for the constitutive equations).
-
-        >>> import contactlab as cl
-        >>> sheet = cl.motor.PiezoceramicDatasheet(loss_tangent=0.003)
-        >>> round(sheet.in_bending().loss_tangent / 0.003, 3)
-        1.472
+    c12 enters no bending quantity of a beam that is free to strain across its width.
     """
 
     c11: Annotated[float, positive("c11^E", "Pa", "elastic constant")] = 168e9
@@ -151,31 +136,17 @@ class PiezoceramicDatasheet(Checked):
     e33: Annotated[float, Parameter("e33", "C m-2", "piezoelectric constant")] = 14.7
     poisson_ratio: Annotated[float, _STRAIN_RATIO] = 0.334
     density: Annotated[float, _DENSITY] = 7700.0
-    permittivity: Annotated[float, _CLAMPED] = 700.0 * VACUUM_PERMITTIVITY
+    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
     loss_tangent: Annotated[float, _LOSS_TANGENT] = 0.0
 
-    @property
-    def _normal(self) -> tuple[Array, Array]:
-        """c^E and e of the normal strains [Pa], shape (3, 3), and [C/m^2], shape (3,)."""
-        c11, c12, c13 = self.c11, self.c12, self.c13
-        tensor = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, self.c33]])
-        return tensor, np.array([self.e31, self.e31, self.e33])
-
-    @property
-    def free_permittivity(self) -> float:
-        """eps33^T, that of a layer without stress [F/m]."""
-        tensor, coupling = self._normal
-        return float(self.permittivity + coupling @ np.linalg.solve(tensor, coupling))
-
     def in_bending(self) -> Piezoceramic:
-        """Return the bending modulus, coupling (eqs. 30 and 31), permittivity and loss tangent."""
-        tensor, coupling = self._normal
+        """Give what bending needs of it (eqs. 30 and 31)."""
+        c11, c12, c13 = self.c11, self.c12, self.c13
+        normal = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, self.c33]])
         b = bending_vector(self.poisson_ratio)[:3]
-        permittivity = self.permittivity + self.e33**2 / self.c33
-        loss_tangent = self.loss_tangent * self.free_permittivity / permittivity
-        return Piezoceramic(
-            float(b @ tensor @ b), float(b @ coupling), self.density, permittivity, loss_tangent
-        )
+        modulus, coupling = b @ normal @ b, b @ np.array([self.e31, self.e31, self.e33])
+        rest = self.density, self.permittivity, self.loss_tangent
+        return Piezoceramic(float(modulus), float(coupling), *rest)
 
 
 _TIP_INERTIA = not_negative("I_tip", "kg m2", "inertia of the tip about its foot")

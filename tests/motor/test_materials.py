@@ -66,38 +66,5 @@ def test_identified_material_differs_from_the_datasheet_only_in_modulus_and_coup
     assert identified.permittivity == datasheet.permittivity
 
 
-def permittivity(sheet: PiezoceramicDatasheet, free: list[int]) -> float:
-    """dD3/dE3 with the stresses of some directions zero and the strains of the others, by elimination."""
-    c = np.array(
-        [[sheet.c11, sheet.c12, sheet.c13], [sheet.c12, sheet.c11, sheet.c13], [sheet.c13] * 2 + [sheet.c33]]
-    )
-    e = np.array([sheet.e31, sheet.e31, sheet.e33])
-    strain = np.zeros(3)
-    # T = c S - e E = 0 in the free directions, for a unit field.
-    strain[free] = np.linalg.solve(c[np.ix_(free, free)], e[free]) if free else []
-    return float(sheet.permittivity + e @ strain)
-
-
-def test_the_permittivity_in_bending_lies_between_those_of_a_clamped_and_a_free_layer() -> None:
-    sheet = PiezoceramicDatasheet()
-    clamped, bending, free = (permittivity(sheet, directions) for directions in ([], [2], [0, 1, 2]))
-    assert clamped == sheet.permittivity
-    assert sheet.in_bending().permittivity == pytest.approx(bending, rel=1e-14)
-    assert sheet.free_permittivity == pytest.approx(free, rel=1e-14)
-    assert clamped < bending < free
-    # Without coupling there is one permittivity, and one loss tangent.
-    inert = PiezoceramicDatasheet(e31=0.0, e33=0.0, loss_tangent=0.01)
-    assert inert.in_bending().permittivity == inert.free_permittivity == inert.permittivity
-    assert inert.in_bending().loss_tangent == pytest.approx(0.01, rel=1e-15)
-
-
-def test_the_loss_of_a_data_sheet_is_that_of_a_free_layer() -> None:
-    """An alternating field heats a layer by omega Im(eps) E^2 / 2, whatever holds it."""
-    sheet = PiezoceramicDatasheet(loss_tangent=0.003)
-    layer = sheet.in_bending()
-    free = permittivity(sheet, [0, 1, 2])
-    assert layer.loss_tangent * layer.permittivity == pytest.approx(0.003 * free, rel=1e-14)
-
-
 def test_bending_vector_strains_beam_and_thickness_only() -> None:
     assert bending_vector(0.25).tolist() == [0.0, -1.0, 0.25, 0.0, 0.0, 0.0]
