@@ -15,11 +15,12 @@ from contactlab.comparison.cause_figures import draw_shares
 from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, PARAMETERS, with_causes
 from contactlab.comparison.findings import conclusion, differences, headline
 from contactlab.comparison.reruns import Refined, on_other_basis, refined
-from contactlab.comparison.samples import Design, Factor, Samples, factors_of
+from contactlab.comparison.samples import Design, Factor, Samples, factors_of, left_fixed
 from contactlab.comparison.scorecard import as_text, scorecard
 from contactlab.comparison.settled import QUANTITIES
-from contactlab.comparison.weighing import CLEAR, Weighed, unclear, weighed
+from contactlab.comparison.weighing import CLEAR, Weighed, samples_needed, unclear, weighed, written_share
 from contactlab.metrics import METRICS, Run
+from contactlab.parameter import Parameter
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
 """Ranges of parameters that are known exactly."""
@@ -192,6 +193,7 @@ def test_a_file_of_ones_own_is_not_known_to_have_settled() -> None:
     own = recorded("hertz_penalty").to_dataset(inherit=False)[["rotor_velocity", "rotor_angle"]]
     own.attrs = {"law": "bench"}
     data = compare([xarray.DataTree(own), recorded("newton", **OPPOSITE)], refine=False)
+    assert not any("Settled" in said for said in differences(data) if "bench" in said)
     assert headline(data)[1] == "bench is taken as recorded: whether its motor has settled is not known."
     assert conclusion(data)
     assert "bench" in as_text(data)
@@ -232,6 +234,36 @@ def test_ranges_are_those_that_the_runs_state_and_those_that_are_given() -> None
     np.testing.assert_allclose(drawn, [0.8, 1.0, 1.2])
 
 
+def test_a_law_of_ones_own_has_varied_what_it_declares_and_the_rest_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two springs in series, of which the first declares how well it is known."""
+    hertz = Refined(Run.of(recorded("hertz_penalty")))
+    springs = {"name": "two_springs", "k1": 2e7, "k2": 3e7}
+    hertz.run = replace(hertz.run, label="hertz_penalty")
+    configuration = {**hertz.run.configuration, "law": springs}
+    own = Refined(replace(hertz.run, label="two_springs", configuration=configuration))
+    declared = {
+        "law.k1": Parameter("k1", "N m-1", "stiffness", above=0.0, spread=0.4),
+        "law.k2": Parameter("k2", "N m-1", "stiffness", above=0.0),
+    }
+    monkeypatch.setattr("contactlab.comparison.samples.declared_in", lambda _: declared)
+    factors = factors_of([own], {})
+    named = {factor.name: (factor.keys, factor.spread) for factor in factors}
+    assert named["law.k1"] == (("law.k1",), 0.4)
+    assert "stiffness" not in named
+    assert left_fixed(own.run, factors, {}) == ["k2"]
+    assert left_fixed(own.run, factors, {"law.k2": 0.0}) == []
+    with_hertz = factors_of([hertz, own], {})
+    assert left_fixed(hertz.run, with_hertz, {}) == []
+    data = with_causes(scorecard([hertz, own]), [hertz, own], with_hertz, None)
+    # "stiffness +-30 %" is not of the law that has no such parameter.
+    assert "stiffness +-30 %" in str(data["varied"].values[0])
+    assert "stiffness" not in str(data["varied"].values[1])
+    assert data["not_varied"].values.tolist() == ["", "k2"]
+    assert "k2 of two_springs" in " ".join(differences(data))
+
+
 def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
     """y = a l + b x + c l x of a level l: variances a^2 2/3, b^2 s^2/3, of both together c^2 2/3 s^2/3."""
     factors = (Factor("law", levels=3), Factor("x", ("contact.clearance",), 0.3), Factor("step", levels=3))
@@ -247,8 +279,14 @@ def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
     np.testing.assert_allclose(first[0, :, 0], [*parts[:2] / parts.sum(), 0.0], atol=0.03)
     np.testing.assert_allclose(total[0, :, 0], [*(parts[:2] + parts[2]) / parts.sum(), 0.0], atol=0.03)
     assert np.all(total[0, :, 1] <= total[0, :, 0] + 1e-12)
-    assert not unclear(*total[0, 0])
-    assert unclear(0.3, 0.0, 0.9)
+    assert not unclear(*total[0, 0, 1:])
+    assert unclear(0.0, 0.9)
+    # A share of 0.89 to which 0.57 to 1.33 belong is not known.
+    assert unclear(0.57, 1.33)
+    assert not unclear(-0.05, 0.03)
+    assert written_share(-0.01, -0.05, 0.03) == "below 0.03"
+    # The width of a mean falls with the root of the samples, here from 0.76 to below 0.3.
+    assert samples_needed(np.array([[0.89, 0.57, 1.33]]), 32) == 256
     # Rows without a steady state are left out.
     holed = replace(samples, values=np.where(np.arange(y.size)[:, None] == 5, np.nan, samples.values))
     np.testing.assert_allclose(holed.shares()[1][0, :, 0], total[0, :, 0], atol=0.1)

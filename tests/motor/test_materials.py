@@ -75,7 +75,7 @@ def test_identified_material_differs_from_the_datasheet_only_in_modulus_and_coup
 
 
 def solved_permittivity(material: PiezoceramicDatasheet, free: list[int]) -> float:
-    """D3/E3 by the constitutive relations in three normal directions, some stress-free, the others clamped."""
+    """D3/E3 by the constitutive relations, some normal directions stress-free, the others clamped."""
     c11, c12, c13, c33 = material.c11, material.c12, material.c13, material.c33
     c = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]])
     e = np.array([material.e31, material.e31, material.e33])
