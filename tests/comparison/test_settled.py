@@ -11,14 +11,22 @@ from support.configurations import altered, datatree
 
 from contactlab import build, steady
 from contactlab.comparison import ComparisonError, compare
-from contactlab.comparison.cause_figures import draw_shares
+from contactlab.comparison.cause_figures import draw_causes, draw_shares
 from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, PARAMETERS, with_causes
 from contactlab.comparison.findings import conclusion, differences, headline
 from contactlab.comparison.reruns import Refined, on_other_basis, refined
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of, left_fixed
 from contactlab.comparison.scorecard import as_text, scorecard
 from contactlab.comparison.settled import QUANTITIES
-from contactlab.comparison.weighing import CLEAR, Weighed, samples_needed, unclear, weighed, written_share
+from contactlab.comparison.weighing import (
+    CLEAR,
+    Weighed,
+    samples_needed,
+    shares_said,
+    unclear,
+    weighed,
+    written_share,
+)
 from contactlab.metrics import METRICS, Run
 from contactlab.parameter import Parameter
 
@@ -290,6 +298,46 @@ def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
     # Rows without a steady state are left out.
     holed = replace(samples, values=np.where(np.arange(y.size)[:, None] == 5, np.nan, samples.values))
     np.testing.assert_allclose(holed.shares()[1][0, :, 0], total[0, :, 0], atol=0.1)
+
+
+def test_figures_draw_no_share_beyond_one_and_none_that_the_samples_do_not_tell() -> None:
+    laws, quantities = ["a", "b"], list(QUANTITIES)
+    value = np.array([[-2.0, 3.0, 0.95, 0.5], [-1.9, 3.1, 0.0, 0.5]])
+    moved = np.broadcast_to(value[:, None, :], (2, len(CAUSES), 4))
+    estimates = np.array([[0.89, 0.57, 1.33], [0.3, 0.2, 0.35]])
+    data = xarray.Dataset(
+        {
+            "value": (("law", "metric"), value),
+            "least": (("law", "cause", "quantity"), moved - 0.04),
+            "greatest": (("law", "cause", "quantity"), moved + 0.04),
+            **{
+                name: (("quantity", "factor", "estimate"), np.broadcast_to(estimates, (4, 2, 3)))
+                for name in ("first_order", "total_order")
+            },
+        },
+        coords={
+            "law": laws,
+            "metric": quantities,
+            "quantity": quantities,
+            "cause": list(CAUSES),
+            "factor": ["basis", "law"],
+            "motor": np.arange(32 * 4),
+        },
+    )
+    # Three times the numerical error of 0.04 is 1.07.
+    ends = [
+        x
+        for bars in draw_causes(data).axes[quantities.index("stick_share")].collections
+        for segment in bars.get_segments()
+        for x in segment[:, 0]
+    ]
+    assert (min(ends), max(ends)) == (0.0, pytest.approx(1.0))
+    (axes,) = draw_shares(data).axes
+    assert sorted(bar.get_width() for bar in axes.patches) == [0.3, 0.3]
+    said = shares_said(data)
+    assert "law 0.30 (0.20 to 0.35)" in said
+    assert "0.89" not in said
+    assert "32 samples do not tell the share of basis; about 256 would" in said
 
 
 def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_follows() -> None:
