@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
 from contactlab.comparison.canvas import LONGEST_LABEL, THIN, drawing, legend_above, style
-from contactlab.comparison.causes import CAUSES, NUMERICAL
+from contactlab.comparison.causes import CAUSES, NOT_KNOWN, NUMERICAL
 from contactlab.comparison.weighing import CLEAR, sample_count, unclear
 from contactlab.metrics import METRICS, needed
 
@@ -68,7 +68,9 @@ def _draw_quantity(panel: Axes, data: xarray.Dataset, key: str) -> None:
     for x in value[known]:
         panel.axvline(x, **THIN)
     unit = METRICS[key].bracketed.replace("[", "(").replace("]", ")")
-    panel.set_xlabel(f"{TITLES[key]}{unit}")
+    # A run taken as recorded may not have settled.
+    title = TITLES[key].removeprefix("settled ") if NOT_KNOWN in data["kind"].values else TITLES[key]
+    panel.set_xlabel(f"{title}{unit}")
     panel.margins(x=0.08)
 
 

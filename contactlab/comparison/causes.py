@@ -68,7 +68,7 @@ def with_causes(
     )
     found = found.assign_coords(
         varied=("law", [_listed_ranges([f for f in factors if _varies(law, f)]) for law in laws]),
-        not_varied=("law", [listed(left_fixed(law.run, factors, ranges)) for law in laws]),
+        not_varied=("law", [listed(left_fixed(law.run, factors, ranges)) if factors else "" for law in laws]),
     )
     found.attrs["first"] = "\n".join(_said_first(laws))
     found.attrs["parameters"] = _listed_ranges([f for f in factors if f.keys]) or "nothing"

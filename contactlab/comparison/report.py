@@ -31,7 +31,8 @@ KINDS: Final = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none", CANNOT_TELL:
 """Classes of the cells."""
 
 CAPTIONS: Final = {
-    "settled_quantities": "{headline} Marks are the settled motor with every law, bars how far each cause "
+    "settled_quantities": "{headline} Marks are the settled motor with every law, or its run as recorded "
+    "where the first lines say so, bars how far each cause "
     "moves it: one as long as marks are apart is of a cause that may explain their difference. A question "
     "mark is a cause that is not known.",
     "variance_shares": "What law, parameters, basis and step have of the variance of the settled rotor "

@@ -317,6 +317,7 @@ def test_figures_draw_no_share_beyond_one_and_none_that_the_samples_do_not_tell(
         },
         coords={
             "law": laws,
+            "kind": ("law", ["periodic", "periodic"]),
             "metric": quantities,
             "quantity": quantities,
             "cause": list(CAUSES),
