@@ -28,6 +28,8 @@ class Parameter:
         meaning: a few words.
         above, at_least, at_most, below: the range; above and below are not admitted themselves.
         hint: a sentence that helps who has run into the range more than the default: "0 is no tip."
+        spread: half the range within which the value is known, over the value, for `contactlab.compare`
+            to vary it; 0 where a comparison leaves it as it is, and says so.
     """
 
     symbol: str
@@ -38,6 +40,13 @@ class Parameter:
     at_most: float = inf
     below: float = inf
     hint: str = ""
+    spread: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.spread < 1.0:
+            raise ValueError(
+                f"The spread of {self.symbol} is {self.spread}; it must be at least 0 and below 1."
+            )
 
     def admits(self, value: float) -> bool:
         """Tell whether a value is finite and in the range."""

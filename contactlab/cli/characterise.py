@@ -23,7 +23,8 @@ def main(arguments: list[str]) -> int:
         "rotor.load_torque is positive against positive rotation of the model: it brakes a motor that "
         "turns in the positive sense and drives one that turns in the negative.",
     )
-    parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help="the motor, as for a run")
+    words = "the motor, as for a run; law=A,B,C is --law A,B,C"
+    parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE", help=words)
     parser.add_argument("--law", metavar="A,B,C", help="laws that share the sheet; default: the motor's own")
     parser.add_output("datasheet", "sheet.html, sheet.nc and the figure")
     given = parser.read(arguments)
@@ -35,12 +36,15 @@ def main(arguments: list[str]) -> int:
 
     output: Path = given.output
     check_output(output)
-    laws = [f"law={name.strip()}" for name in given.law.split(",")] if given.law else []
-    if laws and (twice := [word for word in given.overrides if word.startswith("law=")]):
-        raise RefusalError(f"{twice[0]} and --law are both given; it must be one of them. Leave one out.")
+    chosen = [word for word in given.overrides if word.startswith("law=")]
+    if given.law and chosen:
+        raise RefusalError(f"{chosen[0]} and --law are both given; it must be one of them. Leave one out.")
+    listed = chosen[-1].removeprefix("law=") if chosen and "," in chosen[-1] else given.law
+    laws = [f"law={name.strip()}" for name in listed.split(",")] if listed else []
+    rest = [word for word in given.overrides if word not in chosen] if laws else given.overrides
     refuse_idle(given.overrides, "a data sheet", *KEPT, *LASTING)
     try:
-        setups = [build([*given.overrides, law]) for law in laws] or [build(given.overrides)]
+        setups = [build([*rest, law]) for law in laws] or [build(rest)]
         data = characterise(setups, output=output)
     except ConfigurationError as error:
         raise RefusalError("\n".join(error.faults)) from error

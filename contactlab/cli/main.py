@@ -36,8 +36,11 @@ def _status(verb: str = "", *arguments: str) -> int:
     try:
         with terminal.ending_at_once():
             if verb == "help":
-                verb, arguments = (*arguments[:1], "")[0], ("--help",)
-                sys.argv[1:] = [verb, *arguments] if verb else arguments
+                if not arguments:
+                    print(*_verbs(), sep="\n")
+                    return 0
+                verb, arguments = arguments[0], ("--help",)
+                sys.argv[1:] = [verb, *arguments]
             if verb in VERBS:
                 module = verb.replace("-", "_")
                 return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
@@ -64,6 +67,17 @@ def _status(verb: str = "", *arguments: str) -> int:
                 "must be without special characters here. Set LC_ALL=C.UTF-8 or leave them out."
             ]
         )
+
+
+def _verbs() -> list[str]:
+    """Return the lines that list every verb with what it does."""
+    width = max(map(len, VERBS))
+    return [
+        "contactlab [KEY=VALUE ...] simulates a motor; contactlab -m KEY=A,B ... simulates all combinations.",
+        "contactlab VERB ...:",
+        *(f"  {verb:{width}}  {words}" for verb, words in VERBS.items()),
+        "contactlab help VERB lists the options of a verb, contactlab --help all groups and keys of a run.",
+    ]
 
 
 def _refuse_what_is_no_verb(word: str, *arguments: str) -> None:

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
 from contactlab.comparison.canvas import LONGEST_LABEL, THIN, drawing, legend_above, style
-from contactlab.comparison.causes import CAUSES, NUMERICAL
-from contactlab.comparison.weighing import CLEAR, unclear
+from contactlab.comparison.causes import CAUSES, NOT_KNOWN, NUMERICAL
+from contactlab.comparison.weighing import CLEAR, sample_count, unclear
 from contactlab.metrics import METRICS, needed
 
 TITLES: Final = {
@@ -49,6 +49,9 @@ def _draw_quantity(panel: Axes, data: xarray.Dataset, key: str) -> None:
         low, high = value - ends[0, :, number], ends[1, :, number] - value
         if cause == NUMERICAL:
             low, high = CLEAR * low, CLEAR * high
+        if key == "stick_share":
+            # A part of the contact is at least none and at most all of it.
+            low, high = np.minimum(low, value), np.minimum(high, 1.0 - value)
         if panel.get_xscale() == "log":
             # A bar that ends at nothing has no place on the axis.
             low = np.minimum(low, 0.9 * value)
@@ -65,7 +68,9 @@ def _draw_quantity(panel: Axes, data: xarray.Dataset, key: str) -> None:
     for x in value[known]:
         panel.axvline(x, **THIN)
     unit = METRICS[key].bracketed.replace("[", "(").replace("]", ")")
-    panel.set_xlabel(f"{TITLES[key]}{unit}")
+    # A run taken as recorded may not have settled.
+    title = TITLES[key].removeprefix("settled ") if NOT_KNOWN in data["kind"].values else TITLES[key]
+    panel.set_xlabel(f"{title}{unit}")
     panel.margins(x=0.08)
 
 
@@ -83,18 +88,20 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     needed(np.isfinite(total).all())
     order = np.argsort(-total[:, 0], kind="stable")
     figure, (axes,) = drawing(1, 1, 0.9 + 0.36 * order.size)
-    place = np.arange(order.size)
+    place, count = np.arange(order.size), sample_count(data)
     for rows, offset, words, number in ((total, -0.18, "with others", 0), (first, 0.18, "alone", 1)):
-        share, low, high = rows[order].T
+        known = ~np.array([unclear(*row[1:]) for row in rows[order]])
+        share, low, high = rows[order][known].T
         colour = style(number)["color"]
-        axes.barh(place + offset, share.clip(min=0.0), height=0.34, color=colour, label=words)
-        reach = [(share.clip(min=0.0) - low).clip(min=0.0), (high - share.clip(min=0.0)).clip(min=0.0)]
-        axes.errorbar(share.clip(min=0.0), place + offset, xerr=reach, fmt="none", color="black", capsize=2)
-    # The estimate's intervals may reach beyond what a share can be.
-    axes.set_xlim(0.0, 1.0)
-    doubt = ["\ncannot tell" if unclear(*row) else "" for row in total[order]]
-    names = [f"{name}{words}" for name, words in zip(here["factor"].values[order], doubt, strict=True)]
-    axes.set_yticks(place, names)
+        axes.barh(place[known] + offset, share, height=0.34, color=colour, label=words)
+        reach = [share - np.minimum(low, share), np.maximum(high, share) - share]
+        axes.errorbar(share, place[known] + offset, xerr=reach, fmt="none", color="black", capsize=2)
+        for y in place[~known] + offset:
+            axes.text(0.01, y, f"{words}: {count} samples do not tell", va="center", color=colour, fontsize=7)
+    # Estimates and their intervals reach beyond what a share can be, by at most their width.
+    left, right = axes.get_xlim()
+    axes.set_xlim(min(left, 0.0), max(right, 1.0))
+    axes.set_yticks(place, here["factor"].values[order])
     axes.invert_yaxis()
     axes.set_xlabel("share of the variance of the settled rotor velocity")
     return legend_above(figure, axes)

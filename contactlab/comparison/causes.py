@@ -1,6 +1,6 @@
 """What else than the law could make settled motors differ: how far each cause moves every quantity."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -8,7 +8,7 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.comparison.reruns import Refined
-from contactlab.comparison.samples import Factor, Samples
+from contactlab.comparison.samples import Factor, Samples, holds_number, left_fixed
 from contactlab.comparison.settled import LONGEST, QUANTITIES, Means
 from contactlab.metrics import METRICS, NotApplicableError
 
@@ -18,10 +18,15 @@ CAUSES: Final = (NUMERICAL, BASIS, PARAMETERS, ATTRACTORS)
 UNSETTLED: Final = 0.01  # relative distance of a recorded run's velocity from the settled one that is told
 FEWEST_DRAWN: Final = 8  # motors of a law; one more would move it further in a ninth of all cases
 WITHOUT_CONTACT: Final = "without contact"
+NOT_KNOWN: Final = "not known"  # kind of the motion of a run that was taken as recorded
 
 
 def with_causes(
-    data: xarray.Dataset, laws: Sequence[Refined], factors: Sequence[Factor], samples: Samples | None
+    data: xarray.Dataset,
+    laws: Sequence[Refined],
+    factors: Sequence[Factor],
+    samples: Samples | None,
+    ranges: Collection[str] = (),
 ) -> xarray.Dataset:
     """Add to the scorecard of settled motors what every cause makes of a law's values, and the shares.
 
@@ -30,6 +35,7 @@ def with_causes(
         laws: in its order.
         factors: what there is to be drawn; none where nothing was asked.
         samples: what was drawn; None where nothing was.
+        ranges: keys of parameters whose range was given, zero among them.
 
     Returns:
         With `least` and `greatest` over (law, cause, quantity), the range of values that a cause gives,
@@ -58,7 +64,11 @@ def with_causes(
         cause=list(CAUSES),
         quantity=list(QUANTITIES),
         quantity_units=("quantity", [METRICS[key].units for key in QUANTITIES]),
-        kind=("law", [law.means[-1].kind if law.means else "not known" for law in laws]),
+        kind=("law", [law.means[-1].kind if law.means else NOT_KNOWN for law in laws]),
+    )
+    found = found.assign_coords(
+        varied=("law", [_listed_ranges([f for f in factors if _varies(law, f)]) for law in laws]),
+        not_varied=("law", [listed(left_fixed(law.run, factors, ranges)) if factors else "" for law in laws]),
     )
     found.attrs["first"] = "\n".join(_said_first(laws))
     found.attrs["parameters"] = _listed_ranges([f for f in factors if f.keys]) or "nothing"
@@ -115,6 +125,11 @@ def _with_samples(data: xarray.Dataset, samples: Samples) -> xarray.Dataset:
     return found
 
 
+def _varies(law: Refined, factor: Factor) -> bool:
+    """Return whether a factor changes a parameter of a law's run."""
+    return any(holds_number(law.run, key) for key in factor.keys)
+
+
 def _listed_ranges(factors: Sequence[Factor]) -> str:
     return ", ".join(f"{factor.name} +-{100.0 * factor.spread:.3g} %" for factor in factors)
 
@@ -168,5 +183,7 @@ def _told(state: Means) -> str:
 
 def listed(words: Sequence[str]) -> str:
     """Write a list as a sentence does."""
+    if not words:
+        return ""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last

@@ -35,10 +35,17 @@ def differences(data: xarray.Dataset) -> list[str]:
     if "cause" in data.dims:
         velocity, *others = [*map(str, weighed(data))] or [""]
         between = [f"Between {low} and {high}: {verdict}" for low, high, verdict in _inner(data)]
-        said = [velocity, on_other_basis(data), *between, *others, shares_said(data)]
+        said = [velocity, on_other_basis(data), *between, *others, _not_varied(data), shares_said(data)]
         return [*filter(None, said), *measured.differences(data)]
     known = {metric.key: _difference(metric, cells) for metric, cells in rows(data)}
     return [*(known[key] for key in HEADLINES if known[key]), *measured.differences(data)]
+
+
+def _not_varied(data: xarray.Dataset) -> str:
+    """State which of the laws' own parameters no comparison has varied; empty where there is none."""
+    laws = zip(data["law"].values, data["not_varied"].values, strict=True)
+    fixed = listed([f"{names} of {law}" for law, names in laws if names])
+    return f"Not varied: {fixed}. `--range law.NAME=SHARE` varies a parameter." if fixed else ""
 
 
 def _inner(data: xarray.Dataset) -> Iterator[tuple[str, str, str]]:
@@ -104,16 +111,18 @@ def _failure(metric: Metric, cell: Cell) -> str:
 
 
 def conclusion(data: xarray.Dataset) -> str:
-    """Say one sentence on all laws together."""
-    counts = {label: len(sentences) - 1 for label, sentences in verdicts(data).items()}
-    clean = [label for label, failures in counts.items() if not failures]
-    if len(clean) == len(counts):
-        return "Every law meets all thresholds that apply to it."
-    rest = listed([f"{label} fails {count}" for label, count in counts.items() if count])
-    if not clean:
-        return f"No law meets all thresholds that apply to it: {rest}."
-    verb = "meets" if len(clean) == 1 else "meet"
-    return f"{listed(clean)} {verb} all thresholds that apply; {rest}."
+    """Count for every law the thresholds that it meets and fails and those that do not apply."""
+    judged = [cells for metric, cells in rows(data) if metric.judges_law]
+    parts = []
+    for label in map(str, data["law"].values):
+        found = [cells[label].verdict for cells in judged]
+        met, failed, absent = (found.count(verdict) for verdict in (PASS, FAIL, NOT_APPLICABLE))
+        parts.append(f"{label} meets {met}, fails {failed}, and {absent} do not apply")
+    return (
+        f"Of {len(judged)} plausibility thresholds {'; '.join(parts)}. They test laws and numerics for "
+        "contradictions; values without a threshold, such as forces and velocities, are not held against a "
+        "measurement by them."
+    )
 
 
 def _capital(words: str) -> str:

@@ -18,7 +18,7 @@ from contactlab.comparison.reruns import refined
 from contactlab.comparison.runs import ComparisonError, Source, collect
 from contactlab.comparison.samples import Design, Factor, Samples, factors_of
 from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
-from contactlab.comparison.weighing import unclear
+from contactlab.comparison.weighing import sample_count, unclear, written_share
 from contactlab.metrics import CANNOT_TELL, FAIL, NOT_APPLICABLE, PASS, Metric
 from contactlab.results.files import whole_file, whole_netcdf
 
@@ -31,7 +31,8 @@ KINDS: Final = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none", CANNOT_TELL:
 """Classes of the cells."""
 
 CAPTIONS: Final = {
-    "settled_quantities": "{headline} Marks are the settled motor with every law, bars how far each cause "
+    "settled_quantities": "{headline} Marks are the settled motor with every law, or its run as recorded "
+    "where the first lines say so, bars how far each cause "
     "moves it: one as long as marks are apart is of a cause that may explain their difference. A question "
     "mark is a cause that is not known.",
     "variance_shares": "What law, parameters, basis and step have of the variance of the settled rotor "
@@ -113,7 +114,7 @@ def compare(
         factors = factors_of(complete, ranges or {})
         drawn = _drawn(Design(complete, factors, samples), announce) if samples else None
     data = scorecard(laws, notes, measurements)
-    data = data.assign_attrs(first="") if transient else with_causes(data, laws, factors, drawn)
+    data = data.assign_attrs(first="") if transient else with_causes(data, laws, factors, drawn, ranges or {})
     if output is None:
         return data
     # It brings the plotting.
@@ -204,17 +205,16 @@ def _shares(data: xarray.Dataset) -> str:
     """Make the table of the shares in the variance of the settled velocity; nothing where none was drawn."""
     if "total_order" not in data:
         return ""
-    here = data.sel(quantity="rotor_velocity")
+    here, count = data.sel(quantity="rotor_velocity"), sample_count(data)
     lines = []
     for name, alone, both in zip(
         data["factor"].values, here["first_order"].values, here["total_order"].values, strict=True
     ):
         cells = "".join(
-            f"<td>{share:.2f} <small>{low:.2f} to {high:.2f}</small></td>"
-            for share, low, high in (alone, both)
+            f"<td>{f'{count} samples do not tell' if unclear(*each[1:]) else written_share(*each)}</td>"
+            for each in (alone, both)
         )
-        doubt = " <small>cannot tell</small>" if unclear(*both) else ""
-        lines.append(f"<tr><td>{escape(str(name))}{doubt}</td>{cells}</tr>".replace("-", MINUS))
+        lines.append(f"<tr><td>{escape(str(name))}</td>{cells}</tr>".replace("-", MINUS))
     head = "<tr><th>factor</th><th>alone</th><th>with others</th></tr>"
     ranges = escape(str(data.attrs["parameters"]).replace("+-", PLUS_MINUS))
     return (

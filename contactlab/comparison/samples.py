@@ -9,7 +9,7 @@ distribution makes of the same sequence: the indices know nothing of where a fac
 import json
 import multiprocessing
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any, Final, final
@@ -23,6 +23,7 @@ from contactlab.comparison.settled import QUANTITIES, means_of, settled
 from contactlab.config import Setup, build
 from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
+from contactlab.config.schema import declared_in
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER
 from contactlab.processes import START_METHOD, begin_worker, processors
@@ -130,7 +131,7 @@ def factors_of(laws: Sequence[Refined], ranges: Mapping[str, float]) -> tuple[Fa
     Args:
         laws: settled.
         ranges: half of the range of a parameter over its value, by full key, beside or in place of what the
-            section `uncertainty` of the runs states.
+            section `uncertainty` of the runs states and what laws declare by `Parameter.spread`.
 
     Raises:
         ComparisonError: a range that is none, or of what is no number; a sentence each.
@@ -141,10 +142,13 @@ def factors_of(laws: Sequence[Refined], ranges: Mapping[str, float]) -> tuple[Fa
         keys: getattr(usual, field.name)
         for keys, field in zip(SPREAD.values(), fields(Uncertainty), strict=True)
     }
+    spreads |= {
+        keys: x for keys, x in _declared_ranges(laws).items() if not any(keys[0] in k for k in spreads)
+    }
     faults = []
     for key, spread in ranges.items():
         keys = next((keys for keys in spreads if key in keys), (key,))
-        if not any(_held(law.run, key) for law in laws):
+        if not any(holds_number(law.run, key) for law in laws):
             faults.append(
                 f"The range of {key} is given, which is no number of any run compared; it must be the full "
                 "key of one, such as contact.clearance."
@@ -161,14 +165,38 @@ def factors_of(laws: Sequence[Refined], ranges: Mapping[str, float]) -> tuple[Fa
     parameters = (
         Factor(names.get(keys, keys[0]), keys, spread)
         for keys, spread in spreads.items()
-        if spread > 0.0 and any(_held(law.run, key) for law in laws for key in keys)
+        if spread > 0.0 and any(holds_number(law.run, key) for law in laws for key in keys)
     )
     kinds = (Factor(LAW, levels=len(laws)),) if len(laws) > 1 else ()
     bases = (Factor(BASIS, levels=2),) if all(law.elsewhere for law in laws) else ()
     return (*kinds, *parameters, *bases, Factor(STEP, levels=3))
 
 
-def _held(run: Run, key: str) -> bool:
+def left_fixed(run: Run, factors: Sequence[Factor], ranges: Collection[str]) -> list[str]:
+    """Return the law's own parameters that no factor varies and no range calls exactly known.
+
+    Args:
+        run: of the law.
+        factors: what is drawn.
+        ranges: keys whose range was given, zero among them.
+    """
+    usual = {key for keys in SPREAD.values() for key in keys}
+    treated = usual | {key for factor in factors for key in factor.keys} | set(ranges)
+    own = (key for key in run.settings if key.startswith("law.") and key not in treated)
+    return [key.removeprefix("law.") for key in own if holds_number(run, key)]
+
+
+def _declared_ranges(laws: Sequence[Refined]) -> dict[tuple[str, ...], float]:
+    """Return the ranges that laws declare of their own parameters, `Parameter.spread`, by full key."""
+    return {
+        (key,): parameter.spread
+        for law in laws
+        for key, parameter in declared_in(dict(law.run.configuration)).items()
+        if parameter.spread > 0.0
+    }
+
+
+def holds_number(run: Run, key: str) -> bool:
     """Tell whether a run has a number by this key that a scale changes."""
     value = run.settings.get(key)
     return isinstance(value, float) and value != 0.0

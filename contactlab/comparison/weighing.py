@@ -4,7 +4,8 @@ A difference is due to the law where it is larger than the largest change that a
 either law's value, and than `CLEAR` times the numerical errors of both. What was not tried may explain it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from itertools import combinations
 from math import isfinite
 from typing import Final, final
@@ -12,11 +13,14 @@ from typing import Final, final
 import numpy as np
 import xarray
 
-from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NUMERICAL, PARAMETERS, listed
+from contactlab.arrays import Array
+from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, NOT_KNOWN, NUMERICAL, PARAMETERS, listed
 from contactlab.metrics import METRICS, Metric
 
 CLEAR: Final = 3.0  # numerical errors beyond which a difference is one between the laws
-SMALL: Final = 0.05  # share of a variance below which a factor does not matter
+WIDEST: Final = 0.3
+"""Width of a 95 % interval of a share beyond which the share is not shown: the half of a variance could not
+be told from a fifth or four fifths."""
 
 
 @final
@@ -31,6 +35,8 @@ class Weighed:
         weights: by cause, that of the numerical errors `CLEAR` times their sum; NaN where it is not known.
         parameters: what was drawn of them, in words.
         lost: laws whose value does not converge.
+        recorded: laws whose value is that of the run as recorded, which may not have settled.
+        fixed: parameters that were not varied, by law.
     """
 
     metric: Metric
@@ -39,6 +45,8 @@ class Weighed:
     weights: dict[str, float]
     parameters: str
     lost: tuple[str, ...]
+    recorded: tuple[str, ...] = ()
+    fixed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def apart(self) -> float:
@@ -64,7 +72,8 @@ class Weighed:
     def __str__(self) -> str:
         name, unit = self.metric.brief[0].upper() + self.metric.brief[1:], self.metric.unit
         if self.metric.key == "rotor_velocity":
-            name = "Settled rotor velocity"
+            name = f"{'Rotor' if self.recorded else 'Settled rotor'} velocity"
+            name += f" ({listed(self.recorded)} as recorded)" if self.recorded else ""
         (low, high), (one, other) = self.laws, self.values
         if self.apart == 0.0:
             return f"{name}: {one:.3g}{unit} with every law."
@@ -87,7 +96,9 @@ class Weighed:
         if self.due_to_law:
             less = sorted(CAUSES, key=lambda cause: -self.weights[cause])
             named = listed([self._named(cause) for cause in less])
-            return f"It is due to the law: all else moves it less, {named}."
+            fixed = listed([f"{names} of {law}" for law, names in self.fixed.items()]) if self.fixed else ""
+            but = f" Not varied: {fixed}." if fixed else ""
+            return f"It is due to the law: all else moves it less, {named}.{but}"
         parts = []
         if self.possible:
             parts.append(f"may be {' or '.join(map(self._named, self.possible))}")
@@ -167,8 +178,10 @@ def _pair(data: xarray.Dataset, key: str, low: str, high: str) -> Weighed:
     weights[NUMERICAL] = CLEAR * float(errors.sum())
     lost = tuple(law for law, x, e in zip((low, high), values, errors, strict=True) if e > abs(x) > 0.0)
     apart = float(values[1] - values[0])
-    names = listed([name.split(" +-")[0] for name in data.attrs["parameters"].split(", ")])
-    drawn = "" if data.attrs["parameters"] == "nothing" else f"the {names}"
+    spread = (str(name) for name in both["varied"].values if name)
+    names = dict.fromkeys(part.split(" +-")[0] for name in spread for part in name.split(", "))
+    drawn = f"the {listed([*names])}" if names else ""
+    fixed = {law: str(names) for law, names in zip((low, high), both["not_varied"].values, strict=True)}
     return Weighed(
         METRICS[key],
         (low, high),
@@ -176,6 +189,8 @@ def _pair(data: xarray.Dataset, key: str, low: str, high: str) -> Weighed:
         weights,
         drawn,
         lost if weights[NUMERICAL] >= apart else (),
+        tuple(law for law, kind in zip((low, high), both["kind"].values, strict=True) if kind == NOT_KNOWN),
+        {law: names for law, names in fixed.items() if names},
     )
 
 
@@ -183,22 +198,50 @@ def shares_said(data: xarray.Dataset) -> str:
     """Say what the factors have of the variance of the settled velocity; empty where nothing was drawn."""
     if "total_order" not in data:
         return ""
-    told = []
-    for name, row in zip(
-        data["factor"].values, data["total_order"].sel(quantity="rotor_velocity").values, strict=True
-    ):
-        share, low, high = (float(x) for x in row)
-        if not isfinite(share):
-            return "The settled rotor velocity is the same whatever is drawn, or too few motors settle."
-        words = f"{name} {share:.2f} ({max(low, 0.0):.2f} to {high:.2f})"
-        told.append((share, f"{words}, cannot tell" if unclear(share, low, high) else words))
-    ordered = [words for _, words in sorted(told, key=lambda pair: -pair[0])]
+    estimates = data["total_order"].sel(quantity="rotor_velocity").values
+    if not np.isfinite(estimates).all():
+        return "The settled rotor velocity is the same whatever is drawn, or too few motors settle."
+    names, count = data["factor"].values.astype(str), sample_count(data)
+    order = np.argsort(-estimates[:, 0], kind="stable")
+    clear = [f"{names[i]} {written_share(*estimates[i])}" for i in order if not unclear(*estimates[i, 1:])]
+    withheld = [str(names[i]) for i in order if unclear(*estimates[i, 1:])]
+    parts = [f"{'; '.join(clear)}."] if clear else []
+    if withheld:
+        enough = samples_needed(estimates, count)
+        parts.append(
+            f"{count} samples do not tell the share of {listed(withheld)}; about {enough} would "
+            f"(--samples {enough})."
+        )
     return (
         "Shares in the variance of the settled rotor velocity, each with what it does together with others "
-        f"and its 95 % interval: {'; '.join(ordered)}."
+        f"and its 95 % interval: {' '.join(parts)}"
     )
 
 
-def unclear(share: float, low: float, high: float) -> bool:
-    """Tell whether an interval is wider than the share that it is of, and not all but zero."""
-    return high - low > abs(share) and high > SMALL
+def sample_count(data: xarray.Dataset) -> int:
+    """Return the number of rows of the design from which shares were estimated."""
+    return int(data.sizes["motor"]) // (int(data.sizes["factor"]) + 2)
+
+
+def unclear(low: float, high: float) -> bool:
+    """Return whether the interval of a share is too wide, or lies outside 0 to 1 altogether."""
+    return not (high - low <= WIDEST and high >= 0.0 and low <= 1.0)
+
+
+def written_share(share: float, low: float, high: float) -> str:
+    """Write a share with its interval; one whose interval reaches 0 or 1 by its other end."""
+    if low <= 0.0:
+        return f"below {max(high, 0.01):.2f}"
+    return f"above {low:.2f}" if high >= 1.0 else f"{share:.2f} ({low:.2f} to {high:.2f})"
+
+
+def samples_needed(estimates: Array, count: int) -> int:
+    """Return the power of two of samples that makes every interval narrow enough, as 1/sqrt(count).
+
+    Args:
+        estimates: shares with their intervals, shape (factor, 3).
+        count: samples that they were estimated from.
+    """
+    width = float((estimates[:, 2] - estimates[:, 1]).max())
+    ratio = max((width / WIDEST) ** 2, 2.0)
+    return count * 1 << int(np.ceil(np.log2(ratio)))

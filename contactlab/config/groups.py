@@ -202,7 +202,9 @@ GROUPS: Final[dict[str, Section]] = {
 }
 """The groups but that of the laws, in the order of a configuration."""
 
-ADDED: Final = frozenset({"solver.until", "solver.precision", "piezoceramic.loss_tangent"})
+ADDED: Final = frozenset(
+    {"solver.until", "solver.precision", "piezoceramic.loss_tangent", "piezoceramic.free_permittivity"}
+)
 """Keys that configurations of earlier versions lack, which ran as their defaults say."""
 
 NOT_OF_A_RUN: Final = frozenset({"sweep"})

@@ -32,7 +32,7 @@ class NormalModes:
         tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
         shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
             int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled.
-        capacitance: C_p of the clamped resonator [F], shape (electrode, electrode); None where it is not
+        capacitance: C_p with the modes at rest [F], shape (electrode, electrode); None where it is not
             known, as of a resonator measured by its motion alone.
         loss_tangent: tan delta of that capacitance [1]; a tone of amplitude U heats it by
             omega C_p tan(delta) U^2 / 2.

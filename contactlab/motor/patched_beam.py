@@ -55,11 +55,17 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 _DENSITY = positive("rho_p", "kg m-3", "density")
 _POISSON = Parameter("nu", "1", "Poisson's ratio", above=-1.0, below=0.5)
 _STRAIN_RATIO = Parameter("nu_p", "1", "ratio of the strains through the thickness and along the beam")
-_PERMITTIVITY = positive("eps33^S", "F m-1", "clamped permittivity through the thickness")
+_CLAMPED = positive("eps33^S", "F m-1", "permittivity through the thickness, all strains clamped")
+_IN_THE_BEAM = positive(
+    "eps_p",
+    "F m-1",
+    "permittivity through the thickness, free to strain in it, clamped along and across the beam",
+)
+_FREE = positive("eps33^T", "F m-1", "permittivity through the thickness, all stresses zero")
 _LOSS_TANGENT = Parameter(
     "tan delta",
     "1",
-    "dielectric loss tangent",
+    "dielectric loss tangent of the free material, as data sheets have it",
     at_least=0.0,
     at_most=1.0,
     hint="0 is a dielectric without loss.",
@@ -104,20 +110,30 @@ class Piezoceramic(Checked):
 
     The modulus is b c^E b' (eq. 30), the coupling nu_p e33 - e31 (eq. 31). The defaults are PZ26 with
     both identified from the couplings and frequencies of Table 1; `PiezoceramicDatasheet` has the
-    catalogue's values.
+    catalogue's values, and the permittivities are those that follow from them.
 
         >>> import contactlab as cl
         >>> layer = cl.Piezoceramic(loss_tangent=0.02)
         >>> modes = cl.RitzResonator(piezoceramic=layer).modes
         >>> (1e9 * modes.capacitance.diagonal()).round(3) # nF
-        array([1.831, 1.831])
+        array([2.35, 2.35])
     """
 
     bending_modulus: Annotated[float, positive("c_p", "Pa", "bending modulus")] = 94.295e9
     bending_coupling: Annotated[float, Parameter("e_p", "C m-2", "bending coupling")] = 9.196
     density: Annotated[float, _DENSITY] = 7700.0
-    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
+    permittivity: Annotated[float, _IN_THE_BEAM] = 700.0 * VACUUM_PERMITTIVITY + 14.7**2 / 123e9
+    free_permittivity: Annotated[float, _FREE] = 1.1709334182747709e-08
     loss_tangent: Annotated[float, _LOSS_TANGENT] = 0.0
+
+    @property
+    def capacitive_loss_tangent(self) -> float:
+        """Loss tangent of the capacitance at clamped modes, tan(delta) eps33^T / eps_p [1].
+
+        Where compliance s^E and charge constants d are real, the loss is Im eps33^T; eps_p is eps33^T less a
+        real number, so both have the same imaginary part.
+        """
+        return self.loss_tangent * self.free_permittivity / self.permittivity
 
 
 @final
@@ -125,7 +141,7 @@ class Piezoceramic(Checked):
 class PiezoceramicDatasheet(Checked):
     """The constants of a piezoceramic, transversely isotropic about x3, in which it is poled; those of PZ26.
 
-    c12 enters no bending quantity of a beam that is free to strain across its width.
+    c12 enters the free permittivity alone: the strain across the width is zero in bending.
     """
 
     c11: Annotated[float, positive("c11^E", "Pa", "elastic constant")] = 168e9
@@ -136,17 +152,28 @@ class PiezoceramicDatasheet(Checked):
     e33: Annotated[float, Parameter("e33", "C m-2", "piezoelectric constant")] = 14.7
     poisson_ratio: Annotated[float, _STRAIN_RATIO] = 0.334
     density: Annotated[float, _DENSITY] = 7700.0
-    permittivity: Annotated[float, _PERMITTIVITY] = 700.0 * VACUUM_PERMITTIVITY
+    permittivity: Annotated[float, _CLAMPED] = 700.0 * VACUUM_PERMITTIVITY
     loss_tangent: Annotated[float, _LOSS_TANGENT] = 0.0
 
     def in_bending(self) -> Piezoceramic:
-        """Give what bending needs of it (eqs. 30 and 31)."""
+        """Compute the constants of a layer in bending (eqs. 30 and 31) and its permittivities.
+
+        From T = c^E S - e' E and D = e S + eps^S E (IEEE Std 176-1987): at S1 = S2 = 0 and T3 = 0,
+        eps_p = eps33^S + e33^2 / c33^E, where the strain S2 of the modes acts through the coupling; at T = 0,
+        eps33^T = eps33^S + e (c^E)^-1 e'.
+        """
         c11, c12, c13 = self.c11, self.c12, self.c13
         normal = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, self.c33]])
         b = bending_vector(self.poisson_ratio)[:3]
-        modulus, coupling = b @ normal @ b, b @ np.array([self.e31, self.e31, self.e33])
-        rest = self.density, self.permittivity, self.loss_tangent
-        return Piezoceramic(float(modulus), float(coupling), *rest)
+        e = np.array([self.e31, self.e31, self.e33])
+        return Piezoceramic(
+            bending_modulus=float(b @ normal @ b),
+            bending_coupling=float(b @ e),
+            density=self.density,
+            permittivity=self.permittivity + self.e33**2 / self.c33,
+            free_permittivity=float(self.permittivity + e @ np.linalg.solve(normal, e)),
+            loss_tangent=self.loss_tangent,
+        )
 
 
 _TIP_INERTIA = not_negative("I_tip", "kg m2", "inertia of the tip about its foot")
@@ -190,7 +217,9 @@ class PatchedBeam(Checked, ABC):
             # round otherwise. Numbers far from any motor may overflow on the way; the result says so.
             with threadpool_limits(1, user_api="blas"), np.errstate(all="ignore"):
                 modes = replace(
-                    self._solve(), capacitance=self.capacitance, loss_tangent=self.piezoceramic.loss_tangent
+                    self._solve(),
+                    capacitance=self.capacitance,
+                    loss_tangent=self.piezoceramic.capacitive_loss_tangent,
                 )
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             raise ValueError(UNRESOLVED) from error
@@ -239,6 +268,6 @@ class PatchedBeam(Checked, ABC):
 
     @property
     def capacitance(self) -> Array:
-        """C_p of both patch sets, two layers each, with the beam clamped [F] (eq. 32)."""
+        """C_p of both patch sets, two layers each, with the modes at rest [F] (eq. 32, at eps_p)."""
         surface = 2.0 * self.width * (self.patch_end - self.patch_start)
         return self.piezoceramic.permittivity * surface / self.patch_thickness * np.eye(len(self.patches))

@@ -193,7 +193,7 @@ def unit_of(setup: Setup, parameter: str) -> str:
 
 
 def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
-    """Give unit and meaning of a parameter."""
+    """Return unit and meaning of a parameter that takes real numbers."""
     if parameter == BELT:
         return "rad s-1", "velocity at which the rotor is held"
     declared = declared_in(setup.configuration)
@@ -202,5 +202,10 @@ def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
         declared = {key: field.parameter for key, (_, field) in numbers if field.parameter}
     if parameter not in declared:
         raise ConfigurationError([unknown_key(parameter, "", [BELT, *declared])])
+    if isinstance(flat(setup.configuration)[parameter], int):
+        raise NoBranchError(
+            f"{parameter} is a whole number; a branch follows one that changes continuously, such as "
+            "contact.clearance. `contactlab -m` runs whole numbers one by one."
+        )
     found = declared[parameter]
     return found.units, found.meaning

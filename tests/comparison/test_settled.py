@@ -11,15 +11,24 @@ from support.configurations import altered, datatree
 
 from contactlab import build, steady
 from contactlab.comparison import ComparisonError, compare
-from contactlab.comparison.cause_figures import draw_shares
+from contactlab.comparison.cause_figures import draw_causes, draw_shares
 from contactlab.comparison.causes import ATTRACTORS, BASIS, CAUSES, PARAMETERS, with_causes
 from contactlab.comparison.findings import conclusion, differences, headline
 from contactlab.comparison.reruns import Refined, on_other_basis, refined
-from contactlab.comparison.samples import Design, Factor, Samples, factors_of
+from contactlab.comparison.samples import Design, Factor, Samples, factors_of, left_fixed
 from contactlab.comparison.scorecard import as_text, scorecard
 from contactlab.comparison.settled import QUANTITIES
-from contactlab.comparison.weighing import CLEAR, Weighed, unclear, weighed
+from contactlab.comparison.weighing import (
+    CLEAR,
+    Weighed,
+    samples_needed,
+    shares_said,
+    unclear,
+    weighed,
+    written_share,
+)
 from contactlab.metrics import METRICS, Run
+from contactlab.parameter import Parameter
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
 """Ranges of parameters that are known exactly."""
@@ -192,6 +201,7 @@ def test_a_file_of_ones_own_is_not_known_to_have_settled() -> None:
     own = recorded("hertz_penalty").to_dataset(inherit=False)[["rotor_velocity", "rotor_angle"]]
     own.attrs = {"law": "bench"}
     data = compare([xarray.DataTree(own), recorded("newton", **OPPOSITE)], refine=False)
+    assert not any("Settled" in said for said in differences(data) if "bench" in said)
     assert headline(data)[1] == "bench is taken as recorded: whether its motor has settled is not known."
     assert conclusion(data)
     assert "bench" in as_text(data)
@@ -232,6 +242,36 @@ def test_ranges_are_those_that_the_runs_state_and_those_that_are_given() -> None
     np.testing.assert_allclose(drawn, [0.8, 1.0, 1.2])
 
 
+def test_a_law_of_ones_own_has_varied_what_it_declares_and_the_rest_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two springs in series, of which the first declares how well it is known."""
+    hertz = Refined(Run.of(recorded("hertz_penalty")))
+    springs = {"name": "two_springs", "k1": 2e7, "k2": 3e7}
+    hertz.run = replace(hertz.run, label="hertz_penalty")
+    configuration = {**hertz.run.configuration, "law": springs}
+    own = Refined(replace(hertz.run, label="two_springs", configuration=configuration))
+    declared = {
+        "law.k1": Parameter("k1", "N m-1", "stiffness", above=0.0, spread=0.4),
+        "law.k2": Parameter("k2", "N m-1", "stiffness", above=0.0),
+    }
+    monkeypatch.setattr("contactlab.comparison.samples.declared_in", lambda _: declared)
+    factors = factors_of([own], {})
+    named = {factor.name: (factor.keys, factor.spread) for factor in factors}
+    assert named["law.k1"] == (("law.k1",), 0.4)
+    assert "stiffness" not in named
+    assert left_fixed(own.run, factors, {}) == ["k2"]
+    assert left_fixed(own.run, factors, {"law.k2": 0.0}) == []
+    with_hertz = factors_of([hertz, own], {})
+    assert left_fixed(hertz.run, with_hertz, {}) == []
+    data = with_causes(scorecard([hertz, own]), [hertz, own], with_hertz, None)
+    # "stiffness +-30 %" is not of the law that has no such parameter.
+    assert "stiffness +-30 %" in str(data["varied"].values[0])
+    assert "stiffness" not in str(data["varied"].values[1])
+    assert data["not_varied"].values.tolist() == ["", "k2"]
+    assert "k2 of two_springs" in " ".join(differences(data))
+
+
 def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
     """y = a l + b x + c l x of a level l: variances a^2 2/3, b^2 s^2/3, of both together c^2 2/3 s^2/3."""
     factors = (Factor("law", levels=3), Factor("x", ("contact.clearance",), 0.3), Factor("step", levels=3))
@@ -247,11 +287,58 @@ def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
     np.testing.assert_allclose(first[0, :, 0], [*parts[:2] / parts.sum(), 0.0], atol=0.03)
     np.testing.assert_allclose(total[0, :, 0], [*(parts[:2] + parts[2]) / parts.sum(), 0.0], atol=0.03)
     assert np.all(total[0, :, 1] <= total[0, :, 0] + 1e-12)
-    assert not unclear(*total[0, 0])
-    assert unclear(0.3, 0.0, 0.9)
+    assert not unclear(*total[0, 0, 1:])
+    assert unclear(0.0, 0.9)
+    # A share of 0.89 to which 0.57 to 1.33 belong is not known.
+    assert unclear(0.57, 1.33)
+    assert not unclear(-0.05, 0.03)
+    assert written_share(-0.01, -0.05, 0.03) == "below 0.03"
+    # The width of a mean falls with the root of the samples, here from 0.76 to below 0.3.
+    assert samples_needed(np.array([[0.89, 0.57, 1.33]]), 32) == 256
     # Rows without a steady state are left out.
     holed = replace(samples, values=np.where(np.arange(y.size)[:, None] == 5, np.nan, samples.values))
     np.testing.assert_allclose(holed.shares()[1][0, :, 0], total[0, :, 0], atol=0.1)
+
+
+def test_figures_draw_no_share_beyond_one_and_none_that_the_samples_do_not_tell() -> None:
+    laws, quantities = ["a", "b"], list(QUANTITIES)
+    value = np.array([[-2.0, 3.0, 0.95, 0.5], [-1.9, 3.1, 0.0, 0.5]])
+    moved = np.broadcast_to(value[:, None, :], (2, len(CAUSES), 4))
+    estimates = np.array([[0.89, 0.57, 1.33], [0.3, 0.2, 0.35]])
+    data = xarray.Dataset(
+        {
+            "value": (("law", "metric"), value),
+            "least": (("law", "cause", "quantity"), moved - 0.04),
+            "greatest": (("law", "cause", "quantity"), moved + 0.04),
+            **{
+                name: (("quantity", "factor", "estimate"), np.broadcast_to(estimates, (4, 2, 3)))
+                for name in ("first_order", "total_order")
+            },
+        },
+        coords={
+            "law": laws,
+            "kind": ("law", ["periodic", "periodic"]),
+            "metric": quantities,
+            "quantity": quantities,
+            "cause": list(CAUSES),
+            "factor": ["basis", "law"],
+            "motor": np.arange(32 * 4),
+        },
+    )
+    # Three times the numerical error of 0.04 is 1.07.
+    ends = [
+        x
+        for bars in draw_causes(data).axes[quantities.index("stick_share")].collections
+        for segment in bars.get_segments()
+        for x in segment[:, 0]
+    ]
+    assert (min(ends), max(ends)) == (0.0, pytest.approx(1.0))
+    (axes,) = draw_shares(data).axes
+    assert sorted(bar.get_width() for bar in axes.patches) == [0.3, 0.3]
+    said = shares_said(data)
+    assert "law 0.30 (0.20 to 0.35)" in said
+    assert "0.89" not in said
+    assert "32 samples do not tell the share of basis; about 256 would" in said
 
 
 def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_follows() -> None:

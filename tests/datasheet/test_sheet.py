@@ -1,5 +1,6 @@
 """The data sheet: its balance, its sense, its loads, and motors that it was not made from."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -191,10 +192,26 @@ def test_the_command_leaves_page_figure_and_dataset_that_tell_the_same(
     assert "http" not in page.partition("<h2>What ran")[0]
 
 
+def test_laws_are_listed_as_for_a_sweep_or_by_the_option(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    laws: list[list[str]] = []
+
+    def recorded(setups: Sequence[cl.Setup], _: Path) -> None:
+        laws.append([setup.law.name for setup in setups])
+        raise cl.ConfigurationError(["enough"])
+
+    monkeypatch.setattr("contactlab.datasheet.characterise", recorded)
+    for words in (("law=newton,hertz_penalty",), ("--law", "newton,hertz_penalty")):
+        assert command("characterise", *words, "--output", str(tmp_path / "sheet"))[0] == 2
+    assert laws == [["newton", "hertz_penalty"]] * 2
+
+
 def test_the_command_refuses_in_sentences(command: Command, tmp_path: Path) -> None:
     for words, said in {
         ("law=newton", "--law", "newton"): "both given",
         ("--law", "newton,nothing"): "law is 'nothing'",
+        ("law=newton,nothing",): "law is 'nothing'",
         ("rotor.load_torque=1e-3",): "it must be 0 N m",
         ("drive.frequency_ratio=1.41421356",): "do not repeat themselves",
         ("drive.frequency_ratio",): "must have the form",

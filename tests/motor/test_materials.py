@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from contactlab.motor.patched_beam import Piezoceramic, PiezoceramicDatasheet, Steel, bending_vector
+from contactlab.motor.patched_beam import (
+    VACUUM_PERMITTIVITY,
+    Piezoceramic,
+    PiezoceramicDatasheet,
+    Steel,
+    bending_vector,
+)
+from contactlab.motor.ritz import RitzResonator
 
 
 def test_steel_bends_with_235_442_gpa() -> None:
@@ -64,6 +71,48 @@ def test_identified_material_differs_from_the_datasheet_only_in_modulus_and_coup
     assert identified.bending_coupling == 9.196
     assert identified.density == datasheet.density == 7700.0
     assert identified.permittivity == datasheet.permittivity
+    assert identified.free_permittivity == pytest.approx(datasheet.free_permittivity, rel=1e-14)
+
+
+def solved_permittivity(material: PiezoceramicDatasheet, free: list[int]) -> float:
+    """D3/E3 by the constitutive relations, some normal directions stress-free, the others clamped."""
+    c11, c12, c13, c33 = material.c11, material.c12, material.c13, material.c33
+    c = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]])
+    e = np.array([material.e31, material.e31, material.e33])
+    # Unknowns S1 to S3 and D3 at E3 = 1.
+    matrix, right = np.zeros((4, 4)), np.zeros(4)
+    for i in range(3):
+        matrix[i, :3] = c[i] if i in free else np.eye(3)[i]
+        right[i] = e[i] if i in free else 0.0
+    matrix[3], right[3] = [*-e, 1.0], material.permittivity
+    scale = np.array([1e-11, 1e-11, 1e-11, 1e-9])
+    return float((scale * np.linalg.solve(matrix * scale, right))[3])
+
+
+def test_permittivity_of_a_layer_lies_between_clamped_and_free_as_the_relations_have_it() -> None:
+    pz26 = PiezoceramicDatasheet()
+    layer = pz26.in_bending()
+    assert solved_permittivity(pz26, []) == pytest.approx(pz26.permittivity, rel=1e-12)
+    assert layer.permittivity == pytest.approx(solved_permittivity(pz26, [2]), rel=1e-9)
+    assert layer.free_permittivity == pytest.approx(solved_permittivity(pz26, [0, 1, 2]), rel=1e-9)
+    assert layer.permittivity / pz26.permittivity == pytest.approx(1.283, abs=1e-3)
+    # The catalogue's 1300 eps0, to the accuracy of such constants.
+    assert layer.free_permittivity == pytest.approx(1300.0 * VACUUM_PERMITTIVITY, rel=0.03)
+
+
+def test_without_coupling_through_the_thickness_the_layer_has_the_clamped_permittivity() -> None:
+    layer = PiezoceramicDatasheet(e33=0.0).in_bending()
+    assert layer.permittivity == PiezoceramicDatasheet().permittivity
+
+
+def test_the_loss_of_a_data_sheet_is_that_of_the_free_permittivity() -> None:
+    """With s^E and d real, eps_p = eps^T - (a real number) for a complex eps^T."""
+    pz26 = PiezoceramicDatasheet(loss_tangent=0.003)
+    layer = pz26.in_bending()
+    free = layer.free_permittivity * (1.0 - 0.003j)
+    clamped = free - (layer.free_permittivity - layer.permittivity)
+    assert layer.capacitive_loss_tangent == pytest.approx(-clamped.imag / clamped.real, rel=1e-14)
+    assert RitzResonator(piezoceramic=layer).modes.loss_tangent == layer.capacitive_loss_tangent
 
 
 def test_bending_vector_strains_beam_and_thickness_only() -> None:

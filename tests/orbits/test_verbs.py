@@ -36,6 +36,8 @@ def test_what_has_no_range_or_no_orbit_is_refused_in_a_sentence(command: Command
         (("branch", "contact.clearnce=1e-6..2e-6"), "Did you mean contact.clearance?"),
         (("branch", "contact.clearance=1 V..2 um"), "whose unit 'V' cannot be converted to m"),
         (("branch", "contact.clearance=9 um..2 um", "law=newton"), "settles in no periodic orbit"),
+        (("branch", "resonator.shapes=2..6"), "resonator.shapes is a whole number"),
+        (("branch", "resonator=finite_element", "resonator.kept_modes=2..6"), "kept_modes is a whole number"),
         (("basins", "--over", "angle=0..1", "drive_phase=0..1"), "it must be NAME=START..END with one of"),
         (("basins", "--count", "1"), "it must be at least 2"),
     ):
