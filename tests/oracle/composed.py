@@ -136,6 +136,7 @@ class Judge:
         for k, switch in enumerate(parts.normal.switches(modes[0])):
             add("normal", k, lambda c, y, f=switch: f(depth(c, y), -c.gap_rate, self.split(y)[1]))
         for k, switch in enumerate(parts.friction.switches(modes[1], self.split(y)[0])):
+
             def of(c: Contact, y: np.ndarray, f: Any = switch) -> float:
                 at, z_f, _, _ = self.instant(c, y, modes[0], speed)
                 return float(f(at, z_f))
@@ -156,6 +157,7 @@ class Judge:
             watched = self.events(t, y, modes, speed)
             functions = []
             for _, _, value in watched:
+
                 def function(t: float, y: np.ndarray, value: Any = value) -> float:
                     return float(value(t, y))
 
@@ -208,6 +210,7 @@ class Judge:
                 y[self.second : self.third] = normal.fresh()
 
         if normal.lasts or normal.begins(z_n) == 0.0:
+
             def level(s: float) -> float:
                 return -worn - (normal.begins(normal.in_flight(z_n, s)) if normal.sizes else 0.0)
 
@@ -218,8 +221,8 @@ class Judge:
             return t, y
         # Over a dent: it is clear where the gap has opened, or touched again before.
         dent = normal.begins(z_n)
-        t_down, y_down, down = self.flight.until(t, y, end, lambda s: -dent)
-        t_up, y_up, up = self.flight.until(t, y, end, lambda s: 0.0, upwards=True)
+        t_down, y_down, _ = self.flight.until(t, y, end, lambda _: -dent)
+        t_up, y_up, up = self.flight.until(t, y, end, lambda _: 0.0, upwards=True)
         if up and t_up < t_down:
             clear(y_up)
             return self.fly(t_up, y_up, end)

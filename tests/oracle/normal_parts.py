@@ -11,6 +11,7 @@ A normal force has a mode (a number, `LOADS` or `ELASTIC` where it has two) and 
     touch(z, rate)             mode of a contact that begins
 """
 
+# ruff: noqa: ARG002, ARG005 - parts of one family have one signature
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -94,7 +95,7 @@ class Power(Normal):
 
 
 def elliptic_stiffness(first: float, second: float, modulus: float) -> float:
-    """K [N/m^1.5] of relative radii (Johnson 1985, eqs. 4.26 to 4.28), over the eccentricity of the ellipse."""
+    """K [N/m^1.5] of relative radii (Johnson 1985, eqs. 4.26 to 4.28), by the eccentricity."""
     ratio = max(first, second) / min(first, second)
     mean = sqrt(first * second)
     if ratio < 1.0 + 1e-5:
@@ -336,7 +337,13 @@ def dashpot_coefficient(normal: Normal, e: float, mass: float, speed: float) -> 
 
         force.terminal, force.direction = True, -1  # type: ignore[attr-defined]
         done = solve_ivp(
-            lambda t, y: [y[1], -force(t, y)], (0, 1e6), [0.0, 1.0], "DOP853", events=force, rtol=1e-12, atol=1e-12
+            lambda t, y: [y[1], -force(t, y)],
+            (0, 1e6),
+            [0.0, 1.0],
+            "DOP853",
+            events=force,
+            rtol=1e-12,
+            atol=1e-12,
         )
         return -float(done.y[1, -1])
 
