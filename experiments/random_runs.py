@@ -98,7 +98,7 @@ def outcomes_of(numbers: Sequence[int], seed: int = 0, parts: Path | None = None
     """
     part = parts / f"{seed}_{numbers[0]}_{numbers[-1]}.csv" if parts else None
     if part and part.exists():
-        return pd.read_csv(part).fillna({"message": ""})
+        return pd.read_csv(part, dtype={"message": str}).fillna({"message": ""})
     rows = pd.DataFrame([outcome_of(number, seed) for number in numbers])
     rows = rows.reindex(columns=rows.columns.union(FIGURES, sort=False))
     if part:

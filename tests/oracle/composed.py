@@ -221,8 +221,8 @@ class Judge:
             return t, y
         # Over a dent: it is clear where the gap has opened, or touched again before.
         dent = normal.begins(z_n)
-        t_down, y_down, down = self.flight.until(t, y, end, lambda s: -dent)
-        t_up, y_up, up = self.flight.until(t, y, end, lambda s: 0.0, upwards=True)
+        t_down, y_down, _ = self.flight.until(t, y, end, lambda _: -dent)
+        t_up, y_up, up = self.flight.until(t, y, end, lambda _: 0.0, upwards=True)
         if up and t_up < t_down:
             clear(y_up)
             return self.fly(t_up, y_up, end)

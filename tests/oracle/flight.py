@@ -69,8 +69,8 @@ class Flight:
         distance = np.hypot(dx, rise - m.rotor_radius)
         return (dx * dx + rise * rise - 2.0 * m.rotor_radius * rise) / (distance + m.rotor_radius)
 
-    def state(self, t: float, y: np.ndarray, x: np.ndarray, s: float) -> np.ndarray:
-        """The motor's state y a time s after (t, y), from the linear system's."""
+    def state(self, y: np.ndarray, x: np.ndarray, s: float) -> np.ndarray:
+        """The motor's state y a time s later, from the linear system's."""
         m, n = self.mechanics.motor, self.mechanics.shapes
         out = y.copy()
         out[: 2 * n] = x[: 2 * n] / self.scale[: 2 * n]
@@ -96,14 +96,14 @@ class Flight:
                 if t + times[i] + s > end:
                     break
                 x = self.after(states[i], s)
-                return t + times[i] + s, self.state(t, y, x, times[i] + s), True
+                return t + times[i] + s, self.state(y, x, times[i] + s), True
             if t + times[-1] > end:
                 break
             x, begun = states[-1], float(times[-1])
         left = end - t - begun
         whole = int(left / STEP)
         x = self.after(self.powers[whole] @ x, left - whole * STEP)
-        return end, self.state(t, y, x, end - t), False
+        return end, self.state(y, x, end - t), False
 
     def _crossing(
         self, states: np.ndarray, times: np.ndarray, room: np.ndarray, sign: float, level: Level, first: bool
@@ -120,7 +120,7 @@ class Flight:
             begins = first and i == 1
             if room[i] < 0.0:
                 low = 0.0
-                if begins and room[0] <= 0.0 or begins:
+                if (begins and room[0] <= 0.0) or begins:
                     # It starts on the level: look for where it is off it.
                     shares = [s for s in STEP * 0.5 ** np.arange(1, 30) if at(0, s) > 0.0]
                     if not shares and room[0] <= 0.0:

@@ -10,9 +10,11 @@ and internal variables z. Its quantities come from the instant `At`.
     touch(at, z)               mode of a contact that begins
 """
 
+# ruff: noqa: ARG002, ARG005 - parts of one family have one signature
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import asinh, copysign, cos, exp, log, log1p, pi, sin, sqrt
 from typing import NamedTuple
 
@@ -222,7 +224,7 @@ class Iwan(Friction):
     def __init__(self, mu: float, elements: int, whole: float) -> None:
         n = elements
         edges = [cos(0.5 * pi * j / n) for j in range(n)] + [0.0]
-        pairs = list(zip(edges[:-1], edges[1:], strict=True))
+        pairs = [*pairwise(edges)]
         self.limits = [whole * (1.0 - (a * a + a * b + b * b) / 3.0) for a, b in pairs]
         self.shares = [1.5 * mu / whole * (a - b) for a, b in pairs]
         self.sizes = (1e-7,) * n
@@ -258,8 +260,9 @@ class Iwan(Friction):
 class Mindlin(Friction):
     """A spring k_t = kappa dN/dd that slides at mu N; mode 0 holds, and z is the friction F [N] itself.
 
-    Held, dF/dt = -k_t v + F min(dk_t/dt, 0)/k_t: what the contact gains in stiffness carries nothing, and what
-    it loses takes its share of the force along. It slides as long as F, so held, would leave the bound mu N.
+    Held, dF/dt = -k_t v + F min(dk_t/dt, 0)/k_t: what the contact gains in stiffness carries nothing, and
+    what it loses takes its share of the force along. It slides as long as F, so held, would leave the
+    bound mu N.
     """
 
     sizes = (1.0,)
@@ -277,7 +280,9 @@ class Mindlin(Friction):
         return [-self.kappa * at.stiffness * at.slip + z[0] * shrinks]
 
     def slider(self, mode: int, at: At) -> float:
-        """Velocity of the slider in its direction [m/s]."""
+        """Velocity of the slider in its direction [m/s]; under a pull the bound is zero, and stays so."""
+        if at.normal < 0.0:
+            return mode * at.slip
         shrinks = at.normal * min(at.stiffness_rate, 0.0) / at.stiffness**2 if at.stiffness > 0.0 else 0.0
         return mode * at.slip + self.mu / self.kappa * (shrinks - at.pace)
 

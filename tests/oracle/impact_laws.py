@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 from oracle.composed import JudgedRun
 from oracle.flight import Flight
 from oracle.motor import Contact, Mechanics, OracleMotor
-from oracle.rigid import force_law, settle, sticking, stick_or_slip
+from oracle.rigid import force_law, settle, stick_or_slip, sticking
 from oracle.run import Event, Stepper, run_phase
 
 SLOW = 1e-7
@@ -52,7 +52,7 @@ def johnson(mu: float, modulus: float, strength: float, radius: float) -> Impact
     return impact
 
 
-def process(mu: float, e: float, of_energy: bool) -> Impact:
+def process(mu: float, e: float, of_energy: bool) -> Impact:  # noqa: C901 - the pieces of one process
     """Routh's process: pieces in which gap rate and slip are linear in the normal impulse."""
 
     def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
@@ -192,7 +192,9 @@ class RigidJudge:
             copysign(1, p_t)
         )
 
-    def last(self, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
+    def last(  # noqa: C901 - the modes of one contact
+        self, t: float, y: np.ndarray, end: float
+    ) -> tuple[float, np.ndarray]:
         """A contact that lasts, from zero gap and gap rate to its release or `end`."""
         mechanics, mu, arrived = self.mechanics, self.rough.mu, False
         for _ in range(MOST):
@@ -238,7 +240,7 @@ class RigidJudge:
         mechanics, run, n = self.mechanics, JudgedRun(), self.mechanics.shapes
         t, y = 0.0, mechanics.initial_state()
         while t < duration:
-            t, y, down = self.flight.until(t, y, duration, lambda s: 0.0)
+            t, y, down = self.flight.until(t, y, duration, lambda _: 0.0)
             if not down:
                 break
             before, begun = y[2 * n + 6 : 2 * n + 8].copy(), t

@@ -11,6 +11,7 @@ A normal force has a mode (a number, `LOADS` or `ELASTIC` where it has two) and 
     touch(z, rate)             mode of a contact that begins
 """
 
+# ruff: noqa: ARG002, ARG005 - parts of one family have one signature
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -94,7 +95,7 @@ class Power(Normal):
 
 
 def elliptic_stiffness(first: float, second: float, modulus: float) -> float:
-    """K [N/m^1.5] of relative radii (Johnson 1985, eqs. 4.26 to 4.28), over the eccentricity of the ellipse."""
+    """K [N/m^1.5] of relative radii (Johnson 1985, eqs. 4.26 to 4.28), by the eccentricity."""
     ratio = max(first, second) / min(first, second)
     mean = sqrt(first * second)
     if ratio < 1.0 + 1e-5:

@@ -3,6 +3,7 @@
 Number i is of row i modulo the number of rows; its motor and its law's numbers are those of the seed (i, 26).
 """
 
+# ruff: noqa: ARG005 - the makers of one family have one signature
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -53,12 +54,25 @@ from oracle.normal_parts import (
 )
 from support.motors import default_motor, oracle_motor
 
+from contactlab.engine import simulate
 from contactlab.laws import LAWS, PARTS, ContactLaw
 from contactlab.motor.motor import Motor
 
 STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
 DURATION = 2e-3
 TOTAL = 245
+LOOSE, TIGHT = 1e-9, 1e-11
+"""Relative tolerances of the judge: its change from the first to the second is its own error, and more."""
+
+DEFAULT, FINE = "default", "fine"
+"""Engine at its default tolerance and at 1e-10; a rigid law at its default step and at a tenth of it."""
+
+CARRYING = 1e-3
+"""A contact counts from this share of the largest impulse on: bounces that die out have no last one,
+and grazing contacts come and go with a picometre."""
+
+QUANTITIES = ("rotor_velocity", "normal_impulse", "contact_time", "displacement", "contact_work")
+"""What is compared: at the end, in sum, in sum, at the end, in sum."""
 
 Draw = dict[str, Any]
 
@@ -87,7 +101,7 @@ def motor_of(dice: Dice) -> Draw:
     while True:
         changes = any_motor(dice)
         mechanics = Mechanics(oracle_motor(**changes))
-        if Flight(mechanics).until(0.0, mechanics.initial_state(), 0.5 * DURATION, lambda s: 0.0)[2]:
+        if Flight(mechanics).until(0.0, mechanics.initial_state(), 0.5 * DURATION, lambda _: 0.0)[2]:
             return changes
 
 
@@ -292,6 +306,11 @@ MIXED = "mixed"
 """Parts of a composed law drawn together."""
 
 
+DENTED = 1000
+"""Numbers from here on are of contacts that dent, under frictions with a variable, on motors that hardly
+open: some touch down again inside of a dent, where the variables of the contact still live."""
+
+
 @dataclass(frozen=True)
 class Case:
     """One motor: for the engine, and for the judge."""
@@ -350,7 +369,7 @@ def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[fl
     motor = oracle_motor(**changes)
     e = dice.between(0.1, 0.8)
     if row == "lagrange_slip":
-        return LAWS[row](mu), lambda rtol: slip_only(motor)
+        return LAWS[row](mu), lambda rtol: slip_only(motor, SLIP_STEP if rtol < LOOSE else 2.0 * SLIP_STEP)
     rough, numbers = Rough(mu), {}
     if row == "lagrange_stick":
         impact = newton(mu, 0.0)
@@ -380,9 +399,9 @@ def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[fl
     return law, lambda rtol: RigidJudge(motor, impact, rough, max(rtol, 1e-11)).run(DURATION)
 
 
-def slip_only(motor: OracleMotor) -> JudgedRun:
+def slip_only(motor: OracleMotor, step: float) -> JudgedRun:
     """The stepped judge of the law that always slips."""
-    run = solve_rigid_slip(motor, DURATION, SLIP_STEP)
+    run = solve_rigid_slip(motor, DURATION, step)
     rows = (run.start_time, run.duration, run.normal_impulse, run.friction_impulse)
     return JudgedRun(run.rotor_velocity, run.u, float("nan"), *(column.tolist() for column in rows))
 
@@ -390,7 +409,7 @@ def slip_only(motor: OracleMotor) -> JudgedRun:
 def case_of(number: int) -> Case:
     """The motor and law with a number."""
     names, dice = rows(), Dice(number)
-    row = names[number % len(names)]
+    row = names[number % len(names)] if number < DENTED else MIXED
     changes = motor_of(dice)
     mu = changes["friction_coefficient"]
     if row in RIGID:
@@ -403,6 +422,13 @@ def case_of(number: int) -> Case:
         k, wear = dice.log(3e8, 2e10), dice.log(1e-4, 1e-1)
         law = LAWS["archard"](k, mu, wear)
         parts = Parts(Power(k, 1.5), SetValued(mu), wear=wear / (law.hardness * law.apparent_area))
+    elif number >= DENTED:
+        normal = ("thornton", "walton_braun")[number % 2]
+        friction = ("bouc_wen", "dahl", "lugre", "mindlin")[number // 2 % 4]
+        changes["clearance"], changes["voltage_1"] = dice.log(1e-9, 1e-8), dice.between(100.0, 400.0)
+        changes["voltage_2"], changes["frequency"] = dice.between(5.0, 40.0), dice.between(600.0, 1500.0)
+        changes["phase"] = dice.between(0.0, 0.3)
+        law, parts = composed(changes, dice, normal, "none", friction)
     elif row == MIXED:
         normal = list(NORMALS)[int(dice.between(0, len(NORMALS)))]
         friction = list(FRICTIONS)[int(dice.between(0, len(FRICTIONS)))]
@@ -414,3 +440,66 @@ def case_of(number: int) -> Case:
     return Case(
         number, row, changes, law, lambda rtol: Judge(oracle_motor(**changes), parts, rtol).run(DURATION)
     )
+
+
+def of_judge(run: JudgedRun) -> dict[str, float]:
+    """The quantities of the judge's run."""
+    return {
+        "rotor_velocity": run.rotor_velocity,
+        "normal_impulse": sum(run.normal_impulses),
+        "contact_time": sum(run.durations),
+        "displacement": run.u,
+        "contact_work": run.contact_work,
+        "contacts": carrying(np.array(run.normal_impulses)),
+    }
+
+
+def carrying(impulses: np.ndarray) -> int:
+    """How many contacts count."""
+    return int((impulses > CARRYING * impulses.max()).sum()) if impulses.size else 0
+
+
+def of_engine(case: Case, effort: str) -> tuple[dict[str, float], dict[str, float]]:
+    """The quantities of the engine's run, and their scales."""
+    accuracy: Draw = {}
+    if effort == FINE:
+        step = getattr(case.law, "default_contact_step", 0.0)
+        accuracy = {"contact_step": 0.1 * step} if case.row in RIGID else {"tolerance": 1e-10}
+    if case.row == "lagrange_slip":
+        accuracy = {"contact_step": SLIP_STEP}
+    run = simulate(case.motor, case.law, duration=DURATION, record_interval=1e-6, **accuracy)
+    if not run.complete:
+        raise RuntimeError(run.message)
+    series, contacts = run.series, run.contacts
+    taken = series["friction_loss"] + series["contact_loss"] + series["contact_energy"]
+    values = {
+        "rotor_velocity": series["rotor_velocity"][-1],
+        "normal_impulse": contacts["normal_impulse"].sum(),
+        "contact_time": contacts["duration"].sum(),
+        "displacement": series["tip_normal_displacement"][-1],
+        "contact_work": taken[-1],
+        "contacts": carrying(contacts["normal_impulse"]),
+    }
+    scales = {
+        "rotor_velocity": np.abs(series["rotor_velocity"]).max(),
+        "normal_impulse": contacts["normal_impulse"].sum(),
+        "contact_time": DURATION if case.row in RIGID else contacts["duration"].sum(),
+        "displacement": np.abs(series["tip_normal_displacement"]).max(),
+        "contact_work": np.abs(taken).max(),
+    }
+    return values, scales
+
+
+def judged(number: int, efforts: tuple[str, ...] = (DEFAULT, FINE)) -> dict[str, Any]:
+    """One motor against its judge: errors over scales, by effort, and the judge's own change."""
+    case = case_of(number)
+    right, rough = of_judge(case.judge(TIGHT)), of_judge(case.judge(LOOSE))
+    out: dict[str, Any] = {"number": number, "row": case.row, "contacts": right["contacts"]}
+    for effort in efforts:
+        values, scales = of_engine(case, effort)
+        out[f"{effort} contacts"] = values["contacts"]
+        for name in QUANTITIES:
+            size = max(scales[name], 1e-300)
+            out[f"{effort} {name}"] = abs(values[name] - right[name]) / size
+            out[f"judge {name}"] = abs(rough[name] - right[name]) / size
+    return out
