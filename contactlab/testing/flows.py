@@ -12,6 +12,7 @@ from math import ceil, isfinite
 from typing import NamedTuple, final
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from contactlab.arrays import Array
 from contactlab.laws.base import ELASTOPLASTIC, SET_VALUED, PenaltyLaw
@@ -27,7 +28,10 @@ MOST_EVENTS = 400
 """On one path: more are a chatter."""
 
 MOST_PARTS = 256
-"""Of a step in which a variable relaxes faster than the path goes."""
+"""Of a step in which a variable relaxes faster than the path goes; beyond, an implicit method takes over."""
+
+STIFF = 0
+"""Number of explicit steps that stands for an implicit method."""
 
 ASKED = 5
 """Steps between two states that the kernels are asked about."""
@@ -119,7 +123,9 @@ class Walker:
         return self.asked.guards(at.gap, at.rate, at.slip, self.normal(at), kept)
 
     def flown(self, time: float, length: float, parts: int) -> Array:
-        """Give what is kept a length of time later, by so many steps of Runge and Kutta."""
+        """Give what is kept a length of time later, by so many steps of Runge and Kutta, or STIFF."""
+        if parts == STIFF:
+            return self._slid(time + length, self._relaxed(time, length))
         kept, h = self.kept, length / parts
         for i in range(parts if kept.size else 0):
             t = time + i * h
@@ -129,6 +135,16 @@ class Walker:
             fourth = self.rates(t + h, kept + h * third)
             kept = kept + h / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
         return self._slid(time + length, kept)
+
+    def _relaxed(self, time: float, length: float) -> Array:
+        """Give what is kept a length of time later, by an implicit method for fast relaxation."""
+        if length <= 0.0:
+            return self.kept
+        size = np.maximum(np.abs(self.kept), np.abs(self.path.depth * np.ones(self.kept.size)))
+        found = solve_ivp(
+            self.rates, (time, time + length), self.kept, method="Radau", rtol=1e-8, atol=1e-12 * size
+        )
+        return np.asarray(found.y[:, -1]) if found.success else np.full(self.kept.size, np.nan)
 
     def _slid(self, time: float, kept: Array) -> Array:
         """Keep the stretch of a spring on the bound of its slider."""
@@ -143,7 +159,7 @@ class Walker:
         return kept
 
     def parts(self, time: float, length: float) -> int:
-        """Give the steps that a length of time is cut into, by how fast each variable relaxes."""
+        """Give the steps that a length of time is cut into, by how fast each variable relaxes; or STIFF."""
         if not self.kept.size:
             return 1
         rates, fastest = self.rates(time, self.kept), 0.0
@@ -153,7 +169,10 @@ class Walker:
                 other = self.kept.copy()
                 other[k] += nudge
                 fastest = max(fastest, abs(float(self.rates(time, other)[k] - rates[k])) / nudge)
-        return min(ceil(2.0 * fastest * length) or 1, MOST_PARTS) if isfinite(fastest) else 1
+        if not isfinite(fastest):
+            return 1
+        count = ceil(2.0 * fastest * length) or 1
+        return count if count <= MOST_PARTS else STIFF
 
     def walk(self) -> None:
         """Go the whole path, and write down what happens."""
@@ -210,7 +229,7 @@ class Walker:
         elif self.path.at(time)[1] >= 0.0:
             # It may open still, and does not close again within the step but by a turn.
             return end
-        self.kept = self.flown(time, touch - time, 1)
+        self.kept = self.flown(time, touch - time, self.parts(time, touch - time))
         self.speed, self.in_contact, self.forgotten = max(-self.path.at(touch)[1], 0.0), True, False
         self.happens(AT_TOUCH, touch)
         return touch

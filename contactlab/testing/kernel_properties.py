@@ -53,7 +53,8 @@ def states_of(bench: Bench) -> list[State]:
     instants = flow_of(bench).instants
     if instants:
         return [(at.gap, at.rate, at.slip, at.speed, at.kept) for at in instants]
-    return [(*state, np.zeros(0)) for state in drawn_states()]
+    initial = np.array([one.initial for one in bench.law.internal_variables], dtype=np.float64)
+    return [(*state, initial) for state in drawn_states()]
 
 
 def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
