@@ -1,0 +1,265 @@
+"""Laws and parts with one deliberate fault each, and which check catches it.
+
+"consistency" is the check of a law before its first run, "run" the ending of a run, and anything else a
+property of the contract. `docs/saboteurs.md` has the table.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, make_dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.compiled import fleeting_kernel
+from contactlab.laws.base import RATE_DEPENDENT, SLIP, STICK
+from contactlab.laws.declaration import FRICTION_COEFFICIENT
+from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
+from contactlab.laws.memory import ODD
+from contactlab.testing.contract import PROPERTIES, check
+from contactlab.testing.plants import Bench
+
+DEEP = 5e-8
+"""Depth from which on a fault shows [m]: beyond what is tried before a run."""
+
+TABLE = Path(__file__).parents[2] / "docs" / "saboteurs.md"
+
+Kernel = Callable[..., Any]
+
+
+class Saboteur(cl.PenaltyLaw):
+    """A Hertzian law; what its kernel is made of is no parameter of it."""
+
+    name: ClassVar[str] = "saboteur"
+    equation: ClassVar[str] = "N = K d^1.5"
+    source: ClassVar[str] = "this test"
+    default_contact_step: ClassVar[float] = 4e-6
+
+
+def law_of(kernel: Kernel, units: str = "N m-1.5", idle: bool = False) -> cl.PenaltyLaw:
+    """A Saboteur with a kernel of choice, and on demand with a parameter that it does not read."""
+    declared = [
+        ("stiffness", cl.Parameter("K", units, "stiffness", above=0.0), 1e10),
+        ("friction_coefficient", FRICTION_COEFFICIENT, 0.3),
+        ("idle", cl.Parameter("c", "1", "of no meaning", at_least=0.0), 1.0),
+    ]
+    members = [
+        (name, Annotated[float, said], field(default=value)) for name, said, value in declared[: 2 + idle]
+    ]
+    made: Any = make_dataclass(
+        "Made", members, bases=(Saboteur,), namespace={"force": staticmethod(kernel)}, frozen=True
+    )
+    return made()  # type: ignore[no-any-return]
+
+
+def hertz(stored: float = 1.0, deep: float = 1.0, bound: float = 1.0, pull: float = 0.0) -> Kernel:
+    """A Hertzian force whose energy, bound or pull are off by factors, everywhere or from DEEP on."""
+
+    def force(gap, gap_rate, slip, approach, p):
+        depth = max(-gap, 0.0)
+        normal = p[0] * depth * np.sqrt(depth)
+        energy = 0.4 * normal * depth * stored
+        if depth > DEEP:
+            energy *= deep
+        return normal - pull, bound * p[1] * normal, energy - pull * depth, 0.0
+
+    return fleeting_kernel(force)
+
+
+@fleeting_kernel
+def beyond_the_row(gap, gap_rate, slip, approach, p):
+    depth = max(-gap, 0.0)
+    normal = p[0] * depth * np.sqrt(depth)
+    return normal, p[1] * normal * (1.0 + 1e-3 * p[2]), 0.4 * normal * depth, 0.0
+
+
+@fleeting_kernel
+def no_number(gap, gap_rate, slip, approach, p):
+    depth = max(-gap, 0.0)
+    normal = p[0] * depth * np.sqrt(depth)
+    return normal if depth < DEEP else np.nan, p[1] * normal, 0.4 * normal * depth, 0.0
+
+
+@fleeting_kernel
+def undeclared_dashpot(gap, gap_rate, slip, approach, p):
+    depth = max(-gap, 0.0)
+    elastic = p[0] * depth * np.sqrt(depth)
+    normal = elastic * max(1.0 - gap_rate, 0.0)
+    return normal, p[1] * normal, 0.4 * elastic * depth, 0.0
+
+
+@fleeting_kernel
+def active(gap, gap_rate, slip, approach, p):
+    depth = max(-gap, 0.0)
+    elastic = p[0] * depth * np.sqrt(depth)
+    normal = elastic * max(1.0 + 0.3 * gap_rate, 0.0)
+    return normal, p[1] * normal, 0.4 * elastic * depth, (elastic - normal) * gap_rate
+
+
+@fleeting_kernel
+def one_sided(gap, gap_rate, slip, approach, p):
+    depth = max(-gap, 0.0)
+    normal = p[0] * depth * np.sqrt(depth)
+    return normal, (p[1] if slip >= 0.0 else 0.9 * p[1]) * normal, 0.4 * normal * depth, 0.0
+
+
+CALLS: list[float] = []
+
+
+def counts_its_calls(gap, gap_rate, slip, approach, p):
+    CALLS.append(gap)
+    depth = max(-gap, 0.0)
+    normal = p[0] * depth * np.sqrt(depth) * (1.0 + 1e-9 * len(CALLS))
+    return normal, p[1] * normal, 0.4 * normal * depth, 0.0
+
+
+def normal_of(stiffness: float = 1.0, slope: float = 1.0, stored: float = 1.0) -> cl.Composed:
+    """A Hertzian normal force whose stiffness, slope or energy is off by a factor, with Mindlin's spring."""
+
+    @fleeting_kernel
+    def pressed(depth, parameters, at):
+        root = np.sqrt(depth)
+        force = parameters[at] * depth * root
+        steep = 1.5 * parameters[at] * root
+        bend = 0.5 * steep / depth if depth > 0.0 else 0.0
+        return force, 0.4 * force * depth * stored, stiffness * steep, slope * bend
+
+    @dataclass(frozen=True)
+    class Pressed(cl.NormalForce):
+        name: ClassVar[str] = "pressed"
+        equation: ClassVar[str] = "N = K d^1.5"
+        source: ClassVar[str] = "this test"
+
+        stiffness: Annotated[float, cl.Parameter("K", "N m-1.5", "stiffness", above=0.0)] = 1e10
+
+        elastic = staticmethod(pressed)
+
+    return cl.Composed(normal=Pressed(), friction=cl.Mindlin())
+
+
+def friction_of(stored: float = 1.0, push: float = 1.0) -> cl.Composed:
+    """A bristle in proportion to the normal force, whose energy or sign is off."""
+
+    @fleeting_kernel
+    def bent(normal, stiffness, stiffness_rate, slip, z, parameters, at):
+        mu, sigma = parameters[at], parameters[at + 2]
+        force = -push * sigma * max(normal, 0.0) * z
+        return force, slip - abs(slip) * sigma * z / mu, stored * 0.5 * sigma * max(normal, 0.0) * z * z, 0.0
+
+    @dataclass(frozen=True)
+    class Bristle(cl.Friction):
+        name: ClassVar[str] = "bristle"
+        equation: ClassVar[str] = "F = -sigma N z"
+        source: ClassVar[str] = "this test"
+        friction_kind: ClassVar[int] = RATE_DEPENDENT
+        exact_stick: ClassVar[bool] = False
+        internal_variables = (cl.InternalVariable("bend", "z", "m", "bend of the bristle", parity=ODD),)
+
+        bristle_stiffness: Annotated[float, cl.Parameter("sigma", "m-1", "stiffness over N", above=0.0)] = 1e6
+
+        state = staticmethod(bent)
+
+    return cl.Composed(friction=Bristle())
+
+
+def rigid_of(solve_with: Kernel) -> cl.MultiplierLaw:
+    @dataclass(frozen=True)
+    class Rigid(cl.MultiplierLaw):
+        name: ClassVar[str] = "rigid"
+        equation: ClassVar[str] = "what it wants"
+        source: ClassVar[str] = "this test"
+        default_contact_step: ClassVar[float] = 1e-7
+
+        friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+
+        solve = staticmethod(solve_with)
+
+    return Rigid()
+
+
+@fleeting_kernel
+def half_an_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+    if normal_rate >= 0.0:
+        return 0.0, 0.0, SLIP
+    return -0.5 * normal_rate / d_nn, 0.0, SLIP
+
+
+@fleeting_kernel
+def bounces_too_high(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+    p_n, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
+    return (2.2 * p_n if gap_rate < 0.0 else p_n), p_t, mode
+
+
+@fleeting_kernel
+def sticks_always(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+    p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
+    return p_n, p_t, STICK
+
+
+SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
+    "stored energy 1.5 times too large": (lambda: law_of(hertz(stored=1.5)), "consistency"),
+    "stored energy twice too large": (lambda: law_of(hertz(stored=2.0)), "consistency"),
+    "no stored energy": (lambda: law_of(hertz(stored=0.0)), "consistency"),
+    "stored energy 1.5 times too large where it is deep": (lambda: law_of(hertz(deep=1.5)), "run"),
+    "stored energy 1.2 times too large where it is deep": (
+        lambda: law_of(hertz(deep=1.2)),
+        "kernel_is_consistent",
+    ),
+    "no number where it is deep": (lambda: law_of(no_number), "run"),
+    "side effects": (lambda: law_of(counts_its_calls), "consistency"),
+    "reads beyond its parameters": (lambda: law_of(beyond_the_row), "consistency"),
+    "negative friction bound": (lambda: law_of(hertz(bound=-1.0)), "consistency"),
+    "friction beyond the declared cone": (lambda: law_of(hertz(bound=1.1)), "inside_the_cone"),
+    "pulls without saying so": (lambda: law_of(hertz(pull=0.3)), "no_tension"),
+    "a dashpot whose loss is not declared": (lambda: law_of(undeclared_dashpot), "consistency"),
+    "a damping that feeds energy": (lambda: law_of(active), "dissipates"),
+    "friction that knows left from right": (lambda: law_of(one_sided), "mirrors"),
+    "a parameter that no kernel reads": (lambda: law_of(hertz(), idle=True), "reads_what_it_declares"),
+    "a stiffness in wrong units": (lambda: law_of(hertz(), units="N m-1"), "answers_scale_with_units"),
+    "normal force with half its stiffness": (lambda: normal_of(stiffness=0.5), "part_says_its_stiffness"),
+    "normal force with a wrong slope": (lambda: normal_of(slope=2.0), "part_says_its_stiffness"),
+    "normal force with 1.5 times its stored energy": (lambda: normal_of(stored=1.5), "consistency"),
+    "bristle without stored energy": (lambda: friction_of(stored=0.0), "friction_stores_what_it_gives"),
+    "bristle with twice its stored energy": (
+        lambda: friction_of(stored=2.0),
+        "friction_stores_what_it_gives",
+    ),
+    "bristle that pushes along the slip": (lambda: friction_of(push=-1.0), "friction_opposes_slip"),
+    "rigid law that leaves an approach": (lambda: rigid_of(half_an_impulse), "consistency"),
+    "restitution above one": (lambda: rigid_of(bounces_too_high), "dissipates"),
+    "rigid stick beyond the cone": (lambda: rigid_of(sticks_always), "inside_the_cone"),
+}
+
+
+def caught_by(law: cl.ContactLaw, way: str) -> bool:
+    """Whether a check catches a law."""
+    if way in PROPERTIES:
+        return not all(claim.holds for claim in check(Bench(law), way))
+    try:
+        run = cl.simulate(cl.build().motor, law, duration=2e-3)
+    except cl.LawError:
+        return way == "consistency"
+    return way == "run" and not run.complete
+
+
+@pytest.mark.parametrize("fault", SABOTEURS)
+def test_a_saboteur_is_caught_where_the_table_says(fault: str) -> None:
+    make, way = SABOTEURS[fault]
+    assert caught_by(make(), way)
+
+
+def test_honest_laws_of_the_same_make_are_not_caught() -> None:
+    # A bristle in proportion to N gains energy under a growing load, which dahl and others declare.
+    loaded = {"friction_opposes_slip", "dissipates", "mirrors"}
+    ways = {way for _, way in SABOTEURS.values()}
+    for law, free in ((law_of(hertz()), ways), (normal_of(), ways - loaded), (friction_of(), ways - loaded)):
+        assert [way for way in sorted(free) if caught_by(law, way)] == []
+
+
+def test_the_page_has_the_table() -> None:
+    rows = [
+        line.strip("| \n").split(" | ") for line in TABLE.read_text().splitlines() if line.startswith("| ")
+    ]
+    assert {fault: way.strip("`") for fault, way in rows[2:]} == {f: way for f, (_, way) in SABOTEURS.items()}
