@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -184,7 +185,8 @@ def _answered(questions: "list[Question]", given: Namespace) -> "list[Answer]":
             look()
 
         numbers = {name: getattr(given, name) for name in ("points", "seed", "starts")}
-        return fit(questions, given.output, **numbers, advance=tell_and_look)
+        announce = partial(tell, stream=sys.stderr)
+        return fit(questions, given.output, **numbers, advance=tell_and_look, announce=announce)
 
 
 def _chosen(data: "Data", given: Namespace) -> "Data":

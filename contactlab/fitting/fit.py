@@ -165,6 +165,7 @@ def fit(
     seed: int = 0,
     starts: int = STARTS,
     advance: Advance = bool,
+    announce: Callable[[str], object] = bool,
 ) -> list[Answer]:
     """Answer questions one by one.
 
@@ -175,6 +176,7 @@ def fit(
         seed: the same gives the same bits.
         starts: of least squares.
         advance: told how many questions are answered, parts of one included.
+        announce: receives a sentence where a checkpoint is damaged and its fit begins anew.
 
     Raises:
         NoSamplerError: dynesty is not installed.
@@ -188,7 +190,9 @@ def fit(
             advance(number + min(share, 1.0))
 
         best = _optimum(one, starts, seed)
-        found = sample(one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell)
+        found = sample(
+            one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell, announce=announce
+        )
         answers.append(Answer(one.label, one.model, best, found, one.truth, one.origin))
     return answers
 

@@ -6,20 +6,25 @@ likelihood times volume. The error of ln Z is that of those factors, sqrt(H / li
 information H of the data about the parameters [nat].
 
 Proposals are made in groups of `GROUP`, however many processes evaluate them: the same seed gives the same
-bits. A run that is stopped goes on from its last checkpoint, with the same bits as one that never was.
+bits. A checkpoint contains the likelihoods evaluated so far, as plain numbers, and no state of the sampler: the
+seed repeats the sampler's path, and evaluations in the checkpoint are looked up. So a resumed run gives the same
+bits as one without a stop, and a checkpoint from somebody else can run no code.
 """
 
 import multiprocessing
-import pickle
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
+from hashlib import sha256
 from importlib.util import find_spec
+from io import BytesIO
 from math import log
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Final, final
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -27,6 +32,7 @@ from contactlab.arrays import Array
 from contactlab.fitting.model import Model, log_likelihood
 from contactlab.fitting.parameters import Free, from_cube
 from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.results.files import whole_file
 
 POINTS: Final = 150
 """Live points where nothing is said."""
@@ -57,7 +63,13 @@ TINY: Final = 1e-12
 Advance = Callable[[float], object]
 
 _CURRENT: Final[list[Model]] = []
-"""The model that is sampled: checkpoints and messages between processes do not carry it."""
+"""The model that is sampled: messages between processes do not carry it."""
+
+_RECORDED: Final[dict[bytes, float]] = {}
+"""Log likelihoods of an earlier start, by the bytes of the values; workers are forked with them."""
+
+_EVALUATED: Final[list[tuple[Array, float]]] = []
+"""Values and log likelihoods evaluated in this process since the last message to the parent."""
 
 
 class NoSamplerError(RuntimeError):
@@ -131,6 +143,7 @@ def sample(
     workers: int | None = None,
     one_mode: bool = False,
     advance: Advance = bool,
+    announce: Callable[[str], object] = bool,
 ) -> Posterior:
     """Sample the posterior of a model.
 
@@ -138,11 +151,11 @@ def sample(
         model: what is free in it has a prior; there must be something.
         points: live points; the evidence's error falls with their root, the work grows as they do.
         seed: the same seed gives the same bits, whatever the number of processes.
-        checkpoint: file in which a run that is stopped leaves how far it has come; one that is there is gone
-            on with.
+        checkpoint: file of the likelihoods evaluated so far; a run that finds one looks them up in it.
         workers: processes at work; None is one a processor where that pays.
         one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
-        advance: told the share that is done.
+        advance: receives the share that is done.
+        announce: receives a sentence where the checkpoint is damaged and the run begins anew.
 
     Raises:
         NoSamplerError: dynesty is not installed.
@@ -151,32 +164,28 @@ def sample(
     from dynesty import NestedSampler
 
     _CURRENT[:] = [model]
-    with _pool(model, workers) as pool:
-        sampler = _restored(checkpoint, pool)
-        resumed = sampler is not None
-        if sampler is None:
-            sampler = NestedSampler(
-                _log_likelihood,
-                _from_cube,
-                len(model.free),
-                nlive=points,
-                rstate=np.random.default_rng(seed),
-                pool=pool,
-                queue_size=GROUP,
-                use_pool={"update_bound": False},
-                bound="single" if one_mode else "multi",
-                # By bootstrap they may become so large that nearly no proposal lies in the prior.
-                bootstrap=0,
-                enlarge=ENLARGED,
-                first_update={"min_ncall": points, "min_eff": UNBOUNDED},
-            )
-        if not sampler.added_live:
-            sampler.run_nested(
-                print_func=_Watch(advance),
-                checkpoint_file=None if checkpoint is None else str(checkpoint),
-                checkpoint_every=EVERY,
-                resume=resumed,
-            )
+    record = _Record(checkpoint, model)
+    if record.damage:
+        announce(record.damage)
+    _RECORDED.clear()
+    _RECORDED.update(zip((row.tobytes() for row in record.values), record.log_likelihood, strict=True))
+    with _pool(model, workers) as pool, record.kept():
+        sampler = NestedSampler(
+            _log_likelihood,
+            _from_cube,
+            len(model.free),
+            nlive=points,
+            rstate=np.random.default_rng(seed),
+            pool=_Recorder(pool, record),
+            queue_size=GROUP,
+            use_pool={"update_bound": False},
+            bound="single" if one_mode else "multi",
+            # By bootstrap they may become so large that nearly no proposal lies in the prior.
+            bootstrap=0,
+            enlarge=ENLARGED,
+            first_update={"min_ncall": points, "min_eff": UNBOUNDED},
+        )
+        sampler.run_nested(print_func=_Watch(advance))
         found = sampler.results
     log_weight = np.asarray(found["logwt"] - found["logz"][-1])
     # They add up to one but for round-off.
@@ -202,7 +211,18 @@ def available() -> None:
 
 
 def _log_likelihood(values: Array) -> float:
-    return log_likelihood(_CURRENT[0], values)
+    known = _RECORDED.get(values.tobytes())
+    if known is not None:
+        return known
+    found = log_likelihood(_CURRENT[0], values)
+    _EVALUATED.append((np.array(values), found))
+    return found
+
+
+def _with_evaluations(work: Callable[[Any], Any], item: Any) -> tuple[Any, list[tuple[Array, float]]]:
+    """Return the result of a piece of work and the likelihoods that were evaluated for it."""
+    _EVALUATED.clear()
+    return work(item), list(_EVALUATED)
 
 
 def _from_cube(shares: Array) -> Array:
@@ -239,17 +259,84 @@ def _pool(model: Model, workers: int | None) -> Iterator[Any]:
         yield pool
 
 
-def _restored(checkpoint: Path | None, pool: Any) -> Any:
-    """Give the sampler of a checkpoint; None where there is none that can be read."""
-    from dynesty import NestedSampler
+@final
+class _Record:
+    """Likelihoods evaluated so far, in a file: an .npz and behind it a SHA-256 digest of its name and content.
 
-    if checkpoint is None or not checkpoint.exists():
-        return None
-    try:
-        return NestedSampler.restore(str(checkpoint), pool=pool)
-    # A file that was cut, or of another version.
-    except (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, RuntimeError):
-        return None
+    Args:
+        path: of the file; None keeps nothing.
+        model: that is sampled.
+    """
+
+    def __init__(self, path: Path | None, model: Model) -> None:
+        self._path = path
+        self._written = perf_counter()
+        self.values: list[Array] = []
+        self.log_likelihood: list[float] = []
+        self.damage = ""
+        if path is None or not path.exists():
+            return
+        try:
+            content, size = path.read_bytes(), sha256().digest_size
+            if self._digest(content[:-size]) != content[-size:]:
+                raise ValueError("its digest is another")
+            with np.load(BytesIO(content[:-size]), allow_pickle=False) as read:
+                values, found = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
+            if values.shape != (found.size, len(model.free)) or {values.dtype, found.dtype} != {
+                np.dtype(float)
+            }:
+                raise ValueError("its numbers are of another shape")
+        except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
+            self.damage = f"'{path}' is damaged ({error}); the fit begins anew."
+            return
+        self.values, self.log_likelihood = list(values), found.tolist()
+
+    def _digest(self, content: bytes) -> bytes:
+        assert self._path is not None
+        return sha256(self._path.name.encode() + content).digest()
+
+    def add(self, evaluated: Iterable[tuple[Array, float]]) -> None:
+        """Add evaluations; write the file if the last one is older than `EVERY`."""
+        for values, found in evaluated:
+            self.values.append(values)
+            self.log_likelihood.append(found)
+        if perf_counter() - self._written > EVERY:
+            self.write()
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Write the file when the body ends, by an interrupt too."""
+        try:
+            yield
+        finally:
+            self.write()
+
+    def write(self) -> None:
+        """Write the file, whole or not at all."""
+        if self._path is None or not self.values:
+            return
+        stream = BytesIO()
+        np.savez(stream, values=np.array(self.values), log_likelihood=np.array(self.log_likelihood))
+        stream.write(self._digest(stream.getvalue()))
+        with whole_file(self._path) as partial:
+            partial.write_bytes(stream.getvalue())
+        self._written = perf_counter()
+
+
+@final
+class _Recorder:
+    """A pool whose evaluated likelihoods are recorded."""
+
+    def __init__(self, pool: Any, record: _Record) -> None:
+        self._pool, self._record = pool, record
+
+    def map(self, work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+        """Return the results in the order of the items."""
+        results = []
+        for result, evaluated in self._pool.map(partial(_with_evaluations, work), items):
+            results.append(result)
+            self._record.add(evaluated)
+        return results
 
 
 @final

@@ -1,5 +1,9 @@
 """Claims on nested sampling: closed forms, quadrature, and the same bits however it is run."""
 
+import pickle
+from hashlib import sha256
+from io import BytesIO
+
 import numpy as np
 import pytest
 from fitting.linear import Linear
@@ -90,7 +94,12 @@ def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_
         with pytest.raises(KeyboardInterrupt):
             sample(Linear(), points=25, seed=9, checkpoint=checkpoint, advance=Stop(60))
     resumed = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
-    again = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, advance=Stop(1))
+    asked = []
+    monkeypatch.setattr(nested, "log_likelihood", lambda model, values: asked.append(values))
+    again = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, workers=1)
+    monkeypatch.undo()
+    # All but the two of the clock were in the checkpoint.
+    assert len(asked) == 2
 
     for other in (others, resumed, again):
         assert other.samples.tobytes() == whole.samples.tobytes()
@@ -99,13 +108,54 @@ def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_
     assert sample(Linear(), points=25, seed=10).samples.tobytes() != whole.samples.tobytes()
 
 
-def test_a_damaged_checkpoint_is_begun_anew(tmp_path):
+class Crafted:
+    """Creates a file when it is unpickled."""
+
+    def __init__(self, place):
+        self.place = place
+
+    def __reduce__(self):
+        return open, (str(self.place), "w")
+
+
+def test_a_checkpoint_is_never_unpickled(tmp_path):
+    checkpoint, trace = tmp_path / "checkpoint", tmp_path / "trace"
+    crafted = np.array([Crafted(trace)], dtype=object)
+    stream = BytesIO()
+    np.savez(stream, values=crafted, log_likelihood=crafted)
+    digest = sha256(checkpoint.name.encode() + stream.getvalue()).digest()
+    whole = sample(Linear(), points=25, seed=9)
+    for content in (pickle.dumps(Crafted(trace)), stream.getvalue(), stream.getvalue() + digest):
+        checkpoint.write_bytes(content)
+        announced = []
+
+        found = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, announce=announced.append)
+
+        assert found.samples.tobytes() == whole.samples.tobytes()
+        assert len(announced) == 1
+        assert not trace.exists()
+
+
+def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
     checkpoint = tmp_path / "checkpoint"
-    checkpoint.write_bytes(b"half of a file")
+    whole = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
+    content, draws = checkpoint.read_bytes(), np.random.default_rng(1)
+    damaged = [b"", b"half of a file", content[: len(content) // 2], content[:-1], content + b"x"]
+    for place in draws.integers(len(content), size=8):
+        damaged.append(
+            content[:place] + bytes([content[place] ^ 1 << draws.integers(8)]) + content[place + 1 :]
+        )
+    other = tmp_path / "other"
+    for each in [*damaged, content]:
+        # The last is that of another fit.
+        path = checkpoint if each is not content else other
+        path.write_bytes(each)
+        announced = []
 
-    found = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
+        found = sample(Linear(), points=25, seed=9, checkpoint=path, announce=announced.append)
 
-    assert found.log_evidence == sample(Linear(), points=25, seed=9).log_evidence
+        assert found.samples.tobytes() == whole.samples.tobytes()
+        assert len(announced) == 1
 
 
 @pytest.mark.parametrize(
