@@ -46,8 +46,8 @@ def main(arguments: list[str]) -> int:
         "words",
         nargs="*",
         metavar="DATA | KEY=LOW..HIGH | KEY=VALUE | law=A,B",
-        help="the file first: series of a motor (netCDF, or a run.nc) or impacts (netCDF, CSV); then what is "
-        "free, and all else as of a run. Several laws are weighed against each other",
+        help="the file first: series of a motor (netCDF, CSV, or a run.nc) or impacts (netCDF, CSV); then "
+        "what is free, and all else as of a run. Several laws are weighed against each other",
     )
     parser.add_argument(
         "--noise",
@@ -137,6 +137,7 @@ def _fit(given: Namespace) -> int:
     from contactlab.fitting.nested import available
     from contactlab.fitting.page import as_text
     from contactlab.fitting.words import sorted_words
+    from contactlab.measured.repeats import copies_warning
     from contactlab.measured.series import MeasuredSeries
 
     available()
@@ -151,6 +152,8 @@ def _fit(given: Namespace) -> int:
         refuse_idle(words, "a fit, which takes its times from the data,", *KEPT, *LASTING)
     else:
         refuse_of_motor(words)
+        if warning := copies_warning(data):
+            tell(warning, sys.stderr)
     questions = pose(_chosen(data, given), sorted_words(words), given.discrepancy, path.name, digest)
     try:
         output.mkdir(parents=True, exist_ok=True)

@@ -25,7 +25,7 @@ from contactlab.fitting.words import Words, free_keys, refuse_unknown, setups_of
 from contactlab.laws import PenaltyLaw
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series
+from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series, text_names
 from contactlab.results.files import digest_of_file, whole_file
 from contactlab.results.provenance import UNKNOWN, code_digest
 
@@ -79,7 +79,9 @@ def read(path: Path) -> Data:
     except (OSError, ValueError, RuntimeError) as error:
         if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
             raise
-        names = set()
+        names = text_names(path)
+        if any(name.startswith(("before_", "after_")) for name in names):
+            return read_impacts(path)
     return read_series(path) if names & {"time", *MEASURABLE} else read_impacts(path)
 
 

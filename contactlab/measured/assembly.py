@@ -60,6 +60,7 @@ def assemble(table: Table, title: str) -> MeasuredImpacts:
         reading.number(),
         # What is noted in a file that was written from impacts is found again.
         tuple(dict.fromkeys(notes)),
+        reading.measurement(),
     )
 
 

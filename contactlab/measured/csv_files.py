@@ -58,6 +58,29 @@ def read_csv(text: str) -> Table:
     return Table(columns | shared, units | shared_units, places, words)
 
 
+def read_text(path: Path) -> Table:
+    """Read a table from a text file.
+
+    Raises:
+        OSError: the file cannot be read.
+        MeasurementError: it is not UTF-8, or see `read_csv`.
+    """
+    content = path.read_bytes()
+    if b"\0" in content:
+        raise MeasurementError(
+            "it is none of the files that are known; it must be CSV in UTF-8, netCDF, or the published "
+            "MATLAB file. Save a spreadsheet as CSV."
+        )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise MeasurementError(
+            f"line {line} has a character that is not UTF-8; the file must be UTF-8. Save it as that."
+        ) from error
+    return read_csv(text)
+
+
 def write_csv(
     columns: Mapping[str, np.ndarray], units: Mapping[str, str], words: Mapping[str, str], path: Path
 ) -> None:

@@ -11,12 +11,11 @@ import numpy as np
 from contactlab.measured import columns
 from contactlab.measured.assembly import assemble
 from contactlab.measured.columns import CONTACT, known_names
-from contactlab.measured.csv_files import read_csv, write_csv
+from contactlab.measured.csv_files import read_text, write_csv
 from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.faults import MeasurementError as MeasurementError
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
 from contactlab.measured.netcdf_files import read_netcdf, write_netcdf
-from contactlab.measured.table import Table
 from contactlab.parameter import from_cf
 from contactlab.results.files import whole_file, whole_netcdf
 
@@ -37,7 +36,7 @@ def read_impacts(path: Path) -> MeasuredImpacts:
             start = stream.read(16)
         if start.startswith(_MATLAB):
             return read_ellipses(path)
-        table = read_netcdf(path) if start.startswith(_NETCDF) else _read_text(path)
+        table = read_netcdf(path) if start.startswith(_NETCDF) else read_text(path)
         return assemble(table, path.stem)
     except MeasurementError as error:
         raise MeasurementError(f"'{path}': {error}") from error
@@ -82,22 +81,7 @@ def _columns(impacts: MeasuredImpacts) -> dict[str, np.ndarray]:
         for i, j in pairs:
             name = columns.COVARIANCE_AFTER.form.format(CONTACT[i], CONTACT[j])
             found[name] = impacts.covariance[:, i, j]
+    if impacts.measurement is not None:
+        found[columns.MEASUREMENT.form] = impacts.measurement
     found[columns.LEFT_OUT.form] = np.array(impacts.left_out)
     return found
-
-
-def _read_text(path: Path) -> Table:
-    content = path.read_bytes()
-    if b"\0" in content:
-        raise MeasurementError(
-            "it is none of the files that are known; it must be CSV in UTF-8, netCDF, or the published "
-            "MATLAB file. Save a spreadsheet as CSV."
-        )
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        raise MeasurementError(
-            f"line {line} has a character that is not UTF-8; the file must be UTF-8. Save it as that."
-        ) from error
-    return read_csv(text)

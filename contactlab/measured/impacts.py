@@ -35,6 +35,8 @@ class MeasuredImpacts:
         left_out: how many impacts the file flags, which are not among these.
         number: of each impact in its file, from 1, shape (impact,), whole numbers.
         notes: what the reader found and did, a sentence each.
+        measurement: label of the measurement that each impact repeats, shape (impact,), whole numbers; None
+            where each is a measurement of its own. Impacts of one label stay in one fold of `validate`.
 
     Raises:
         TypeError, ValueError: an array of another kind or shape, a matrix that is not positive definite, an
@@ -53,6 +55,7 @@ class MeasuredImpacts:
     left_out: int
     number: NDArray[np.int64]
     notes: tuple[str, ...] = ()
+    measurement: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         n = len(self)
@@ -63,6 +66,8 @@ class MeasuredImpacts:
         check_shape("The kinetic energy", self.kinetic_energy, (n,), "(impact,)")
         check_shape("The energy outside of the impulses' span", self.outside, (n,), "(impact,)")
         check_shape("The number of the impacts", self.number, (n,), "(impact,)", "iu")
+        if self.measurement is not None:
+            check_shape("The measurement of the impacts", self.measurement, (n,), "(impact,)", "iu")
         if self.covariance is not None:
             check_shape("The covariance", self.covariance, (n, 2, 2), "(impact, 2, 2)")
             self._check(self.covariance, "covariance", strictly=False)
@@ -122,4 +127,5 @@ class MeasuredImpacts:
             outside=self.outside[chosen],
             covariance=None if self.covariance is None else self.covariance[chosen],
             number=self.number[chosen],
+            measurement=None if self.measurement is None else self.measurement[chosen],
         )

@@ -169,17 +169,27 @@ class Reading:
         given = self.option(columns.IMPACT)
         if given is None:
             return np.flatnonzero(self.chosen) + 1
-        whole = given.astype(np.int64)
-        if (bad := whole != given).any():
-            first = int(np.argmax(bad))
-            raise MeasurementError(
-                f"impact is {given[first]:g} in {self.places[first]}; it must be a whole number."
-            )
+        whole = self._whole(given, columns.IMPACT)
         values, counts = np.unique(whole, return_counts=True)
         if (counts > 1).any():
             raise MeasurementError(
                 f"impact is {values[np.argmax(counts)]} in {counts.max()} rows; each must have its own "
                 "number."
+            )
+        return whole
+
+    def measurement(self) -> NDArray[np.int64] | None:
+        """Return the label of the measurement that each impact repeats, None where the file has no labels."""
+        given = self.option(columns.MEASUREMENT)
+        return None if given is None else self._whole(given, columns.MEASUREMENT)
+
+    def _whole(self, given: Array, column: Column) -> NDArray[np.int64]:
+        """Return numbers as integers, or refuse the first that is not whole."""
+        whole = given.astype(np.int64)
+        if (bad := whole != given).any():
+            first = int(np.argmax(bad))
+            raise MeasurementError(
+                f"{column.form} is {given[first]:g} in {self.places[first]}; it must be a whole number."
             )
         return whole
 
@@ -198,6 +208,12 @@ def _coordinates(table: Table) -> dict[str, bool]:
             coordinate = name.removeprefix(start)
             if name.startswith(start) and COORDINATE.fullmatch(coordinate) and coordinate not in found:
                 found[coordinate] = _is_angle(table, name)
+    if not found and "time" in table.values:
+        raise MeasurementError(
+            f"it has a series over time ({', '.join(table.values)}) and no impacts; "
+            "these must have before_NAME and after_NAME for each coordinate. `contactlab fit` and "
+            "`contactlab compare` read series."
+        )
     if not found:
         raise MeasurementError(
             f"it has no velocities, only {', '.join(map(repr, table.values)) or 'no columns'}; it must have "

@@ -1,9 +1,11 @@
-"""Measured series of a motor, from a netCDF file that is laid out as a run's, or is a run's.
+"""Measured series of a motor, from a netCDF file with the layout of a run's, from a run's, or from CSV.
 
     time                       s since the drive was switched on, the motor at rest until then; increasing
     rotor_velocity, gap, ...   any of `MEASURABLE`, over time, each with its `units`
     NAME_error                 standard deviation of NAME's error, over time or one number; may be left out
     configuration              attribute: what is known of the motor, YAML as of a run; may be left out
+
+In CSV these are columns with the unit in square brackets, `rotor_velocity [rad/s]`, without a configuration.
 
 Forces are means over the interval that ends at their time, as of a run.
 """
@@ -20,6 +22,8 @@ import yaml
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.quantity import UnitError, to_si
+from contactlab.measured.csv_files import read_text
+from contactlab.measured.faults import MeasurementError
 from contactlab.parameter import from_cf
 from contactlab.results.files import damage, digest_of_file, whole_netcdf
 from contactlab.suggestion import suggestion
@@ -135,8 +139,20 @@ def write_series(measured: MeasuredSeries, path: Path) -> None:
         measured.to_xarray().to_netcdf(partial, engine="netcdf4")
 
 
+def text_names(path: Path) -> set[str]:
+    """Return the names of the columns of a text file; none where it is not a table.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    try:
+        return set(read_text(path).values)
+    except MeasurementError:
+        return set()
+
+
 def read_series(path: Path) -> MeasuredSeries:
-    """Read a file of measured series, or a run.
+    """Read a file of measured series, netCDF or CSV, or a run.
 
     Raises:
         OSError: it cannot be read.
@@ -144,13 +160,7 @@ def read_series(path: Path) -> MeasuredSeries:
     """
     if words := damage(path):
         raise SeriesError(path, [words])
-    try:
-        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
-            data = opened.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        if isinstance(error, FileNotFoundError | PermissionError):
-            raise
-        raise SeriesError(path, [f"it cannot be read as netCDF: {error}."]) from error
+    data = _from_text(path) if text_names(path) & {"time", *MEASURABLE} else _from_netcdf(path)
     faults: list[str] = []
     if "time" not in data.variables:
         words = "it has no time; there must be one, in seconds since the drive was switched on."
@@ -174,6 +184,39 @@ def read_series(path: Path) -> MeasuredSeries:
         {name: column for name, column in each.items() if column is not None} for each in (columns, errors)
     )
     return MeasuredSeries(time, values, deviations, configuration, attributes, digest_of_file(path))
+
+
+def _from_netcdf(path: Path) -> xarray.Dataset:
+    """Return the content of a netCDF file."""
+    try:
+        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
+            return opened.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, FileNotFoundError | PermissionError):
+            raise
+        raise SeriesError(path, [f"it cannot be read as netCDF: {error}."]) from error
+
+
+def _from_text(path: Path) -> xarray.Dataset:
+    """Return the content of a CSV file in SI, laid out as that of a netCDF file."""
+    units = {"time": "s"}
+    for name, one in MEASURABLE.items():
+        units |= {name: one.units, f"{name}{ERROR}": one.units}
+    try:
+        table = read_text(path)
+        table.refuse_unknown(units, ())
+        columns = {name: table.numbers(name, units[name]) for name in table.values}
+    except MeasurementError as error:
+        raise SeriesError(path, [str(error)]) from error
+    if "time" in columns and not columns["time"].ndim:
+        raise SeriesError(path, ["time is one number; it must be a column."])
+    return xarray.Dataset(
+        {
+            name: (("time",) if values.ndim else (), values, {"units": units[name]})
+            for name, values in columns.items()
+        },
+        attrs=dict(table.words),
+    )
 
 
 def _error(data: xarray.Dataset, name: str, size: int, faults: list[str]) -> Array | None:

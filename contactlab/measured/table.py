@@ -72,7 +72,8 @@ class Table:
             place = f" in {self.places[rows[first]]}" if values.ndim else ""
             cell = np.atleast_1d(given)[first]
             told = "is empty" if cell == "" else f"is '{cell}', which is no number that can be measured"
-            way_out = " Complete it, or flag the impact in the column 'flag'." if values.ndim else ""
+            leave = "leave the row out" if chosen is None else "flag the impact in the column 'flag'"
+            way_out = f" Complete it, or {leave}." if values.ndim else ""
             raise MeasurementError(f"{name} {told}{place}; it must be a number.{way_out}")
         return found if scale == 1.0 else found * scale
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from contactlab.fitting.resampling import LEVEL, RESAMPLES, Resampled, resampled
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.repeats import copies_warning
 from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.validation.outcome import BASELINE, COMPLIANT, END, FLOOR, RIGID, digest_of
 from contactlab.validation.ranking import groups_of, sentences
@@ -137,6 +138,7 @@ def _attributes(impacts: MeasuredImpacts, folds: int, seed: int) -> dict[str, ob
         "data_digest": digest_of(impacts),
         "data_notes": "\n".join(impacts.notes),
         "left_out": impacts.left_out,
+        "copies": copies_warning(impacts),
         "folds": folds,
         "seed": seed,
         "resamples": RESAMPLES,

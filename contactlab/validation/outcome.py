@@ -30,6 +30,8 @@ def digest_of(impacts: MeasuredImpacts) -> str:
     arrays = (impacts.delassus, impacts.velocity_before, impacts.velocity_after, impacts.kinetic_energy)
     for array in (*arrays, impacts.outside, impacts.covariance, impacts.number):
         said.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
+    if impacts.measurement is not None:
+        said.update(b"measurement" + impacts.measurement.astype(np.int64).tobytes())
     return said.hexdigest()
 
 

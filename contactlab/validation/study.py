@@ -8,6 +8,7 @@ import xarray
 
 from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.repeats import measurements
 from contactlab.processes import processors
 from contactlab.validation import outcome
 from contactlab.validation.candidates import Probed, probed, usual_laws
@@ -47,9 +48,10 @@ def study(
 ) -> xarray.Dataset:
     """Judge laws by impacts that they were not fitted to.
 
-    Every impact is held out once. A law is fitted to the other folds and predicts it; its error is that of
-    `MeasuredImpacts.errors`. The frictionless law and the best constant impulse are treated alike. The floors
-    are the errors of the best impulse of each impact, admissible or any.
+    Every impact is held out once, equal rows and repeats of one measurement together. A law is fitted to
+    the other folds and predicts it; its error is that of `MeasuredImpacts.errors`. The frictionless law and
+    the best constant impulse are treated alike. The floors are the errors of the best impulse of each
+    impact, admissible or any.
 
     Args:
         impacts: what was measured.
@@ -92,7 +94,7 @@ def study(
         if path := paths[at]:
             outcome.write(found[at], path)
 
-    fold = folds_of(len(impacts), folds, seed)
+    fold = folds_of(measurements(impacts), folds, seed)
     chosen = [known[at].model for at in left]
     perform(chosen, impacts, fold, seed, workers or processors(), done, advance)
     best = {ADMISSIBLE: best_admissible_impulses(impacts), FREE_IMPULSE: best_impulses(impacts)}
@@ -117,9 +119,11 @@ def _check_count(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) 
     """Refuse too few impacts."""
     most = max(models, key=lambda model: len(model.free))
     least = folds * max(len(most.free), 1)
-    if len(impacts) < least:
+    count = int(measurements(impacts).max(initial=-1)) + 1
+    if count < least:
+        kind = "impacts" if count == len(impacts) else f"different measurements among {len(impacts)} impacts"
         raise ValidationError(
-            f"There are {len(impacts)} impacts; {folds} folds and the {len(most.free)} free parameters of "
+            f"There are {count} {kind}; {folds} folds and the {len(most.free)} free parameters of "
             f"{most.label} need {least} at least. Measure more, hold parameters by law.NAME=VALUE, or take "
             "fewer folds."
         )

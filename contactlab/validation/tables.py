@@ -100,8 +100,8 @@ def order(data: xarray.Dataset) -> list[str]:
 
 
 def warnings(data: xarray.Dataset) -> list[str]:
-    """Say of every law what of it the data do not determine, and where it had no answer."""
-    said = []
+    """Return what limits the result: copied rows, undetermined parameters, impacts without an answer."""
+    said = [copies] if (copies := data.attrs.get("copies")) else []
     for label in map(str, data["law"].values):
         here = data.sel(law=label)
         if names := here["cannot_tell"].item():

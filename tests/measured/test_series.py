@@ -5,7 +5,9 @@ import pytest
 import xarray
 
 import contactlab as cl
-from contactlab.measured.series import chosen_names, read_series, write_series
+from contactlab.fitting.fit import read
+from contactlab.measured.files import MeasurementError, read_impacts
+from contactlab.measured.series import SeriesError, chosen_names, read_series, write_series
 
 
 def written(tmp_path, change=lambda data: data):
@@ -129,3 +131,62 @@ def test_every_fault_of_a_file_is_told_and_what_is_no_netcdf_too(tmp_path):
         read_series(tmp_path / "text.nc")
     with pytest.raises(ValueError, match="Did you mean gap"):
         chosen_names("gapp")
+
+
+ROWS = "".join(f"{at},{-10 * at},{at / 4}\n" for at in range(10))
+
+
+def text(tmp_path, content):
+    """A CSV file of series."""
+    path = tmp_path / "series.csv"
+    path.write_text(content)
+    return path
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_series_in_csv_is_read_with_its_units_converted(tmp_path, separator):
+    head = "# title: ours\n# rotor_velocity_error: 3 rpm\ntime [ms],rotor_velocity [rpm],gap [um]\n"
+    found = read(text(tmp_path, (head + ROWS).replace(",", separator)))
+
+    np.testing.assert_allclose(found.time, np.arange(10) * 1e-3, rtol=1e-15)
+    np.testing.assert_allclose(found.values["rotor_velocity"], -np.arange(10) * np.pi / 3, rtol=1e-15)
+    np.testing.assert_allclose(found.values["gap"], np.arange(10) * 0.25e-6, rtol=1e-15)
+    np.testing.assert_allclose(found.errors["rotor_velocity"], np.full(10, 0.1 * np.pi), rtol=1e-15)
+    assert (found.attributes, len(found.digest)) == ({"title": "ours"}, 64)
+
+
+def test_a_series_is_the_same_from_csv_and_from_netcdf(tmp_path):
+    first = read(text(tmp_path, "time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS))
+    write_series(first, tmp_path / "series.nc")
+    second = read(tmp_path / "series.nc")
+
+    assert second.time.tobytes() == first.time.tobytes()
+    assert {name: each.tobytes() for name, each in second.values.items()} == {
+        name: each.tobytes() for name, each in first.values.items()
+    }
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [
+        ("time [s],rotor_velocity [kg],gap [m]\n" + ROWS, "rotor_velocity"),
+        ("time [s],rotor_velocity,gap [m]\n" + ROWS, "rotor_velocity"),
+        ("time [s],rotor_velocty [rad/s],gap [m]\n" + ROWS, "Did you mean rotor_velocity"),
+        ("rotor_velocity [rad/s],gap [m],gap_error [m]\n" + ROWS, "time"),
+        ("time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS + "5,1,1\n", "increase"),
+        ("time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS + "10,,1\n", "empty in line 12"),
+        ("time [s],rotor_velocity [rad/s],gap [m]\n1,2,3\n", "1 times"),
+        ("# time: 1 s\nrotor_velocity [rad/s],gap [m]\n1,2\n3,4\n", "time"),
+    ],
+)
+def test_a_bad_series_in_csv_is_refused_as_a_series(tmp_path, content, named):
+    with pytest.raises(SeriesError, match=r"series\.csv': ") as refused:
+        read(text(tmp_path, content))
+
+    assert named in str(refused.value)
+
+
+def test_series_where_impacts_are_wanted_are_refused_with_the_columns(tmp_path):
+    path = text(tmp_path, "time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS)
+    with pytest.raises(MeasurementError, match="rotor_velocity, gap"):
+        read_impacts(path)

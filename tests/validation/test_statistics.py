@@ -11,11 +11,27 @@ from contactlab.validation.residuals import binned
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
-    fold = folds_of(103, 5, seed=4)
+    fold = folds_of(np.arange(103), 5, seed=4)
 
     assert sorted(np.bincount(fold)) == [20, 20, 21, 21, 21]
-    assert (fold == folds_of(103, 5, seed=4)).all()
-    assert (fold != folds_of(103, 5, seed=5)).any()
+    assert (fold == folds_of(np.arange(103), 5, seed=4)).all()
+    assert (fold != folds_of(np.arange(103), 5, seed=5)).any()
+
+
+@pytest.mark.parametrize(("impacts", "folds", "seed"), [(103, 5, 4), (7, 3, 0), (1718, 5, 2)])
+def test_impacts_without_repeats_are_dealt_out_one_by_one(impacts, folds, seed):
+    dealt = np.empty(impacts, dtype=np.int64)
+    dealt[np.random.default_rng([seed, folds]).permutation(impacts)] = np.arange(impacts) % folds
+
+    assert (folds_of(np.arange(impacts), folds, seed) == dealt).all()
+
+
+def test_repeats_of_one_measurement_stay_in_one_fold_of_even_parts():
+    measurement = np.repeat(np.arange(30), np.arange(30) % 4 + 1)
+    fold = folds_of(measurement, 5, seed=1)
+
+    assert all(len(set(fold[measurement == each])) == 1 for each in range(30))
+    assert np.ptp(np.bincount(fold, minlength=5)) <= 4
 
 
 def test_an_interval_is_that_of_an_independent_bootstrap():

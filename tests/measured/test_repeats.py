@@ -1,0 +1,122 @@
+"""Claims on repeated rows of measured impacts: copies are counted and belong to one measurement."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.measured_impacts import drawn_bodies, drawn_impacts
+from support.struck_discs import struck_discs
+
+import contactlab as cl
+from contactlab.cli import fit as fit_verb
+from contactlab.fitting.fit import read
+from contactlab.measured.files import MeasurementError, read_impacts, write_impacts
+from contactlab.measured.repeats import copies_warning, measurements
+from contactlab.validation import tables
+from contactlab.validation.models import LawModel
+from contactlab.validation.outcome import digest_of
+from contactlab.validation.study import ValidationError, study
+
+NEWTON = LawModel.of(cl.Newton(), {"restitution": None, "friction_coefficient": None})
+
+
+def copied(impacts, times):
+    """Every impact several times, with numbers of their own."""
+    many = impacts.part(np.tile(np.arange(len(impacts)), times))
+    return replace(many, number=np.arange(1, len(many) + 1))
+
+
+def test_impacts_without_copies_are_each_a_measurement_of_its_own():
+    impacts = drawn_impacts(50, seed=0, covariance=True)
+
+    assert measurements(impacts).tolist() == list(range(50))
+    assert copies_warning(impacts) == ""
+
+
+def test_copies_are_counted_and_belong_to_one_measurement():
+    impacts = copied(drawn_impacts(50, seed=0, covariance=True), 5)
+
+    assert measurements(impacts).tolist() == list(range(50)) * 5
+    assert copies_warning(impacts).startswith("200 of 250 ")
+
+
+def test_a_difference_in_the_last_bit_is_no_copy():
+    impacts = copied(drawn_impacts(10, seed=0), 2)
+    after = impacts.velocity_after.copy()
+    after[13, 1] = np.nextafter(after[13, 1], np.inf)
+
+    assert copies_warning(replace(impacts, velocity_after=after)).startswith("9 of 20 ")
+
+
+def test_labels_unite_and_copies_unite_labels():
+    impacts = replace(drawn_impacts(6, seed=1), measurement=np.array([7, 7, 3, 3, 9, -2]))
+    assert measurements(impacts).tolist() == [0, 0, 1, 1, 2, 3]
+    assert copies_warning(impacts) == ""
+    # The fifth repeats the first: 7 and 9 are one.
+    places = np.array([0, 1, 2, 3, 0, 5])
+    united = replace(impacts.part(places), measurement=impacts.measurement)
+    assert measurements(united).tolist() == [0, 0, 1, 1, 0, 2]
+
+
+@pytest.mark.parametrize("ending", ["csv", "nc"])
+def test_labels_are_written_and_read_again(tmp_path, ending):
+    impacts = replace(drawn_impacts(8, seed=1), measurement=np.array([1, 1, 2, 2, 3, 3, 4, 4]))
+    impacts = impacts.part(impacts.velocity_after[:, 0] > 0.0)
+    write_impacts(impacts, tmp_path / f"data.{ending}")
+    found = read_impacts(tmp_path / f"data.{ending}")
+
+    assert found.measurement.tolist() == impacts.measurement.tolist()
+    assert digest_of(found) != digest_of(replace(found, measurement=None))
+
+
+def test_rows_of_a_file_of_bodies_that_are_copied_are_found_and_labels_must_be_whole(tmp_path):
+    bodies = drawn_bodies(20, seed=3)
+    names = ("x", "y", "angle")
+    head = [f"before_{each} [{'rad/s' if each == 'angle' else 'm/s'}]" for each in names]
+    head += [each.replace("before", "after") for each in head] + ["normal_angle [m]", "tangential_angle [m]"]
+    shared = "".join(f"# {each}\n" for each in (
+        "mass_x: 40 g", "mass_y: 40 g", "mass_angle: 1.7e-5 kg m^2",
+        "normal_x: 0", "normal_y: 1", "tangential_x: 1", "tangential_y: 0",
+    ))  # fmt: skip
+    rows = np.column_stack([bodies.before, bodies.after, bodies.normal[:, 2], bodies.tangential[:, 2]])
+    lines = [",".join(map(repr, row)) for row in rows.tolist()]
+    path = tmp_path / "bodies.csv"
+    path.write_text(shared + "\n".join([",".join(head), *lines * 5]))
+    found = read_impacts(path)
+
+    assert copies_warning(found).startswith("80 of 100 ")
+    assert measurements(found).tolist() == list(range(20)) * 5
+    labelled = [f"{line},{at // 2 + (0.5 if at == 3 else 0)}" for at, line in enumerate(lines)]
+    path.write_text(shared + "\n".join([",".join([*head, "measurement"]), *labelled]))
+    with pytest.raises(MeasurementError, match="measurement"):
+        read_impacts(path)
+
+
+def test_a_study_holds_copies_and_repeats_out_together_and_warns_of_copies():
+    impacts = struck_discs(cl.Newton(0.5, 0.2), 40, seed=0, spread=0.02)
+    many = study(copied(impacts, 5), [NEWTON], workers=1)
+    fold = many["fold"].values.reshape(5, 40)
+
+    assert (fold == fold[0]).all()
+    assert any("160 of 200 " in one for one in tables.warnings(many))
+    labelled = replace(impacts, measurement=np.arange(40) // 4)
+    repeats = study(labelled, [NEWTON], workers=1)
+    fold = repeats["fold"].values.reshape(10, 4)
+    assert (fold == fold[:, :1]).all()
+    assert not any("equal an earlier one" in one for one in tables.warnings(repeats))
+
+
+def test_copies_do_not_make_enough_impacts():
+    with pytest.raises(ValidationError):
+        study(copied(struck_discs(cl.Newton(0.5, 0.2), 9, seed=0), 5), [NEWTON], workers=1)
+
+
+def test_the_fit_verb_warns_of_copies(tmp_path, capsys, monkeypatch):
+    impacts = copied(struck_discs(cl.Newton(0.5, 0.2), 10, seed=0, spread=0.02), 2)
+    write_impacts(impacts, tmp_path / "data.csv")
+    assert measurements(read(tmp_path / "data.csv")).max() == 9
+    monkeypatch.setattr(fit_verb, "_answered", lambda *_: 1 / 0)
+
+    with pytest.raises(ZeroDivisionError):
+        fit_verb.main([str(tmp_path / "data.csv"), "law=newton", "--output", str(tmp_path / "out")])
+    assert "10 of 20 impacts" in capsys.readouterr().err
