@@ -1,16 +1,23 @@
 """The published impacts of an ellipse, which lie beside the project or not at all."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas
 import pytest
 import scipy.io
+from scipy.optimize import minimize
 from support.measurements import ELLIPSES
 
+from contactlab.fitting.likelihood import approach_scale
 from contactlab.measured.ellipses import AXES, MASS, read_ellipses
 from contactlab.measured.files import read_impacts
+from contactlab.measured.floors import with_constant_impulse
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.validation.candidates import usual_laws
+from contactlab.validation.folds import folds_of
+from contactlab.validation.models import LawModel
 
 pytestmark = pytest.mark.skipif(
     not ELLIPSES.is_file(),
@@ -80,3 +87,86 @@ def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_t
         assert found.left_out == ellipses.left_out
         for name in ("delassus", "velocity_before", "velocity_after", "kinetic_energy", "outside", "number"):
             assert getattr(found, name) == pytest.approx(getattr(ellipses, name), rel=1e-9, abs=1e-12), name
+
+
+def _usual(name: str) -> tuple[LawModel, Callable[[float, float], np.ndarray]]:
+    """A rigid law, and its parameters from restitution and friction coefficient."""
+    model = next(one for one in usual_laws() if one.label == name)
+    places = [one.name for one in model.free]
+    return model, lambda e, mu: np.array([{"restitution": e, "friction_coefficient": mu}[n] for n in places])
+
+
+@pytest.mark.parametrize(("scale", "power", "expected"), [("body", 1, 0.1707), ("contact", 2, 0.1666)])
+def test_poissons_friction_coefficient_depends_on_what_is_minimised(
+    ellipses: MeasuredImpacts, scale: str, power: int, expected: float
+) -> None:
+    """Mean error as in measurements.md; mean square over the contact's approach as in fitting.md."""
+    model, values = _usual("poisson")
+    approach = approach_scale(ellipses.delassus, ellipses.velocity_before)
+    # What no impulse reaches is no function of the parameters: it does not move the optimum of the squares.
+    weight = 1.0 if scale == "body" else np.sqrt(2.0 * ellipses.kinetic_energy / approach)
+
+    def misfit(x: np.ndarray) -> float:
+        errors = ellipses.errors(model.after(values(*x), ellipses)) * weight
+        return float((errors**power).mean())
+
+    found = minimize(misfit, [0.54, 0.17], method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-10})
+    assert found.x[1] == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses: MeasuredImpacts) -> None:
+    def fixed(p: np.ndarray) -> np.ndarray:
+        return ellipses.velocity_before + np.einsum("nij,j->ni", ellipses.delassus, p)
+
+    fold = folds_of(np.arange(len(ellipses)), 5, 0)
+    for expected, after in ((0.2815, fixed), (0.2846, lambda p: with_constant_impulse(ellipses, p))):
+        errors = np.empty(len(ellipses))
+        for held in range(5):
+            fitted = fold != held
+            found = min(
+                (
+                    minimize(
+                        lambda p, m=after, f=fitted: ellipses.errors(m(p))[f].mean(), s, method="Nelder-Mead"
+                    )
+                    for s in ([0.13, 0.01], [0.13, -0.01])
+                ),
+                key=lambda one: one.fun,
+            )
+            errors[~fitted] = ellipses.errors(after(found.x))[~fitted]
+        assert errors.mean() == pytest.approx(expected, abs=5e-4)
+
+
+@pytest.mark.parametrize(("name", "slip", "incidence"), [("newton", 63, 54), ("poisson", 57, 47)])
+def test_a_restitution_of_slip_or_incidence_gains_less_than_tangential_compliance(
+    ellipses: MeasuredImpacts, name: str, slip: int, incidence: int
+) -> None:
+    """Held-out gain of a restitution that is free in eight ranges [1e-4], on a grid of parameters."""
+    model, values = _usual(name)
+    before = np.abs(ellipses.velocity_before)
+    angle = np.arctan2(before[:, 1], before[:, 0])
+    assert np.degrees(angle.max()) == pytest.approx(30.7, abs=0.05)
+    errors = np.array(
+        [
+            [ellipses.errors(model.after(values(e, mu), ellipses)) for mu in np.arange(0.155, 0.195, 0.001)]
+            for e in np.arange(0.44, 0.62, 0.0025)
+        ]
+    )
+    fold = folds_of(np.arange(len(ellipses)), 5, 0)
+
+    def held_out(part: np.ndarray) -> float:
+        found = np.empty(len(ellipses))
+        for held in range(5):
+            sums = [errors[:, :, (fold != held) & (part == k)].sum(axis=2) for k in range(part.max() + 1)]
+            mu = int(np.sum([one.min(axis=0) for one in sums], axis=0).argmin())
+            for k, one in enumerate(sums):
+                here = (fold == held) & (part == k)
+                found[here] = errors[one[:, mu].argmin(), mu, here]
+        return float(found.mean())
+
+    def eighths(of: np.ndarray) -> np.ndarray:
+        return np.searchsorted(np.quantile(of, np.arange(1, 8) / 8), of, side="right")
+
+    whole = held_out(np.zeros(len(ellipses), dtype=int))
+    gains = [1e4 * (whole - held_out(eighths(of))) for of in (before[:, 1], angle)]
+    assert gains == pytest.approx([slip, incidence], abs=1.0)
+    assert max(gains) < 0.5 * 145
