@@ -93,6 +93,7 @@ from contactlab.orbits import (
     NoPeriodError as NoPeriodError,
     NotSettledError as NotSettledError,
     Steady as Steady,
+    UnboundedError as UnboundedError,
     attractors as attractors,
     basins as basins,
     branch as branch,
