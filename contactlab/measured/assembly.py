@@ -1,6 +1,6 @@
 """From a table of measurements to the impacts that a contact law is asked: complete, in SI and consistent."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -46,7 +46,7 @@ def assemble(table: Table, title: str) -> MeasuredImpacts:
     check_approach(given.before[:, 0], given.after[:, 0], places, reading.sign_of_normal)
     kinetic, outside = _energies(reading, given)
     notes += told_energies(given.before, given.after, given.delassus)
-    return MeasuredImpacts(
+    impacts = MeasuredImpacts(
         given.delassus,
         given.before,
         given.after,
@@ -60,6 +60,32 @@ def assemble(table: Table, title: str) -> MeasuredImpacts:
         reading.number(),
         # What is noted in a file that was written from impacts is found again.
         tuple(dict.fromkeys(notes)),
+    )
+    repeated = reading.option(columns.REPEATED)
+    return impacts if repeated is None else _averaged(impacts, repeated)
+
+
+def _averaged(impacts: MeasuredImpacts, repeated: Array) -> MeasuredImpacts:
+    """Average the rows that measure the same impact; their errors are independent."""
+    _, first, same, count = np.unique(repeated, return_index=True, return_inverse=True, return_counts=True)
+
+    def mean(values: Array) -> Array:
+        total = np.zeros((count.size, *values.shape[1:]))
+        np.add.at(total, same, values)
+        return total / count.reshape(-1, *[1] * (values.ndim - 1))
+
+    covariance = impacts.covariance
+    note = f"{len(impacts)} rows measure {count.size} impacts, and those of one impact are averaged."
+    return replace(
+        impacts,
+        delassus=mean(impacts.delassus),
+        velocity_before=mean(impacts.velocity_before),
+        velocity_after=mean(impacts.velocity_after),
+        kinetic_energy=mean(impacts.kinetic_energy),
+        outside=mean(impacts.outside),
+        covariance=None if covariance is None else mean(covariance) / count[:, None, None],
+        number=impacts.number[first],
+        notes=(*impacts.notes, note),
     )
 
 

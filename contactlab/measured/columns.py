@@ -87,12 +87,15 @@ OUTSIDE: Final = Column(
 )
 FLAG: Final = Column("flag", ("1",), "not 0: the impact is left out; also `flag_` and any word")
 IMPACT: Final = Column("impact", ("1",), "its number, whole; from 1 on where not given")
+REPEATED: Final = Column(
+    "repeated", ("1",), "number of an impact that several rows measure: rows of one number are averaged"
+)
 LEFT_OUT: Final = Column("left_out", ("1",), "how many impacts were left out before the file was written")
 
 BODY_COLUMNS: Final = (BEFORE, AFTER, MASS, COUPLING, NORMAL, TANGENTIAL)
 CONTACT_COLUMNS: Final = (BEFORE, AFTER, *DELASSUS, KINETIC_ENERGY, OUTSIDE)
 ERROR_COLUMNS: Final = (ERROR_BEFORE, ERROR_AFTER, COVARIANCE_BEFORE, COVARIANCE_AFTER)
-OTHER_COLUMNS: Final = (FLAG, IMPACT, LEFT_OUT)
+OTHER_COLUMNS: Final = (FLAG, IMPACT, REPEATED, LEFT_OUT)
 
 WORDS: Final = {
     "title": "what was measured",

@@ -111,6 +111,28 @@ class MeasuredImpacts:
         inside = np.einsum("ni,ni->n", missed, np.linalg.solve(self.delassus, missed[..., None])[..., 0])
         return np.asarray(np.sqrt((inside + 2.0 * self.outside) / (2.0 * self.kinetic_energy)))
 
+    def groups(self) -> NDArray[np.int64]:
+        """Return the group of equal impacts that each belongs to, from 0 in order, shape (impact,).
+
+        Two impacts are equal where Delassus matrix and velocities before and after have the same bits.
+        """
+        flat = np.hstack([self.delassus.reshape(len(self), -1), self.velocity_before, self.velocity_after])
+        place: dict[bytes, int] = {}
+        # Adding zero removes the sign of a zero.
+        rows = [place.setdefault(row.tobytes(), len(place)) for row in flat + 0.0]
+        return np.array(rows, dtype=np.int64)
+
+    def duplicates(self) -> str:
+        """Warn of rows that occur more than once, in a sentence; empty where all are different."""
+        copies = len(self) - len({*self.groups().tolist()})
+        if not copies:
+            return ""
+        return (
+            f"Warning: {copies} of {len(self)} impacts are copies of others, bit by bit, and count as "
+            "independent evidence: intervals are too narrow. Leave copies out, or number the rows of one impact alike in "
+            "the column repeated, which averages them."
+        )
+
     def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Self:
         """Give some of the impacts: a mask, or the places of those that are chosen, shape (any,)."""
         return replace(

@@ -198,6 +198,12 @@ def _coordinates(table: Table) -> dict[str, bool]:
             coordinate = name.removeprefix(start)
             if name.startswith(start) and COORDINATE.fullmatch(coordinate) and coordinate not in found:
                 found[coordinate] = _is_angle(table, name)
+    if not found and "time" in table.values:
+        raise MeasurementError(
+            "it has time and no velocities before and after impacts: it is a series, and impacts are needed "
+            "here. `contactlab fit` takes series, as netCDF or CSV with time [s] and any series of a motor "
+            "over it; see docs/fitting.md."
+        )
     if not found:
         raise MeasurementError(
             f"it has no velocities, only {', '.join(map(repr, table.values)) or 'no columns'}; it must have "

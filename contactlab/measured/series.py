@@ -1,4 +1,4 @@
-"""Measured series of a motor, from a netCDF file that is laid out as a run's, or is a run's.
+"""Measured series of a motor, from a netCDF file that is laid out as a run's, or is a run's, or from CSV.
 
     time                       s since the drive was switched on, the motor at rest until then; increasing
     rotor_velocity, gap, ...   any of `MEASURABLE`, over time, each with its `units`
@@ -20,6 +20,9 @@ import yaml
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.quantity import UnitError, to_si
+from contactlab.measured.csv_files import read_csv
+from contactlab.measured.faults import MeasurementError
+from contactlab.measured.table import Table
 from contactlab.parameter import from_cf
 from contactlab.results.files import damage, digest_of_file, whole_netcdf
 from contactlab.suggestion import suggestion
@@ -145,8 +148,13 @@ def read_series(path: Path) -> MeasuredSeries:
     if words := damage(path):
         raise SeriesError(path, [words])
     try:
-        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
-            data = opened.load()
+        if csv_names(path):
+            data = _of_table(read_csv(path.read_text(encoding="utf-8-sig")))
+        else:
+            with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
+                data = opened.load()
+    except MeasurementError as error:
+        raise SeriesError(path, [str(error)]) from error
     except (OSError, ValueError, RuntimeError) as error:
         if isinstance(error, FileNotFoundError | PermissionError):
             raise
@@ -174,6 +182,26 @@ def read_series(path: Path) -> MeasuredSeries:
         {name: column for name, column in each.items() if column is not None} for each in (columns, errors)
     )
     return MeasuredSeries(time, values, deviations, configuration, attributes, digest_of_file(path))
+
+
+def csv_names(path: Path) -> list[str]:
+    """Return the columns of a table of series in CSV; none where the file is anything else."""
+    try:
+        names = [*read_csv(path.read_text(encoding="utf-8-sig")).values]
+    except (MeasurementError, UnicodeDecodeError):
+        return []
+    return names if "time" in names else []
+
+
+def _of_table(table: Table) -> xarray.Dataset:
+    """Return the columns of a table that belong to series; others are refused."""
+    table.refuse_unknown(["time", *MEASURABLE, *(f"{name}{ERROR}" for name in MEASURABLE)], [])
+    data = xarray.Dataset(attrs=dict(table.words))
+    for name in table.values:
+        units = "s" if name == "time" else MEASURABLE[name.removesuffix(ERROR)].units
+        numbers = table.numbers(name, units)
+        data[name] = (("time",) if numbers.ndim else (), numbers, {"units": units})
+    return data
 
 
 def _error(data: xarray.Dataset, name: str, size: int, faults: list[str]) -> Array | None:

@@ -92,7 +92,7 @@ def study(
         if path := paths[at]:
             outcome.write(found[at], path)
 
-    fold = folds_of(len(impacts), folds, seed)
+    fold = folds_of(impacts.groups(), folds, seed)
     chosen = [known[at].model for at in left]
     perform(chosen, impacts, fold, seed, workers or processors(), done, advance)
     best = {ADMISSIBLE: best_admissible_impulses(impacts), FREE_IMPULSE: best_impulses(impacts)}
@@ -117,10 +117,11 @@ def _check_count(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) 
     """Refuse too few impacts."""
     most = max(models, key=lambda model: len(model.free))
     least = folds * max(len(most.free), 1)
-    if len(impacts) < least:
+    different = int(impacts.groups().max(initial=-1)) + 1
+    if different < least:
         raise ValidationError(
-            f"There are {len(impacts)} impacts; {folds} folds and the {len(most.free)} free parameters of "
-            f"{most.label} need {least} at least. Measure more, hold parameters by law.NAME=VALUE, or take "
+            f"There are {different} different impacts; {folds} folds and the {len(most.free)} free parameters "
+            f"of {most.label} need {least} at least. Measure more, hold parameters by law.NAME=VALUE, or take "
             "fewer folds."
         )
 

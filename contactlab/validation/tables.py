@@ -101,7 +101,7 @@ def order(data: xarray.Dataset) -> list[str]:
 
 def warnings(data: xarray.Dataset) -> list[str]:
     """Say of every law what of it the data do not determine, and where it had no answer."""
-    said = []
+    said = [data.attrs["duplicates"]] if data.attrs.get("duplicates") else []
     for label in map(str, data["law"].values):
         here = data.sel(law=label)
         if names := here["cannot_tell"].item():

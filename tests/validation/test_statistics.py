@@ -11,11 +11,19 @@ from contactlab.validation.residuals import binned
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
-    fold = folds_of(103, 5, seed=4)
+    fold = folds_of(np.arange(103), 5, seed=4)
 
     assert sorted(np.bincount(fold)) == [20, 20, 21, 21, 21]
-    assert (fold == folds_of(103, 5, seed=4)).all()
-    assert (fold != folds_of(103, 5, seed=5)).any()
+    assert (fold == folds_of(np.arange(103), 5, seed=4)).all()
+    assert (fold != folds_of(np.arange(103), 5, seed=5)).any()
+
+
+def test_equal_rows_stay_in_one_fold_and_others_are_dealt_as_before():
+    same = np.repeat(np.arange(20), 5)
+    fold = folds_of(same, 5, seed=4)
+
+    assert all(len(set(fold[same == group])) == 1 for group in range(20))
+    assert (fold[::5] == folds_of(np.arange(20), 5, seed=4)).all()
 
 
 def test_an_interval_is_that_of_an_independent_bootstrap():
