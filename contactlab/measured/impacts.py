@@ -129,8 +129,8 @@ class MeasuredImpacts:
             return ""
         return (
             f"Warning: {copies} of {len(self)} impacts are copies of others, bit by bit, and count as "
-            "independent evidence: intervals are too narrow. Leave copies out, or number the rows of one impact alike in "
-            "the column repeated, which averages them."
+            "independent evidence: intervals are too narrow. Leave copies out, or number the rows of one "
+            "impact alike in the column repeated, which averages them."
         )
 
     def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Self:

@@ -120,9 +120,9 @@ def _check_count(impacts: MeasuredImpacts, models: Sequence[Model], folds: int) 
     different = int(impacts.groups().max(initial=-1)) + 1
     if different < least:
         raise ValidationError(
-            f"There are {different} different impacts; {folds} folds and the {len(most.free)} free parameters "
-            f"of {most.label} need {least} at least. Measure more, hold parameters by law.NAME=VALUE, or take "
-            "fewer folds."
+            f"There are {different} different impacts; {folds} folds and the {len(most.free)} free "
+            f"parameters of {most.label} need {least} at least. Measure more, hold parameters by "
+            "law.NAME=VALUE, or take fewer folds."
         )
 
 

@@ -252,6 +252,7 @@ def fitted(data, tmp_path, *words):
     return found
 
 
+@pytest.mark.long
 def test_every_law_of_a_race_has_its_own_free_numbers_and_a_composed_one_stands_beside_others(
     impacts, tmp_path
 ):
