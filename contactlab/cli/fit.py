@@ -3,6 +3,7 @@
 import sys
 from argparse import Namespace
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -63,6 +64,12 @@ def main(arguments: list[str]) -> int:
         help="whether the laws may be wrong, by an amount that is found; both says by the evidence whether "
         "that is needed; default: %(default)s",
     )
+    parser.add_argument(
+        "--student",
+        metavar="NU",
+        help="Student-t noise with NU degrees of freedom, which outliers do not mislead; 'free' finds NU; "
+        "default: normal noise",
+    )
     parser.add_argument("--series", metavar="A,B", help="which series of the data; default: all")
     parser.add_argument(
         "--points", type=int, default=POINTS, metavar="N", help="live points; default: %(default)s"
@@ -116,6 +123,10 @@ def _check(parser: Parser, given: Namespace) -> None:
 
 def _check_kind(parser: Parser, given: Namespace) -> None:
     """Refuse what does not belong to a fit, or to data that are made."""
+    if given.synthetic and given.student:
+        parser.error("--student is of a fit, and --synthetic makes data; leave one out")
+    if given.student not in (None, "free") and not 0.0 < _number(given.student) < inf:
+        parser.error(f"--student is {given.student}, it must be a number greater than 0, or 'free'")
     if given.synthetic and given.discrepancy != "off":
         parser.error("--discrepancy is of a fit, and --synthetic makes data; leave one out")
     if not given.synthetic and (not given.words or "=" in given.words[0]):
@@ -154,7 +165,9 @@ def _fit(given: Namespace) -> int:
         refuse_of_motor(words)
         if warning := copies_warning(data):
             tell(warning, sys.stderr)
-    questions = pose(_chosen(data, given), sorted_words(words), given.discrepancy, path.name, digest)
+    tails = inf if given.student is None else None if given.student == "free" else float(given.student)
+    chosen = _chosen(data, given)
+    questions = pose(chosen, sorted_words(words), given.discrepancy, path.name, digest, tails)
     try:
         output.mkdir(parents=True, exist_ok=True)
         for left in left_of_others(output, questions, given.points, given.seed):
@@ -209,7 +222,9 @@ def _chosen(data: "Data", given: Namespace) -> "Data":
 def _make(given: Namespace) -> int:
     from contactlab.cli.idle_words import KEPT, LASTING, acting, refuse_idle, refuse_of_motor
     from contactlab.config import build
+    from contactlab.config.schema import FRICTION
     from contactlab.fitting.synthetic import made_impacts, made_series
+    from contactlab.fitting.words import LAW
     from contactlab.measured.files import write_impacts
     from contactlab.measured.series import chosen_names, write_series
 
@@ -237,6 +252,11 @@ def _make(given: Namespace) -> int:
     except OSError as error:
         raise unwritable(given.output, error) from error
     print(f"{said} under {setup.law.name}, with {noise:g} of noise: written to {place}.")
-    # The data tell their own times.
-    tell_next("fit", [str(place), *acting(given.words, *KEPT, *LASTING)], "finds the numbers again")
+    # The data contain their own times, and a number with a value would be fixed.
+    words = [
+        word
+        for word in acting(given.words, *KEPT, *LASTING)
+        if not word.startswith((f"{LAW}.", f"{FRICTION}="))
+    ]
+    tell_next("fit", [str(place), *words], "finds the numbers again")
     return COMPLETE

@@ -28,6 +28,12 @@ PREDICTED: Final = 250
 ENDS: Final = (0.05, 0.95)
 """Of the intervals, 90 %."""
 
+MIDDLE: Final = (0.25, 0.75)
+"""Of the intervals by which outliers are noticed, 50 %."""
+
+ERRORS: Final = 3.0
+"""Binomial errors by which the share of the data inside an interval may be off."""
+
 SAMPLED: Final = ("chain", "draw")
 
 UNINFORMED: Final = 0.95
@@ -67,7 +73,8 @@ class Answer:
         best: least squares, of law and motor alone; None where nothing of them is free.
         posterior: by nested sampling.
         truth: of made data, by name.
-        origin: what made it: data, digest, configuration.
+        origin: what made it: data, digest, configuration, likelihood; notes on the data.
+        numbers: which numbers of the law are free, fixed or absent, a sentence.
         draws: of equal weight, shape (draw, parameter).
         predictions, replicas: of the first draws, by name, shape (draw, ...); the second with noise.
         terms: log density of each datum under them.
@@ -79,6 +86,7 @@ class Answer:
     posterior: Posterior
     truth: Mapping[str, float]
     origin: Mapping[str, str]
+    numbers: str = ""
     draws: Array = field(init=False)
     predictions: dict[str, Array] = field(init=False)
     replicas: dict[str, Array] = field(init=False)
@@ -104,7 +112,7 @@ class Answer:
     @property
     def evidence(self) -> Evidence:
         """The logarithm of the evidence and its error."""
-        return Evidence(self.label, self.posterior.log_evidence, self.posterior.error)
+        return Evidence(self.label, self.posterior.log_evidence, self.posterior.error, self.covers)
 
     @property
     def file(self) -> str:
@@ -130,11 +138,21 @@ class Answer:
             for k, one in enumerate(self.model.free)
         ]
 
-    def predictive_share(self) -> float:
-        """Give the share of the data that lie in the 90 % intervals of their replicas [1]."""
+    @property
+    def covers(self) -> bool:
+        """Whether the 90 % intervals contain 90 % of the data within `ERRORS` binomial errors."""
+        return abs(self.predictive_share() - (ENDS[1] - ENDS[0])) <= ERRORS * self._binomial_error(ENDS)
+
+    def _binomial_error(self, ends: tuple[float, float]) -> float:
+        """Return the standard deviation of the share; both directions of an impact count once."""
+        level, count = ends[1] - ends[0], sum(len(one.values) for one in self.model.data)
+        return float(np.sqrt(level * (1.0 - level) / count))
+
+    def predictive_share(self, ends: tuple[float, float] = ENDS) -> float:
+        """Return the share of the data between two quantiles of their replicas, 90 % intervals as default."""
         inside = []
         for one in self.model.data:
-            low, high = np.quantile(self.replicas[one.name], ENDS, axis=0)
+            low, high = np.quantile(self.replicas[one.name], ends, axis=0)
             inside.append(((low <= one.values) & (one.values <= high)).ravel())
         return float(np.mean(np.concatenate(inside)))
 
@@ -146,7 +164,7 @@ class Answer:
 
     def sentences(self) -> list[str]:
         """Say what the search and the posterior found, and what they cannot tell."""
-        said = []
+        said = [self.numbers] if self.numbers else []
         if self.best is not None:
             count = self.best.costs.size
             said.append(f"Least squares: {self.best.hits} of {count} starts found the optimum.")
@@ -160,6 +178,7 @@ class Answer:
             f"{self.predictive_share():.1%} of the data lie in the 90 % intervals of what is predicted of "
             "them, noise included."
         )
+        said += self._misfit()
         for one, row in zip(self.model.free, self.rows(), strict=True):
             share = [one.to_unit(row.low), one.to_unit(row.high)]
             if share[1] - share[0] > UNINFORMED * (ENDS[1] - ENDS[0]):
@@ -173,6 +192,23 @@ class Answer:
                 f"Truth: {inside} of {len(known)} numbers that are known lie in their 90 % intervals."
             )
         return said
+
+    def _misfit(self) -> list[str]:
+        """Warn where the residuals are not those of the assumed noise."""
+        share, half = self.predictive_share(), self.predictive_share(MIDDLE)
+        error = self._binomial_error(ENDS)
+        if share < ENDS[1] - ENDS[0] - ERRORS * error:
+            return [
+                f"Warning: 90 % +- {error:.1%} of the data should lie there. The noise is understated or the "
+                "law does not explain the data, and the intervals of the numbers are too narrow. Try --noise "
+                "free, --discrepancy on or --student free."
+            ]
+        if not self.covers or half > 0.5 + ERRORS * self._binomial_error(MIDDLE):
+            return [
+                f"Warning: the 50 % intervals contain {half:.1%} of the data: the noise is overstated, or "
+                "outliers have widened it for all. Try --student free, whose tails hold outliers."
+            ]
+        return []
 
     def save(self, path: Path) -> None:
         """Write the posterior in ArviZ's layout, netCDF, whole or not at all.

@@ -2,7 +2,8 @@
 
 B = Z_1 / Z_2 is by how much the data change the odds of law 1 over law 2. Words of Jeffreys (1961), Theory
 of Probability, app. B: above 3 substantial, 10 strong, 30 very strong, 100 decisive. Evidence is of law and
-prior together: a range that is ten times as wide takes ln 10 from a parameter that the data determine.
+prior together: an even range that is ten times as wide takes ln 10 from a parameter that the data determine.
+Odds are stated only where the law with the larger evidence covers the data.
 """
 
 from collections.abc import Sequence
@@ -25,11 +26,12 @@ _WORDS: Final = (
 
 @final
 class Evidence(NamedTuple):
-    """The logarithm of the evidence of a law, and its error."""
+    """The logarithm of the evidence of a law, its error, and whether the law's predictions cover the data."""
 
     label: str
     log_evidence: float
     error: float
+    covers: bool = True
 
 
 def told(difference: float, error: float) -> str:
@@ -53,7 +55,14 @@ def sentences(evidences: Sequence[Evidence]) -> list[str]:
         difference = first.log_evidence - other.log_evidence
         error = hypot(first.error, other.error)
         shown = f"ln B = {difference:.1f} +- {error:.1g}"
-        if word := told(difference, error):
+        if not first.covers:
+            one_does = any(one.covers for one in evidences)
+            lack = "its predictions do not cover" if one_does else "the predictions of no law here cover"
+            said.append(
+                f"{first.label} has a larger evidence than {other.label} ({shown}), but {lack} the data: the "
+                "odds depend on a noise that the data do not have."
+            )
+        elif word := told(difference, error):
             odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"
             pair = f"{first.label} against {other.label}"
             said.append(f"The evidence for {pair} is {word}: odds of {odds} to 1 ({shown}).")

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
+from math import inf
 from pathlib import Path
 from typing import Final, Literal, final
 
@@ -19,12 +20,14 @@ from contactlab.fitting.least_squares import Fit, best_fit
 from contactlab.fitting.model import Model
 from contactlab.fitting.nested import POINTS, Posterior, sample
 from contactlab.fitting.page import page
+from contactlab.fitting.parameters import Free, label_of
 from contactlab.fitting.series_model import series_model
 from contactlab.fitting.synthetic import truth_in
-from contactlab.fitting.words import Words, free_keys, refuse_unknown, setups_of
+from contactlab.fitting.words import Words, free_keys, numbers_of, refuse_unknown, setups_of
 from contactlab.laws import PenaltyLaw
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.repeats import copies_warning
 from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series, text_names
 from contactlab.results.files import digest_of_file, whole_file
 from contactlab.results.provenance import UNKNOWN, code_digest
@@ -53,6 +56,7 @@ class Question:
     step: float | None
     truth: dict[str, float]
     origin: dict[str, str]
+    numbers: str
 
     def key(self, points: int, seed: int) -> str:
         """Tell this question from all others, code included: only what was begun of it is gone on with."""
@@ -75,7 +79,7 @@ def read(path: Path) -> Data:
     try:
         with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as data:
             names = {str(name) for name in data.variables}
-    # What is no netCDF may be another file of impacts.
+    # What is no netCDF may be a table in CSV.
     except (OSError, ValueError, RuntimeError) as error:
         if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
             raise
@@ -85,7 +89,14 @@ def read(path: Path) -> Data:
     return read_series(path) if names & {"time", *MEASURABLE} else read_impacts(path)
 
 
-def pose(data: Data, words: Words, discrepancy: Discrepancy, name: str, digest: str = "") -> list[Question]:
+def pose(
+    data: Data,
+    words: Words,
+    discrepancy: Discrepancy,
+    name: str,
+    digest: str = "",
+    degrees_of_freedom: float | None = inf,
+) -> list[Question]:
     """Pose the questions of a fit: a model for each law, twice where it is to be seen if the law suffices.
 
     Args:
@@ -94,6 +105,8 @@ def pose(data: Data, words: Words, discrepancy: Discrepancy, name: str, digest: 
         discrepancy: whether the laws may be wrong.
         name: of the data.
         digest: of their file.
+        degrees_of_freedom: of the Student-t distribution of the noise; infinite is the normal one, None is
+            free.
 
     Raises:
         ConfigurationError: with every fault.
@@ -108,22 +121,47 @@ def pose(data: Data, words: Words, discrepancy: Discrepancy, name: str, digest: 
     for setup in setups:
         for may_err in {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]:
             try:
-                questions.append(_question(data, setup, words, name, digest, may_err=may_err))
+                keys, fields = free_keys(setup, words, race=len(setups) > 1)
+                model, step = _model(data, setup, keys, fields, degrees_of_freedom, may_err=may_err)
+                known = truth_in(data, setup.law.name)
+                said = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
+                origin = {"data": name, "digest": digest, "configuration": said}
+                origin["likelihood"] = _likelihood(degrees_of_freedom)
+                if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
+                    origin["duplicates"] = copies
+                label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
+                truth = {one.name: known[one.name] for one in keys if one.name in known}
+                questions.append(Question(label, model, step, truth, origin, numbers_of(setup, words, keys)))
             except ConfigurationError as error:
                 faults += error.faults
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
-    if discrepancy == "both":
-        return questions
-    return [replace(one, label=one.model.law) for one in questions]
+    return questions
 
 
-def _question(data: Data, setup: Setup, words: Words, name: str, digest: str, *, may_err: bool) -> Question:
-    """Pose one question."""
-    keys, fields = free_keys(setup, words)
+def _likelihood(degrees_of_freedom: float | None) -> str:
+    """Name the distribution of the noise."""
+    if degrees_of_freedom == inf:
+        return "normal"
+    shown = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
+    return f"Student-t, degrees of freedom: {shown}"
+
+
+def _model(
+    data: Data,
+    setup: Setup,
+    keys: Sequence[Free],
+    fields: Sequence[Free],
+    degrees_of_freedom: float | None,
+    *,
+    may_err: bool,
+) -> tuple[Model, float | None]:
+    """Return the model of one law, and the step of its derivatives in the unit cube."""
     model: Model
     if isinstance(data, MeasuredSeries):
-        model = series_model(data, setup.configuration, keys, discrepancy=may_err)
+        model = series_model(
+            data, setup.configuration, keys, discrepancy=may_err, degrees_of_freedom=degrees_of_freedom
+        )
         step: float | None = STEP
     else:
         if len(fields) < len(keys):
@@ -131,17 +169,12 @@ def _question(data: Data, setup: Setup, words: Words, name: str, digest: str, *,
             sentence = f"{', '.join(others)} is of the motor, and impacts are of the law alone; leave it out."
             raise ConfigurationError([sentence])
         spread = may_err or data.covariance is None
-        model = ImpactModel(data, setup.law, fields, keys, spread)
+        model = ImpactModel(data, setup.law, tuple(fields), tuple(keys), spread, degrees_of_freedom)
         step = STEP if isinstance(setup.law, PenaltyLaw) else None
     if not model.free:
         words_of = f"Nothing is free under law={setup.law.name}; give a range, KEY=LOW..HIGH."
         raise ConfigurationError([words_of])
-    known = truth_in(data, setup.law.name)
-    said = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
-    origin = {"data": name, "digest": digest, "configuration": said}
-    label = f"{setup.law.name} + discrepancy" if may_err else setup.law.name
-    truth = {one.name: known[one.name] for one in keys if one.name in known}
-    return Question(label, model, step, truth, origin)
+    return model, step
 
 
 def _refuse_impacts(data: MeasuredImpacts, words: Words, discrepancy: Discrepancy) -> None:
@@ -195,7 +228,7 @@ def fit(
         found = sample(
             one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell, announce=announce
         )
-        answers.append(Answer(one.label, one.model, best, found, one.truth, one.origin))
+        answers.append(Answer(one.label, one.model, best, found, one.truth, one.origin, one.numbers))
     return answers
 
 

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.fitting.likelihood import approach_scale, impact_terms
-from contactlab.fitting.model import LARGEST, LOWEST, Measured
+from contactlab.fitting.likelihood import approach_scale, impact_terms, student_factor
+from contactlab.fitting.model import DEGREES_OF_FREEDOM, LARGEST, LOWEST, Measured
 from contactlab.fitting.parameters import Free, with_values
 from contactlab.impact import Impacts
 from contactlab.laws import ContactLaw
@@ -30,6 +31,8 @@ class ImpactModel:
         fields: what of the law is free, named by its fields.
         keys: the same, named by the keys of a configuration.
         spread: whether the law may be wrong, or the noise unknown.
+        degrees_of_freedom: of the Student-t distribution of the residuals; infinite is the normal one, None
+            is free.
     """
 
     measured: MeasuredImpacts
@@ -37,6 +40,7 @@ class ImpactModel:
     fields: tuple[Free, ...]
     keys: tuple[Free, ...]
     spread: bool
+    degrees_of_freedom: float | None = inf
     free: tuple[Free, ...] = field(init=False)
     scale: Array = field(init=False)
     covariance: Array = field(init=False)
@@ -45,8 +49,9 @@ class ImpactModel:
     def __post_init__(self) -> None:
         said = positive("s", "1", "error in the norm of the kinetic energy, over the approach")
         own = (Free(SPREAD, LOWEST, LARGEST, True, said),) if self.spread else ()
+        tails = (DEGREES_OF_FREEDOM,) if self.degrees_of_freedom is None else ()
         stated, delassus = self.measured.covariance, self.measured.delassus
-        object.__setattr__(self, "free", (*self.keys, *own))
+        object.__setattr__(self, "free", (*self.keys, *own, *tails))
         object.__setattr__(self, "asked", Impacts(delassus, self.measured.velocity_before))
         object.__setattr__(self, "scale", approach_scale(delassus, self.measured.velocity_before))
         object.__setattr__(self, "covariance", np.zeros_like(delassus) if stated is None else stated)
@@ -95,15 +100,22 @@ class ImpactModel:
     def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Give the log density of each impact."""
         missed = self.measured.velocity_after - predicted["velocity_after"]
-        spread = float(values[-1]) if self.spread else 0.0
-        terms = impact_terms(missed, self.covariance, self.measured.delassus, self.scale, spread)
+        spread, tails = self._noise(values)
+        terms = impact_terms(missed, self.covariance, self.measured.delassus, self.scale, spread, tails)
         return {"velocity_after": terms}
 
     def replicated(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
         """Give velocities after the impacts with error and noise, as drawn."""
-        spread = float(values[-1]) if self.spread else 0.0
+        spread, tails = self._noise(values)
         size = self.covariance + spread**2 * self.scale[:, None, None] * self.measured.delassus
         noise = np.linalg.cholesky(size) @ draws.standard_normal((len(self.measured), 2, 1))
-        return {"velocity_after": predicted["velocity_after"] + noise[..., 0]}
+        factor = student_factor(draws, tails, len(self.measured))[:, None]
+        return {"velocity_after": predicted["velocity_after"] + factor * noise[..., 0]}
+
+    def _noise(self, values: Array) -> tuple[float, float]:
+        """Return the error of the law, 0 for none, and the degrees of freedom of the residuals."""
+        given = dict(zip((one.name for one in self.free), map(float, values), strict=True))
+        free = given.get(DEGREES_OF_FREEDOM.name, inf)
+        return given.get(SPREAD, 0.0), free if self.degrees_of_freedom is None else self.degrees_of_freedom

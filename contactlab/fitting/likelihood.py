@@ -15,11 +15,14 @@ Of impacts: the residual of the velocity after each has the covariance
 of the stated error C and an isotropic term in the norm of the kinetic energy, relative to the approach u: the
 error of the law as `contactlab.measured` defines errors, s being its size.
 
+With outliers either residual may have a Student-t distribution of that scale in place of a normal one (Lange,
+Little and Taylor 1989, J. Am. Stat. Assoc. 84, 881); infinite degrees of freedom are the normal distribution.
+
 Sources: Uhlenbeck and Ornstein (1930), Phys. Rev. 36, 823; Kalman (1960), J. Basic Eng. 82, 35; of the
 discrepancy Kennedy and O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 """
 
-from math import exp, inf, log, pi, sqrt
+from math import exp, inf, lgamma, log, log1p, pi, sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -62,7 +65,13 @@ def _wandering(normals: Array, time: Array, amplitude: float, correlation: float
 
 @kernel
 def _of_impacts(
-    residuals: Array, covariance: Array, delassus: Array, scale: Array, spread: float, terms: Array
+    residuals: Array,
+    covariance: Array,
+    delassus: Array,
+    scale: Array,
+    spread: float,
+    degrees_of_freedom: float,
+    terms: Array,
 ) -> None:
     """Write the logarithm of the density of each impact's residual into `terms`."""
     for i in range(residuals.shape[0]):
@@ -76,6 +85,10 @@ def _of_impacts(
             continue
         x, y = residuals[i, 0], residuals[i, 1]
         distance = (c * x * x - 2.0 * b * x * y + a * y * y) / determinant
+        if degrees_of_freedom < inf:
+            # The gamma functions of the density in two dimensions leave 1/(2 pi).
+            power = 0.5 * degrees_of_freedom + 1.0
+            distance = 2.0 * power * log1p(distance / degrees_of_freedom)
         terms[i] = -LOG_TWO_PI - 0.5 * (log(determinant) + distance)
 
 
@@ -103,7 +116,35 @@ def wandering(draws: np.random.Generator, time: Array, amplitude: float, correla
     return path
 
 
-def impact_terms(residuals: Array, covariance: Array, delassus: Array, scale: Array, spread: float) -> Array:
+def student_terms(residuals: Array, scale: Array, degrees_of_freedom: float) -> Array:
+    """Return the log density of independent residuals with Student-t distributions, shape as the residuals.
+
+    Args:
+        residuals: measured minus predicted, in any unit.
+        scale: of each one's distribution, positive, in that unit.
+        degrees_of_freedom: positive, finite.
+    """
+    half = 0.5 * degrees_of_freedom
+    constant = lgamma(half + 0.5) - lgamma(half) - 0.5 * log(degrees_of_freedom * pi)
+    square = (residuals / scale) ** 2
+    return np.asarray(constant - np.log(scale) - (half + 0.5) * np.log1p(square / degrees_of_freedom))
+
+
+def student_factor(draws: np.random.Generator, degrees_of_freedom: float, count: int) -> Array:
+    """Draw the factors that turn normal numbers into Student-t ones, shape (count,)."""
+    if degrees_of_freedom == inf:
+        return np.ones(count)
+    return np.asarray(np.sqrt(degrees_of_freedom / draws.chisquare(degrees_of_freedom, count)))
+
+
+def impact_terms(
+    residuals: Array,
+    covariance: Array,
+    delassus: Array,
+    scale: Array,
+    spread: float,
+    degrees_of_freedom: float = inf,
+) -> Array:
     """Give the log density of each impact's residual, shape (impact,); -inf where it has no variance.
 
     Args:
@@ -112,9 +153,10 @@ def impact_terms(residuals: Array, covariance: Array, delassus: Array, scale: Ar
         delassus: [1/kg], shape (impact, 2, 2).
         scale: u' D^-1 u of the approach [J], shape (impact,).
         spread: s [1].
+        degrees_of_freedom: of a bivariate Student-t distribution; infinite is the normal one.
     """
     terms = np.empty(len(residuals))
-    _of_impacts(residuals, covariance, delassus, scale, float(spread), terms)
+    _of_impacts(residuals, covariance, delassus, scale, float(spread), float(degrees_of_freedom), terms)
     return terms
 
 

@@ -20,6 +20,12 @@ IMPOSSIBLE: Final = -1e300
 """Log likelihood of values under which a law gives no prediction."""
 
 
+DEGREES_OF_FREEDOM: Final = Free(
+    "degrees_of_freedom", 1.0, 100.0, True, positive("nu", "1", "degrees of freedom of the Student-t noise")
+)
+"""Those of the noise where they are free; at 100 the distribution is nearly normal."""
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Measured:

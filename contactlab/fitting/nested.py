@@ -6,9 +6,9 @@ likelihood times volume. The error of ln Z is that of those factors, sqrt(H / li
 information H of the data about the parameters [nat].
 
 Proposals are made in groups of `GROUP`, however many processes evaluate them: the same seed gives the same
-bits. A checkpoint contains the likelihoods evaluated so far, as plain numbers, and no state of the sampler: the
-seed repeats the sampler's path, and evaluations in the checkpoint are looked up. So a resumed run gives the same
-bits as one without a stop, and a checkpoint from somebody else can run no code.
+bits. A checkpoint contains the likelihoods evaluated so far, as plain numbers, and no state of the sampler:
+the seed repeats the sampler's path, and evaluations in the checkpoint are looked up. So a resumed run gives
+the same bits as one without a stop, and a checkpoint from somebody else can run no code.
 """
 
 import multiprocessing
@@ -261,7 +261,7 @@ def _pool(model: Model, workers: int | None) -> Iterator[Any]:
 
 @final
 class _Record:
-    """Likelihoods evaluated so far, in a file: an .npz and behind it a SHA-256 digest of its name and content.
+    """Likelihoods evaluated so far, in a file: an .npz, then the SHA-256 digest of its name and content.
 
     Args:
         path: of the file; None keeps nothing.
@@ -282,9 +282,8 @@ class _Record:
                 raise ValueError("its digest is another")
             with np.load(BytesIO(content[:-size]), allow_pickle=False) as read:
                 values, found = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
-            if values.shape != (found.size, len(model.free)) or {values.dtype, found.dtype} != {
-                np.dtype(float)
-            }:
+            kinds = {values.dtype, found.dtype}
+            if values.shape != (found.size, len(model.free)) or kinds != {np.dtype(float)}:
                 raise ValueError("its numbers are of another shape")
         except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
             self.damage = f"'{path}' is damaged ({error}); the fit begins anew."

@@ -8,6 +8,7 @@ from typing import Any, Final, TypeVar, final
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.laws import Composed, ContactLaw
 from contactlab.laws.declaration import Declared
 from contactlab.parameter import DeclaredField, Parameter, declared_fields
 from contactlab.suggestion import suggestion
@@ -104,6 +105,14 @@ def with_values(law: _Law, free: Sequence[Free], values: Sequence[float] | Array
         ValueError: the law does not admit them together; its own sentence.
     """
     return _replaced(law, {one.name: float(value) for one, value in zip(free, values, strict=True)})
+
+
+def label_of(law: ContactLaw) -> str:
+    """Return the name of a law, or those of a composed law's parts: "hertz_point + flores + mindlin"."""
+    if not isinstance(law, Composed):
+        return law.name
+    damping = [] if law.damping.name == "none" else [law.damping.name]
+    return " + ".join([law.normal.name, *damping, law.friction.name])
 
 
 def from_cube(free: Sequence[Free], shares: Sequence[float] | Array) -> Array:

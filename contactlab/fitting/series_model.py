@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any, Final, final
 
 import numpy as np
@@ -10,8 +11,8 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
 from contactlab.datasheet.electrodes import currents
-from contactlab.fitting.likelihood import series_terms, wandering
-from contactlab.fitting.model import Measured, size_prior
+from contactlab.fitting.likelihood import series_terms, student_factor, student_terms, wandering
+from contactlab.fitting.model import DEGREES_OF_FREEDOM, Measured, size_prior
 from contactlab.fitting.parameters import Free
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
@@ -44,6 +45,8 @@ class SeriesModel:
         interval: of the records [s].
         places: of the records at the times of the data; None where they lie between records.
         correlation: time of the discrepancy [s], the drive's period; 0 for none.
+        degrees_of_freedom: of the Student-t distribution of the noise; infinite is the normal one, None is
+            free.
     """
 
     measured: MeasuredSeries
@@ -52,6 +55,7 @@ class SeriesModel:
     interval: float
     places: Array | None
     correlation: float
+    degrees_of_freedom: float | None = inf
     free: tuple[Free, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -64,6 +68,8 @@ class SeriesModel:
             if self.correlation > 0.0:
                 said = "amplitude of the discrepancy"
                 noises.append(size_prior(f"{DISCREPANCY}.{one.name}", one.units, size, said))
+        if self.degrees_of_freedom is None:
+            noises.append(DEGREES_OF_FREEDOM)
         object.__setattr__(self, "free", (*self.keys, *noises))
 
     @property
@@ -129,11 +135,14 @@ class SeriesModel:
 
     def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Give the log density of each datum given those before it, by name."""
-        noise, time = self._noise(values), self.measured.time
+        noise, time, tails = self._noise(values), self.measured.time, self._tails(values)
         terms = {}
         for one in self.data:
             white, amplitude = noise[one.name]
             missed = one.values - predicted[one.name]
+            if tails < inf:
+                terms[one.name] = student_terms(missed, white, tails)
+                continue
             terms[one.name] = series_terms(missed, time, white, amplitude, self.correlation or 1.0)
         return terms
 
@@ -141,14 +150,19 @@ class SeriesModel:
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
         """Give prediction, discrepancy and noise, as drawn."""
-        noise, time = self._noise(values), self.measured.time
+        noise, time, tails = self._noise(values), self.measured.time, self._tails(values)
         made = {}
         for name, series in predicted.items():
             white, amplitude = noise[name]
-            made[name] = series + white * draws.standard_normal(time.size)
+            normal = draws.standard_normal(time.size)
+            made[name] = series + white * normal * student_factor(draws, tails, time.size)
             if amplitude > 0.0:
                 made[name] += wandering(draws, time, amplitude, self.correlation)
         return made
+
+    def _tails(self, values: Array) -> float:
+        """Return the degrees of freedom of the noise, which stand last where they are free."""
+        return float(values[-1]) if self.degrees_of_freedom is None else self.degrees_of_freedom
 
     def _noise(self, values: Array) -> dict[str, tuple[Array, float]]:
         """Give the standard deviation of the noise at each time, and that of the discrepancy, by name."""
@@ -166,7 +180,12 @@ class SeriesModel:
 
 
 def series_model(
-    measured: MeasuredSeries, configuration: Mapping[str, Any], keys: Sequence[Free], *, discrepancy: bool
+    measured: MeasuredSeries,
+    configuration: Mapping[str, Any],
+    keys: Sequence[Free],
+    *,
+    discrepancy: bool,
+    degrees_of_freedom: float | None = inf,
 ) -> SeriesModel:
     """Pose the question what of a motor's keys its series tell.
 
@@ -175,9 +194,12 @@ def series_model(
         configuration: of a run, checked; its duration and its records follow from the data.
         keys: what is free, named by full keys, with ranges.
         discrepancy: whether the law may be wrong, by a process with the drive's period as correlation time.
+        degrees_of_freedom: of the Student-t distribution of the noise; infinite is the normal one, None is
+            free.
 
     Raises:
-        ConfigurationError: forces or currents at times of unequal distance, or no drive that has a period.
+        ConfigurationError: a discrepancy with Student-t noise, whose likelihood has no closed form,
+            forces or currents at times of unequal distance, or no drive that has a period.
     """
     interval, places = records_at(measured.time)
     if places is None and (odd := [name for name in measured.values if name in ON_RECORDS]):
@@ -190,6 +212,9 @@ def series_model(
     if discrepancy and not period > 0.0:
         words = "The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."
         raise ConfigurationError([words])
+    if discrepancy and degrees_of_freedom != inf:
+        words = "Student-t noise and a discrepancy of a series cannot be combined. Leave one out."
+        raise ConfigurationError([words])
     duration = max(float(measured.time[-1]), interval)
     times = {"solver.duration": duration, "solver.until": "duration", "solver.precision": PRECISION}
     times |= {"record.interval": interval}
@@ -197,7 +222,7 @@ def series_model(
     step = settings.get("solver.contact_step")
     settings["solver.contact_step"] = None if step is None else min(step, duration)
     correlation = period if discrepancy else 0.0
-    return SeriesModel(measured, settings, tuple(keys), interval, places, correlation)
+    return SeriesModel(measured, settings, tuple(keys), interval, places, correlation, degrees_of_freedom)
 
 
 def records_at(time: Array) -> tuple[float, Array | None]:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, Final, final
 
 from contactlab.config import ConfigurationError, Setup, build, compose
@@ -12,10 +13,12 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION, declared_in
 from contactlab.fitting.parameters import WIDE, Free, free_parameters
+from contactlab.laws import Composed
 from contactlab.laws.declaration import SHARED
 from contactlab.suggestion import suggestion
 
 LAW: Final = "law"
+PART: Final = "law/"
 
 _RANGE: Final = re.compile(r"(?P<key>[\w.]+)=(?P<low>[^=]+?)\.\.(?P<high>[^=]+)")
 
@@ -72,11 +75,12 @@ def setups_of(words: Words, told: Mapping[str, Any]) -> list[Setup]:
     Raises:
         ConfigurationError: with every fault.
     """
-    lines: list[tuple[str, ...]] = [(f"law={name}",) for name in words.laws] or [()]
+    lines = _choices(words)
     setups, faults = [], []
-    kept = [_of_law(words, law) if len(lines) > 1 else [*words.overrides] for law in lines]
+    kept = [_of_law(words, law) if len(lines) > 1 else _alone(words) for law in lines]
     for word in words.overrides:
-        if not any(word in each for each in kept):
+        chosen = Composed.name in words.laws and word.startswith(PART)
+        if not chosen and not any(word in each for each in kept):
             # The first law says what is wrong with it.
             kept[0].append(word)
     for law, own in zip(lines, kept, strict=True):
@@ -89,12 +93,46 @@ def setups_of(words: Words, told: Mapping[str, Any]) -> list[Setup]:
     return setups
 
 
+def _choices(words: Words) -> list[tuple[str, ...]]:
+    """Return the words that choose each law: a composed law stands in every combination of its parts."""
+    lines: list[tuple[str, ...]] = []
+    parts = [word.partition("=") for word in words.overrides if word.startswith(PART)]
+    for name in words.laws:
+        of_law = parts if name == Composed.name else []
+        lists = [[f"{key}={part.strip()}" for part in value.split(",")] for key, _, value in of_law]
+        lines += [(f"law={name}", *chosen) for chosen in product(*lists)]
+    return lines or [()]
+
+
+def _alone(words: Words) -> list[str]:
+    """Return the overrides of a fit of one law, without the parts that choose it."""
+    composed = Composed.name in words.laws
+    return [word for word in words.overrides if not (composed and word.startswith(PART))]
+
+
 def _of_law(words: Words, law: tuple[str, ...]) -> list[str]:
-    """Give the overrides without the keys of laws that this one has not."""
+    """Return the overrides without parts and without the numbers of laws that this one does not have."""
     known = flat(compose([*law]))
     return [
-        word for word in words.overrides if not word.startswith("law.") or word.partition("=")[0] in known
+        word
+        for word in words.overrides
+        if not word.startswith(PART) and (not word.startswith("law.") or word.partition("=")[0] in known)
     ]
+
+
+def numbers_of(setup: Setup, words: Words, keys: Sequence[Free]) -> str:
+    """Say which numbers of a law are free and fixed, and which of the words' keys it does not have."""
+    free = {one.name for one in keys}
+    fixed = {_key(name): value for name, value in setup.law.describe().items() if _key(name) not in free}
+    known = {*flat(setup.configuration), *free}
+    asked = [*words.ranges, *(word.partition("=")[0] for word in words.overrides)]
+    absent = [key for key in dict.fromkeys(asked) if key.startswith(f"{LAW}.") and key not in known]
+    said = [
+        f"Free: {'; '.join(map(str, keys)) or 'nothing'}.",
+        f"Fixed: {', '.join(f'{key} = {value:.6g}' for key, value in fixed.items()) or 'nothing'}.",
+        *([f"Not a number of this law: {', '.join(absent)}."] if absent else []),
+    ]
+    return " ".join(said)
 
 
 def _configuration(lines: Sequence[str], told: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -114,24 +152,31 @@ def _configuration(lines: Sequence[str], told: Mapping[str, Any]) -> Mapping[str
     return nested(keys)
 
 
-def free_keys(setup: Setup, words: Words) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
+def free_keys(setup: Setup, words: Words, *, race: bool) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
     """Give what is free of law and motor, named by keys, and what of it is the law's, named by its fields.
 
-    Without ranges every number of the law is free, in the range that follows from its declaration.
+    Without ranges every number of the law is free that has no value in the words, in the range that follows
+    from its declaration; among several laws those are free beside the ranges, too.
+
+    Args:
+        setup: of the law.
+        words: of the fit.
+        race: whether several laws are compared.
 
     Raises:
         ConfigurationError: a key that there is not, or a range that is not admitted; a sentence each.
     """
     known, fields = declared_in(setup.configuration), _fields(setup)
+    stated = {*words.ranges, *(word.partition("=")[0] for word in words.overrides)}
+    usual = [one for one in free_parameters(setup.law) if _key(one.name) not in stated]
     if not words.ranges:
-        found = free_parameters(setup.law)
-        return tuple(replace(one, name=_key(one.name)) for one in found), found
+        return tuple(replace(one, name=_key(one.name)) for one in usual), tuple(usual)
     faults: list[str] = []
     keys: list[Free] = []
     own: list[Free] = []
     for key, ends in words.ranges.items():
         if key not in known:
-            if key.startswith("law.") and len(words.laws) > 1:
+            if key.startswith("law.") and race:
                 continue
             hint = suggestion(key, known, "contactlab --help lists the keys.")
             faults.append(f"There is no number {key} under law={setup.law.name} that could be free. {hint}")
@@ -155,6 +200,9 @@ def free_keys(setup: Setup, words: Words) -> tuple[tuple[Free, ...], tuple[Free,
             own += [replace(one, name=name) for name in fields if _key(name) == key]
     if faults:
         raise ConfigurationError(faults)
+    if race:
+        keys += [replace(one, name=_key(one.name)) for one in usual]
+        own += usual
     return tuple(keys), tuple(own)
 
 

@@ -7,7 +7,7 @@ from typing import Final, final
 import numpy as np
 
 from contactlab.fitting.least_squares import starting_points
-from contactlab.fitting.parameters import from_cube
+from contactlab.fitting.parameters import from_cube, label_of
 from contactlab.laws import (
     Composed,
     ContactLaw,
@@ -24,7 +24,7 @@ from contactlab.laws import (
 )
 from contactlab.laws.registry import class_of, law, law_names
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.validation.models import TOLERANCE, LawModel, Model, label_of
+from contactlab.validation.models import TOLERANCE, LawModel, Model
 
 Ranges = dict[str, tuple[float, float] | None]
 """What is free, each in a range or in its own."""

@@ -8,9 +8,9 @@ from typing import Final, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.fitting.parameters import Free, free_parameters, with_values
+from contactlab.fitting.parameters import Free, free_parameters, label_of, with_values
 from contactlab.impact import velocities_after
-from contactlab.laws import Composed, ContactLaw, Newton, PenaltyLaw
+from contactlab.laws import ContactLaw, Newton, PenaltyLaw
 from contactlab.measured.floors import best_impulses, with_constant_impulse
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.parameter import Parameter
@@ -131,11 +131,3 @@ class ConstantImpulse(Model):
     def after(self, values: Array, impacts: MeasuredImpacts) -> Array:
         """See `Model.after`."""
         return with_constant_impulse(impacts, values)
-
-
-def label_of(law: ContactLaw) -> str:
-    """Give the name of a law, or those of a composed one's parts: "hertz_point + flores + mindlin"."""
-    if not isinstance(law, Composed):
-        return law.name
-    damping = [] if law.damping.name == "none" else [law.damping.name]
-    return " + ".join([law.normal.name, *damping, law.friction.name])

@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,11 @@ from contactlab.cli import fit
 from contactlab.cli.terminal import RefusalError
 from contactlab.fitting import nested
 from contactlab.fitting.answer import Row
+from contactlab.fitting.fit import read
 from contactlab.fitting.page import table
+from contactlab.measured.faults import MeasurementError
+from contactlab.measured.files import read_impacts, write_impacts
+from contactlab.measured.series import SeriesError
 
 pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
 
@@ -234,3 +239,62 @@ def test_data_that_are_made_tell_their_own_times(tmp_path, capsys):
     make(tmp_path, "law=newton", "solver.duration=1e-4", "record.interval=1e-5")
 
     assert f"contactlab fit {tmp_path}/data.nc law=newton`" in capsys.readouterr().out
+
+
+def fitted(data, tmp_path, *words):
+    """Fit with few points and return the attributes of each posterior by law."""
+    folder = tmp_path / "out"
+    assert fit.main([data, *words, "--points", "25", "--starts", "1", "--output", str(folder)]) == 0
+    found = {}
+    for path in folder.glob("posterior*.nc"):
+        with xarray.open_dataset(path, group="posterior") as posterior:
+            found[posterior.attrs["law"]] = posterior.attrs | {"names": {*posterior.data_vars}}
+    return found
+
+
+@pytest.mark.long
+def test_every_law_of_a_race_has_its_own_free_numbers_and_a_composed_one_stands_beside_others(
+    impacts, tmp_path
+):
+    ranges = ["contact.friction_coefficient=0.02..0.8"]
+    parts = ["law/normal=walton_braun", "law.normal.loading_stiffness=1e7"]
+    found = fitted(impacts, tmp_path, "law=newton,composed", *parts, *ranges)
+
+    assert found["newton"]["names"] == {"contact.friction_coefficient", "law.restitution"}
+    assert "law.normal.unloading_stiffness" in found["composed"]["names"]
+    assert "law.normal.loading_stiffness" not in found["composed"]["names"]
+    assert "law.normal.loading_stiffness" in found["newton"]["findings"]
+
+
+def test_no_odds_and_a_warning_where_the_stated_noise_is_far_too_small(impacts, tmp_path, capsys):
+    fitted(impacts, tmp_path, "law=newton,lagrange_slip", *RANGES, "--noise", "0.0025")
+    said = capsys.readouterr().out
+
+    assert "decisive" not in said
+    assert "odds of" not in said
+    assert said.count("Warning") == 2
+
+
+def test_copies_of_impacts_are_warned_of_and_recorded(impacts, tmp_path, capsys):
+    once = read_impacts(impacts)
+    twice = once.part(np.repeat(np.arange(len(once)), 2))
+    twice = replace(twice, number=np.arange(1, len(twice) + 1))
+    write_impacts(twice, tmp_path / "twice.csv")
+    fitted(str(tmp_path / "twice.csv"), tmp_path, "law=newton", *RANGES)
+    assert "30 of 60 impacts" in capsys.readouterr().err
+
+
+def test_series_in_csv_are_those_of_netcdf(tmp_path):
+    time, velocity = np.linspace(0.0, 1e-4, 9), np.linspace(0.0, 2.0, 9)
+    rows = "\n".join(f"{1e3 * t!r},{v!r}" for t, v in zip(time.tolist(), velocity.tolist(), strict=True))
+    path = tmp_path / "series.csv"
+    path.write_text(f"time [ms],rotor_velocity [rad/s]\n{rows}\n")
+    found = read(path)
+
+    np.testing.assert_allclose(found.time, time, rtol=1e-14)
+    np.testing.assert_array_equal(found.values["rotor_velocity"], velocity)
+    path.write_text(f"time [ms],rotor_velocity [m]\n{rows}\n")
+    with pytest.raises(SeriesError):
+        read(path)
+    with pytest.raises(MeasurementError, match="series"):
+        read_impacts(path)

@@ -1,12 +1,14 @@
 """Claims on the likelihoods: the quick forms are the multivariate normal's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
+from scipy.stats import multivariate_normal, multivariate_t, t
 
 import contactlab as cl
 from contactlab.fitting.impact_model import ImpactModel
-from contactlab.fitting.likelihood import approach_scale, impact_terms, series_terms, wandering
+from contactlab.fitting.likelihood import approach_scale, impact_terms, series_terms, student_terms, wandering
 from contactlab.fitting.model import IMPOSSIBLE, log_likelihood
 from contactlab.fitting.parameters import free_parameters
 from contactlab.fitting.synthetic import made_impacts, with_noise, without_errors
@@ -75,3 +77,42 @@ def test_a_law_that_cannot_be_made_of_the_values_is_impossible_not_an_error():
 
     assert log_likelihood(model, np.array([7.0])) == IMPOSSIBLE
     assert not np.isfinite(model.residuals(np.array([7.0]))).any()
+
+
+@pytest.mark.parametrize("degrees_of_freedom", [1.0, 3.5, 50.0])
+def test_student_densities_are_those_of_an_independent_library(degrees_of_freedom):
+    data = made_impacts(cl.law("newton"), 6, 0.05, 1)
+    residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
+    scale = approach_scale(data.delassus, data.velocity_before)
+
+    found = impact_terms(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom)
+
+    for i in range(6):
+        shape = data.covariance[i] + 0.2**2 * scale[i] * data.delassus[i]
+        expected = multivariate_t(shape=shape, df=degrees_of_freedom).logpdf(residuals[i])
+        assert found[i] == pytest.approx(expected, rel=1e-10)
+    white = np.linspace(0.1, 0.4, 12)
+    np.testing.assert_allclose(
+        student_terms(residuals.ravel(), white, degrees_of_freedom),
+        t.logpdf(residuals.ravel(), degrees_of_freedom, scale=white),
+        rtol=1e-12,
+    )
+
+
+def test_student_noise_finds_the_friction_that_outliers_hide_from_normal_noise():
+    law = cl.law("newton", restitution=0.6, friction_coefficient=0.2)
+    data = without_errors(made_impacts(law, 300, 0.02, 3))
+    after = data.velocity_after.copy()
+    after[::6, 1] *= -1.0
+    data = replace(data, velocity_after=after)
+    free = free_parameters(law, {"friction_coefficient": (0.02, 0.8)})
+    values, sizes = np.linspace(0.02, 0.8, 79), np.geomspace(0.005, 0.9, 25)
+    off = {}
+    for degrees_of_freedom in (np.inf, 2.0):
+        model = ImpactModel(data, law, free, free, True, degrees_of_freedom)
+        off[degrees_of_freedom] = max(
+            (log_likelihood(model, np.array([mu, size])), abs(mu - 0.2)) for mu in values for size in sizes
+        )[1]
+
+    assert off[2.0] <= 0.02
+    assert off[np.inf] > 0.04

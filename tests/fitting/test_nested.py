@@ -95,7 +95,7 @@ def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_
             sample(Linear(), points=25, seed=9, checkpoint=checkpoint, advance=Stop(60))
     resumed = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
     asked = []
-    monkeypatch.setattr(nested, "log_likelihood", lambda model, values: asked.append(values))
+    monkeypatch.setattr(nested, "log_likelihood", lambda _model, values: asked.append(values))
     again = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, workers=1)
     monkeypatch.undo()
     # All but the two of the clock were in the checkpoint.
