@@ -160,7 +160,7 @@ def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = No
             raise NoMotorError(f"The contact still pushes the rotor at {fast:.3g} rad/s.")
         fast *= 2.0
     root = brentq(push, 0.0, fast, xtol=CLOSE * fast, rtol=CLOSE)
-    return Performance(float(root), abs(held.torque), held.peak_force.value, len(pushes))
+    return Performance(float(root), abs(held.torque), held.peak_force, len(pushes))
 
 
 def _estimate(pushes: dict[float, float]) -> float:

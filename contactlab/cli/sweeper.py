@@ -184,7 +184,9 @@ class Sweeping:
                 "Interrupted. The chunks that are finished are kept: the same command goes on there."
             ) from None
         print(summary(dataset, dataset.encoding["source"]))
-        return max(status, COMPLETE if dataset.attrs["complete"] else INCOMPLETE)
+        # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
+        ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
+        return max(status, COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE)
 
     def _chunks(self, store: Store, workers: int | None) -> int:
         """Run the chunks that are missing, here or by a launcher."""

@@ -135,7 +135,7 @@ def balanced(
     share = openness(float(residual), float(state.turned_over), 0.0, start)
     # A ledger that is no number is not closed.
     if share <= LEDGER_LIMIT:
-        opened = _opened_by_contact(series, modes)
+        opened = _opened_by_contact(series, modes, float(state.turned_over))
         if opened <= LEDGER_LIMIT:
             return Ending.COMPLETE, ""
         return Ending.UNBALANCED, (
@@ -155,7 +155,11 @@ def balanced(
     )
 
 
-def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8]) -> float:
+NEGLIGIBLE: Final = 1e-6
+"""Share of the energy turned over below which the ledger of a contact is not judged."""
+
+
+def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8], turned_over: float) -> float:
     """Return how far the ledger opens between flight and contact, over what a contact stores and loses [1].
 
     A stored energy that does not fit the force is missing from the ledger while the contact lasts and back at
@@ -169,7 +173,9 @@ def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8]) -> flo
     # The last record of the flight before each record in contact.
     before = np.maximum.accumulate(np.where(touches, -1, np.arange(touches.size)))
     seen = touches & (before >= 0)
-    opened = np.abs(residual[seen] - residual[before[seen]]).max()
+    opened = np.abs(residual[seen] - residual[before[seen]]).max(initial=0.0)
+    if opened <= NEGLIGIBLE * turned_over:
+        return 0.0
     lost = (series["contact_loss"][-1] + series["friction_loss"][-1]) / begins.size
     return float(opened / (stored.max() + max(lost, 0.0)))
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
+from contactlab.fingerprint import is_own
 from contactlab.laws import base
 from contactlab.laws.base import (
     ELASTOPLASTIC,
@@ -21,6 +22,7 @@ from contactlab.laws.base import (
     SET_VALUED,
     ContactLaw,
     MultiplierLaw,
+    NormalForce,
     PenaltyLaw,
 )
 from contactlab.laws.declaration import LawError
@@ -43,8 +45,11 @@ COUPLINGS = (-50.0, 0.0, 50.0)
 
 ROUND_OFF = 1e-9
 
-STORED = 1e-3
-"""Share of the force that the derivative of the stored energy may be off by."""
+BALANCE_DEPTHS, PROBE_SPEED = (1e-9, 1e-7, 1e-6), 0.01
+"""Penetrations [m] and speed [m/s] at which stored energies and stiffnesses are differentiated."""
+
+NUDGE, DIFFERENCE = 1e-4, 1e-3
+"""Step of a central difference over the depth or stretch, and what may be missing beyond its error [1]."""
 
 COUNTS = {"force": 4, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
 """Numbers that kernels answer with."""
@@ -209,13 +214,13 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
                     f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
                     "the normal force pulls there is no friction."
                 )
-            if not law.remembered:
-                _check_stored(law, partial(ask, "force", force, where), depth, (gap, rate, slip))
             if law.friction_kind != SET_VALUED:
                 # What else the variable may be than at first, the law alone knows.
                 first = own.initial if own else 0.0
                 ask("friction_force", friction_force, where, gap, rate, slip, normal, first)
             _check_memory(law, ask, of_memory, where, gap, rate, slip, normal)
+        _check_energy(law, force, friction_force, guarded(parameters), begin)
+        _check_stiffness(law)
         return
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
@@ -233,28 +238,6 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
         _check_memory(law, ask, of_memory, where, 0.0, approach, slip, p_n / law.default_contact_step)
 
 
-def _check_stored(law: ContactLaw, ask: Any, depth: float, state: tuple[float, float, float]) -> None:
-    """Hold the stored energy V against the force: loss = -(N + dV/dgap) gap rate, N = -dV/dgap at rest."""
-    gap, rate, slip = state
-    normal, _, stored, loss = ask(gap, rate, slip, abs(rate))
-
-    def slope(share: float) -> float:
-        ends = [ask(gap + sign * share * depth, rate, slip, abs(rate))[2] for sign in (-1.0, 1.0)]
-        return float(ends[1] - ends[0]) / (2.0 * share * depth)
-
-    coarse, fine = slope(2e-3), slope(1e-3)
-    # What float64 and the next order leave of a difference, in a force.
-    error = 2.0 * abs(coarse - fine) + 1e-12 * abs(stored) / (1e-3 * depth)
-    missed = abs(loss + (normal + fine) * rate) if rate else abs(normal + fine)
-    size = (abs(normal) + abs(fine)) * (abs(rate) or 1.0) + abs(loss)
-    if missed > STORED * size + error * (abs(rate) or 1.0):
-        raise LawError(
-            f"{law.name}: its stored energy grows by {-fine:g} N at a gap of {gap:g} m and a gap rate of "
-            f"{rate:g} m/s, where its normal force is {normal:g} N and its loss {loss:g} W; the loss must be "
-            "-(N + dV/dgap) times the gap rate, and so N = -dV/dgap at rest."
-        )
-
-
 def _first_limit(law: ContactLaw, ask: Any, limits: Kernel) -> float:
     """Give the gap at which a first contact begins [m]; refuse one that ends before."""
     begin, end = ask("limits", limits, "at first")
@@ -264,6 +247,112 @@ def _first_limit(law: ContactLaw, ask: Any, limits: Kernel) -> float:
             "m; it must not end before it begins."
         )
     return float(begin)
+
+
+def derivative(function: Callable[[float], float], at: float, step: float) -> tuple[float, float]:
+    """Return a central difference, and its error from the one-sided ones and from round-off.
+
+    Where the function has a kink within the step, the error is the whole change of slope there.
+    """
+    behind, here, ahead = (float(function(at + share * step)) for share in (-1.0, 0.0, 1.0))
+    error = abs(ahead - 2.0 * here + behind) / step + 1e-14 * (abs(here) + abs(ahead)) / step
+    return 0.5 * (ahead - behind) / step, error
+
+
+def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, begin: float) -> None:
+    """Refuse a stored energy without internal variables in z that contradicts the force.
+
+    The normal loss is -(N + dV/dgap) gap_rate, a spring has F = -k z and E = 1/2 k z^2, and friction at a
+    constant gap loses -F v - dE/dz dz/dt >= 0: a stretched contact gives back no more than it stores.
+    """
+    if law.remembered:
+        return
+    for depth, rate in product(BALANCE_DEPTHS, SPEEDS):
+        gap = begin - depth
+        normal, _, _, loss = force(gap, rate, 0.0, PROBE_SPEED, row)
+        slope, error = derivative(
+            lambda g, rate=rate: force(g, rate, 0.0, PROBE_SPEED, row)[2],  # type: ignore[misc]
+            gap,
+            NUDGE * depth,
+        )
+        missing = abs(loss + (normal + slope) * rate) - error * abs(rate)
+        size = (abs(normal) + abs(slope)) * abs(rate) + abs(loss)
+        if missing > DIFFERENCE * size and "kernel_is_consistent" not in law.violations:
+            raise LawError(
+                f"{law.name}: the stored energy V and the normal loss contradict the force at a gap of "
+                f"{gap:g} m and a gap rate of {rate:g} m/s: N is {normal:g} N, -dV/dgap {-slope:g} N, "
+                f"the loss {loss:g} W; the loss must be -(N + dV/dgap) gap_rate."
+            )
+        if law.friction_variable is not None:
+            _check_stretch(law, friction, row, gap, float(normal))
+
+
+def _check_stretch(law: PenaltyLaw, friction: Kernel, row: Array, gap: float, normal: float) -> None:
+    """Refuse stored energy of friction that contradicts its force at a small stretch."""
+    first = law.internal_variables[0].initial
+    if law.friction_kind == ELASTOPLASTIC:
+        z = first + NUDGE * abs(gap)
+        drag, _, stored, stiffness = friction(gap, 0.0, 0.0, normal, z, row)
+        misses = abs(drag + stiffness * z), abs(stored - 0.5 * stiffness * z * z) / (abs(z) or 1.0)
+        wrong = max(misses) > ROUND_OFF * (abs(drag) + stiffness * abs(z))
+        if wrong and "kernel_is_consistent" not in law.violations:
+            raise LawError(
+                f"{law.name}: its friction is {drag:g} N, its stored energy {stored:g} J and its stiffness "
+                f"{stiffness:g} N/m at a stretch z of {z:g} m; a spring has F = -k z and E = 1/2 k z^2."
+            )
+        return
+    way = 1e-3 * abs(gap)
+    for outward in (-PROBE_SPEED, PROBE_SPEED):
+        z = first + friction(gap, 0.0, outward, normal, first, row)[1] * way / PROBE_SPEED
+        if z == first:
+            continue
+        for slip in (outward, -outward):
+            drag, rate, _, _ = friction(gap, 0.0, slip, normal, z, row)
+            slope, error = derivative(
+                lambda x, slip=slip: friction(gap, 0.0, slip, normal, x, row)[2],  # type: ignore[misc]
+                z,
+                NUDGE * abs(z - first),
+            )
+            gained = drag * slip + slope * rate - error * abs(rate)
+            allowed = DIFFERENCE * (abs(drag * slip) + abs(slope * rate))
+            if gained > allowed and "friction_stores_what_it_gives" not in law.violations:
+                raise LawError(
+                    f"{law.name}: friction makes {gained:g} W at a constant gap of {gap:g} m, a slip of "
+                    f"{slip:g} m/s and an internal variable of {z:g}: its stored energy changes by "
+                    f"{slope * rate:g} W, its force does "
+                    f"{-drag * slip:g} W against the slip, which must not be less."
+                )
+
+
+def _check_stiffness(law: ContactLaw) -> None:
+    """Refuse a normal force from outside the package whose stiffness or slope is no derivative of it."""
+    part = getattr(law, "normal", None)
+    if not isinstance(part, NormalForce):
+        return
+    kernel: Any = part.elastic if part.force is None else part.force
+    plain = getattr(kernel, "py_func", kernel)
+    # The package's own are held to the contract by its tests; here they would only cost time.
+    if is_own(plain):
+        return
+    row = guarded(np.array(part.coefficients(), dtype=np.float64))
+    kept = np.array([one.initial for one in part.remembered], dtype=np.float64)
+    for depth in BALANCE_DEPTHS:
+        asked = partial(_stiffness_at, plain, row, None if part.force is None else kept)
+        for name, order in (("stiffness", 0), ("slope", 1)):
+            step = NUDGE * depth
+            found, error = derivative(lambda d, k=order, ask=asked: ask(d)[k], depth, step)  # type: ignore[misc]
+            declared = asked(depth)[order + 1]
+            if abs(declared - found) - error > DIFFERENCE * (abs(declared) + abs(found)):
+                raise LawError(
+                    f"{law.name}: the {name} of its normal force {part.name} is {declared:g} at a depth of "
+                    f"{depth:g} m, where the derivative of the {('force', 'stiffness')[order]} is {found:g}."
+                )
+
+
+def _stiffness_at(kernel: Kernel, row: Array, kept: Array | None, depth: float) -> tuple[float, float, float]:
+    """Return force [N], stiffness [N/m] and its slope [N/m^2] at rest, at constant internal variables."""
+    given = kernel(depth, row, 0) if kept is None else kernel(depth, 0.0, kept, row, 0)
+    return float(given[0]), float(given[2]), float(given[3])
 
 
 def _check_memory(law: ContactLaw, ask: Any, kernels: list[Kernel], where: str, *state: float) -> None:

@@ -30,9 +30,6 @@ MOST_EVENTS = 400
 MOST_PARTS = 256
 """Of a step in which a variable relaxes faster than the path goes; beyond, an implicit method takes over."""
 
-STIFF = 0
-"""Number of explicit steps that stands for an implicit method."""
-
 ASKED = 5
 """Steps between two states that the kernels are asked about."""
 
@@ -123,10 +120,11 @@ class Walker:
         return self.asked.guards(at.gap, at.rate, at.slip, self.normal(at), kept)
 
     def flown(self, time: float, length: float, parts: int) -> Array:
-        """Give what is kept a length of time later, by so many steps of Runge and Kutta, or STIFF."""
-        if parts == STIFF:
-            return self._slid(time + length, self._relaxed(time, length))
-        kept, h = self.kept, length / parts
+        """Give what is kept a length of time later, by so many steps of Runge and Kutta.
+
+        Where the most steps are too few for a fast relaxation, by an implicit method.
+        """
+        kept, h = self.kept, length / max(parts, 1)
         for i in range(parts if kept.size else 0):
             t = time + i * h
             first = self.rates(t, kept)
@@ -134,7 +132,14 @@ class Walker:
             third = self.rates(t + 0.5 * h, kept + 0.5 * h * second)
             fourth = self.rates(t + h, kept + h * third)
             kept = kept + h / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
+        if parts == MOST_PARTS and not (np.abs(kept) <= self._reach(time, length)).all():
+            kept = self._relaxed(time, length)
         return self._slid(time + length, kept)
+
+    def _reach(self, time: float, length: float) -> Array:
+        """Give how far what is kept can have come: explicit steps that are too long lead beyond."""
+        away: Array = np.abs(self.kept) + 10.0 * np.abs(self.rates(time, self.kept)) * length
+        return away + 1e3 * self.path.depth
 
     def _relaxed(self, time: float, length: float) -> Array:
         """Give what is kept a length of time later, by an implicit method for fast relaxation."""
@@ -159,7 +164,7 @@ class Walker:
         return kept
 
     def parts(self, time: float, length: float) -> int:
-        """Give the steps that a length of time is cut into, by how fast each variable relaxes; or STIFF."""
+        """Give the steps that a length of time is cut into, by how fast each variable relaxes."""
         if not self.kept.size:
             return 1
         rates, fastest = self.rates(time, self.kept), 0.0
@@ -171,8 +176,7 @@ class Walker:
                 fastest = max(fastest, abs(float(self.rates(time, other)[k] - rates[k])) / nudge)
         if not isfinite(fastest):
             return 1
-        count = ceil(2.0 * fastest * length) or 1
-        return count if count <= MOST_PARTS else STIFF
+        return min(ceil(2.0 * fastest * length) or 1, MOST_PARTS)
 
     def walk(self) -> None:
         """Go the whole path, and write down what happens."""

