@@ -35,6 +35,7 @@ class Asked:
         self._force: Any = law.force if isinstance(law, PenaltyLaw) else None
         self._drag: Any = law.friction_force if isinstance(law, PenaltyLaw) else None
         self._solve: Any = law.solve if isinstance(law, MultiplierLaw) else None
+        self._moment: Any = law.moment if isinstance(law, PenaltyLaw) else None
         self._told = isinstance(law, MultiplierLaw) and law.told
         self._of_a_number = not law.friction_remembers
 
@@ -58,6 +59,12 @@ class Asked:
             return force, 0.0, stored, stiffness
         variable = float(kept[0]) if self.own else 0.0
         return self._drag(gap, rate, slip, normal, variable, *self._seen(kept))
+
+    def moments(self, tilt: float, spin: float, gap: float, normal: float, kept: Array) -> tuple[float, ...]:
+        """Return what `PenaltyLaw.moment` does; nothing for a law without."""
+        if self._moment is None:
+            return ()
+        return tuple(self._moment(tilt, spin, gap, normal, *self._seen(kept)))
 
     def rates(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Give the rates of all that is kept."""

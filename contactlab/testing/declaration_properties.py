@@ -177,8 +177,15 @@ def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
 
 def _answers(law: ContactLaw, bench: Bench) -> Array:
     """Give all that the kernels of a law answer to the states of a bench, after long histories too."""
+    asked = Asked(law)
     with np.errstate(all="ignore"):
-        return np.array([value for longer in LONGER for value, _ in _named_answers(law, bench, longer)])
+        found = [value for longer in LONGER for value, _ in _named_answers(law, bench, longer)]
+        # What units do not tell: the signs of guards, and moments, of which few laws have any.
+        for gap, rate, slip, speed, kept in [] if bench.rigid else states_of(bench):
+            normal = asked.force(gap, rate, slip, speed, kept)[0]
+            found += asked.guards(gap, rate, slip, normal, kept).tolist()
+            found += asked.moments(1e-4, 0.1, gap, normal, kept)
+        return np.array(found)
 
 
 def _named_answers(
