@@ -112,7 +112,8 @@ class Answer:
     @property
     def evidence(self) -> Evidence:
         """The logarithm of the evidence and its error."""
-        return Evidence(self.label, self.posterior.log_evidence, self.posterior.error, self.covers)
+        found = self.posterior
+        return Evidence(self.label, found.log_evidence, found.error, self.covers, self.predictive_share())
 
     @property
     def file(self) -> str:

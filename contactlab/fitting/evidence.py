@@ -7,7 +7,7 @@ Odds are stated only where the law with the larger evidence covers the data.
 """
 
 from collections.abc import Sequence
-from math import exp, hypot, log
+from math import exp, hypot, log, nan
 from typing import Final, NamedTuple, final
 
 LEAST: Final = log(3.0)
@@ -26,12 +26,20 @@ _WORDS: Final = (
 
 @final
 class Evidence(NamedTuple):
-    """The logarithm of the evidence of a law, its error, and whether the law's predictions cover the data."""
+    """The logarithm of the evidence of a law, its error, and how the law's predictions cover the data.
+
+    Args:
+        label: of the law.
+        log_evidence, error: ln Z and its standard deviation.
+        covers: whether the 90 % intervals contain 90 % of the data within the binomial error.
+        share: of the data that they contain [1]; NaN where it is not known.
+    """
 
     label: str
     log_evidence: float
     error: float
     covers: bool = True
+    share: float = nan
 
 
 def told(difference: float, error: float) -> str:
@@ -56,11 +64,11 @@ def sentences(evidences: Sequence[Evidence]) -> list[str]:
         error = hypot(first.error, other.error)
         shown = f"ln B = {difference:.1f} +- {error:.1g}"
         if not first.covers:
-            one_does = any(one.covers for one in evidences)
-            lack = "its predictions do not cover" if one_does else "the predictions of no law here cover"
+            whose = "those of no law here do" if not any(x.covers for x in evidences) else "its own do not"
             said.append(
-                f"{first.label} has a larger evidence than {other.label} ({shown}), but {lack} the data: the "
-                "odds depend on a noise that the data do not have."
+                f"{first.label} has a larger evidence than {other.label} ({shown}), but no odds follow "
+                f"from it: 90 % intervals must contain about 90 % of the data, and {whose} ({first.label} "
+                f"{first.share:.1%}, {other.label} {other.share:.1%})."
             )
         elif word := told(difference, error):
             odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"

@@ -123,7 +123,7 @@ def pose(
             try:
                 keys, fields = free_keys(setup, words, race=len(setups) > 1)
                 model, step = _model(data, setup, keys, fields, degrees_of_freedom, may_err=may_err)
-                known = truth_in(data, setup.law.name)
+                known = truth_in(data, setup.configuration)
                 said = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
                 origin = {"data": name, "digest": digest, "configuration": said}
                 origin["likelihood"] = _likelihood(degrees_of_freedom)

@@ -20,9 +20,6 @@ from contactlab.measured.series import CURRENTS, MeasuredSeries
 TRUTH: Final = "truth"
 """Attribute that holds the numbers that made the data, by key, as JSON; of impacts a note begins so."""
 
-LAW: Final = "law.name"
-"""Key of the law that made them."""
-
 MASS: Final = 0.036  # [kg] of the body that hits, an ellipse like those that were published
 HALF_AXES: Final = (0.035, 0.025)  # [m]
 SPEEDS: Final = (0.2, 1.5)  # [m/s] of approach
@@ -120,17 +117,27 @@ def _approaches(draws: np.random.Generator, count: int) -> tuple[Array, Array]:
 
 
 def truth_of(configuration: Mapping[str, Any]) -> dict[str, float | str]:
-    """Give the numbers of a configuration by key, and its law."""
+    """Return the numbers of a configuration by key, and the names of its law and of the law's parts."""
     values = flat(configuration)
-    return {LAW: str(values.get(LAW, ""))} | {
+    return _names(values) | {
         key: float(value)
         for key, value in values.items()
         if isinstance(value, int | float) and not isinstance(value, bool)
     }
 
 
-def truth_in(measured: MeasuredSeries | MeasuredImpacts, law: str) -> dict[str, float]:
-    """Give the truth that data tell, by key; empty where the world or another law made them."""
+def _names(values: Mapping[str, Any]) -> dict[str, float | str]:
+    """Return the names of a law and of its parts by their keys, "law.name" and "law.normal.name"."""
+    return {key: str(x) for key, x in values.items() if key.startswith("law.") and key.endswith(".name")}
+
+
+def truth_in(
+    measured: MeasuredSeries | MeasuredImpacts, configuration: Mapping[str, Any]
+) -> dict[str, float]:
+    """Return the numbers that made the data, by key.
+
+    Empty where the data are measured, or made by a law other than the configuration's or by other parts.
+    """
     if isinstance(measured, MeasuredSeries):
         text = measured.attributes.get(TRUTH, "{}")
     else:
@@ -141,7 +148,7 @@ def truth_in(measured: MeasuredSeries | MeasuredImpacts, law: str) -> dict[str, 
     # Somebody else's note of that name may be anything.
     except ValueError:
         return {}
-    if not isinstance(found, dict) or found.get(LAW) != law:
+    if not isinstance(found, dict) or _names(found) != _names(flat(configuration)):
         return {}
     return {str(key): float(x) for key, x in found.items() if isinstance(x, int | float)}
 

@@ -94,12 +94,24 @@ def setups_of(words: Words, told: Mapping[str, Any]) -> list[Setup]:
 
 
 def _choices(words: Words) -> list[tuple[str, ...]]:
-    """Return the words that choose each law: a composed law stands in every combination of its parts."""
+    """Return the words that choose each law: a composed law stands in every combination of its parts.
+
+    Raises:
+        ConfigurationError: a part that is given twice.
+    """
     lines: list[tuple[str, ...]] = []
-    parts = [word.partition("=") for word in words.overrides if word.startswith(PART)]
+    parts: dict[str, list[str]] = {}
+    for word in words.overrides:
+        if word.startswith(PART):
+            key, _, value = word.partition("=")
+            parts.setdefault(key, []).extend(f"{key}={part.strip()}" for part in value.split(","))
+    twice = [part for each in parts.values() for part in dict.fromkeys(each) if each.count(part) > 1]
+    if twice:
+        raise ConfigurationError(
+            [f"{part} is given twice; it must be given once. Leave one out." for part in twice]
+        )
     for name in words.laws:
-        of_law = parts if name == Composed.name else []
-        lists = [[f"{key}={part.strip()}" for part in value.split(",")] for key, _, value in of_law]
+        lists = parts.values() if name == Composed.name else ()
         lines += [(f"law={name}", *chosen) for chosen in product(*lists)]
     return lines or [()]
 

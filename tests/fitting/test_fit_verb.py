@@ -5,6 +5,7 @@ import os
 import signal
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,10 +13,12 @@ import xarray
 
 from contactlab.cli import fit
 from contactlab.cli.terminal import RefusalError
+from contactlab.config import ConfigurationError
 from contactlab.fitting import nested
 from contactlab.fitting.answer import Row
-from contactlab.fitting.fit import read
+from contactlab.fitting.fit import pose, read
 from contactlab.fitting.page import table
+from contactlab.fitting.words import sorted_words
 from contactlab.measured.faults import MeasurementError
 from contactlab.measured.files import read_impacts, write_impacts
 from contactlab.measured.series import SeriesError
@@ -298,3 +301,33 @@ def test_series_in_csv_are_those_of_netcdf(tmp_path):
         read(path)
     with pytest.raises(MeasurementError, match="series"):
         read_impacts(path)
+
+
+def posed(data, *words):
+    """Pose the questions of a fit by their labels."""
+    questions = pose(read(Path(data)), sorted_words(words), "off", "data")
+    return {question.label: question for question in questions}
+
+
+def test_parts_of_a_composed_law_are_all_posed_and_never_twice(impacts):
+    race = ["law=newton,composed", "law/normal=thornton", "law/friction=mindlin"]
+    assert set(posed(impacts, *race, "law/normal=walton_braun")) == {
+        "newton",
+        "thornton + mindlin",
+        "walton_braun + mindlin",
+    }
+    for again in ("law/normal=thornton", "law/normal=walton_braun,walton_braun", "law/friction=mindlin"):
+        with pytest.raises(ConfigurationError):
+            posed(impacts, *race, again)
+
+
+def test_the_truth_is_that_of_a_composed_law_of_the_same_parts(tmp_path):
+    data = make(
+        tmp_path, "--impacts", "5", "law=composed", "law/damping=flores", "law.damping.restitution=0.7"
+    )
+    questions = posed(data, "law=newton,composed", "law/damping=flores,hunt_crossley")
+
+    flores, other = (questions[f"hertz_point + {name} + coulomb"] for name in ("flores", "hunt_crossley"))
+    assert flores.truth["law.damping.restitution"] == 0.7
+    assert other.truth == {}
+    assert questions["newton"].truth == {}

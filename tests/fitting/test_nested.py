@@ -174,3 +174,13 @@ def test_laws_that_are_too_close_are_said_to_be():
         "b or a: cannot tell (ln B = 0.4 +- 0.4).",
         "The evidence for b against c is decisive: odds of 3.29e+04 to 1 (ln B = 10.4 +- 0.4).",
     ]
+
+
+@pytest.mark.parametrize("share", [0.82, 0.996])
+def test_evidence_of_laws_that_miss_the_data_comes_with_their_shares_and_no_verdict(share):
+    first, second = Evidence("a", 500.0, 0.3, False, share), Evidence("b", 0.0, 0.3, False, 0.6)
+    (said,) = sentences([first, second])
+    assert f"{share:.1%}" in said
+    assert "60.0%" in said
+    assert "decisive" not in said
+    assert "10^" not in said
