@@ -224,7 +224,7 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
     step.end[i] = end_at(law.memory)
     if gap < step.end[i]:
         seen = 0.0 if state.mode == STICK else slip
-        normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+        normal, _, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         normal = sound_normal(normal, bound)
         turned = set_moments(run, law.memory, i, gap, normal, (th, t_u, th_rate, rotor))
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th

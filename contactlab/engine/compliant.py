@@ -170,7 +170,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     elif state.friction_kind == SET_VALUED and state.sign * slip < SLIP_ROUND_OFF:
         # Slip that only begins: the law must not take it for stick.
         seen = state.sign * SLIP_ROUND_OFF
-    normal, bound, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+    normal, _, bound, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
     normal = sound_normal(normal, bound)
     friction, steepness = 0.0, 0.0
     if state.friction_kind != SET_VALUED:

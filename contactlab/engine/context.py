@@ -6,7 +6,10 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.state import SAMPLE
-from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import Kernel
+
+STEP, IMPACT, TILT, SPIN, SPEED, HEAD = range(6)
+"""Places in a law's row of what the engine writes there, and where the internal variables begin."""
 
 
 class Run(NamedTuple):
@@ -19,10 +22,9 @@ class Run(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """The kernels of a law that remembers, has limits, a moment, or is told more, and what they read.
+    """The kernels of a law with internal variables, limits or a moment, and what they read.
 
-    `parameters` are those of `Law`; `row` is the part of them that is memory: what is written there, the
-    kernels see.
+    `parameters` is the row of `Law`; `row` is the same memory, writable, from its head on.
     """
 
     rate: Any
@@ -41,9 +43,9 @@ class Law(NamedTuple):
     that take a memory ask whether it is None before all else.
     """
 
-    force: PenaltyKernel
-    friction: FrictionKernel
-    solve: MultiplierKernel
+    force: Kernel
+    friction: Kernel
+    solve: Kernel
     parameters: Array
     memory: Memory | None
 

@@ -42,14 +42,14 @@ STEEP: Final = 0.01
 NARROW: Final = 10.0 ** np.arange(-15.0, -6.0)
 """Changes of gap, gap rate or slip over their own size that should not change a force by as much."""
 
-OF_FORCE: Final = ("normal force", "friction bound", "stored energy", "normal loss")
+OF_FORCE: Final = ("normal force", "least friction", "friction bound", "stored energy", "normal loss")
 OF_FRICTION: Final = (
     "friction",
     "rate of the friction's memory",
     "stored energy of the friction",
     "tangential stiffness",
 )
-FORCES: Final = {*OF_FORCE[:2], OF_FRICTION[0]}
+FORCES: Final = {*OF_FORCE[:3], OF_FRICTION[0]}
 
 Contact = tuple[float, float, float]
 """What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""

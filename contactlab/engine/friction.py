@@ -22,7 +22,7 @@ from contactlab.engine.linear import solve_linear
 from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start
 from contactlab.engine.moments import push_moments
 from contactlab.engine.state import NODES, START, internal_at, value_at
-from contactlab.laws.base import ELASTOPLASTIC, SLIP, Forces
+from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
 
 FIRST: Final = cast(int, np.int64(0))
@@ -64,7 +64,7 @@ def mobility(run: Run, level: int, i: int, m: int) -> float:
 @inner_kernel
 def friction_at(
     law: Law, at: tuple[float, float, float], end: float, normal: float, internal: float
-) -> Forces:
+) -> tuple[float, float, float, float]:
     """Give the law's friction at gap, gap rate and slip, a normal force and an internal variable.
 
     It is zero where there is no contact, from the gap `end` on [m].

@@ -17,7 +17,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, kernel, merged_kernel
-from contactlab.engine.context import Law, Memory, Records, Run
+from contactlab.engine.context import HEAD, Law, Memory, Records, Run
 from contactlab.engine.loop import run_compliant
 from contactlab.engine.state import INCONSISTENT, NOT_FINITE, RUNNING, TOUCHING, record
 from contactlab.laws.base import RATE_DEPENDENT, SLIP, STICK
@@ -67,11 +67,11 @@ def strike_rigid_with_memory(
     count = first.shape[1]
     for i in range(outcomes.size):
         for k in range(count):
-            row[k] = first[0, k]
+            row[HEAD + k] = first[0, k]
         for k in range(count):
             first[1, k] = jumps(k, AT_TOUCH, 0.0, contacts[i, 0], contacts[i, 1], 0.0, parameters)
         for k in range(count):
-            row[k] = first[1, k]
+            row[HEAD + k] = first[1, k]
         _strike(contacts[i], outcomes[i], parameters, solve)
 
 
@@ -233,7 +233,7 @@ def _recall_first(run: Run, memory: Memory | None) -> None:
     if memory is None:
         return
     for k in range(run.state.variables):
-        memory.row[k] = run.step.memory_first[k]
+        memory.row[HEAD + k] = run.step.memory_first[k]
 
 
 @merged_kernel

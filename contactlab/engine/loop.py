@@ -12,18 +12,17 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compilation import telling
 from contactlab.compiled import INTERPRETED, inner_kernel, is_compiled, kernel
+from contactlab.engine.binding import OF_PLAIN, SIGNATURES
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.context import Law, Memory, Records, Run
 from contactlab.engine.flight import step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
-from contactlab.engine.law_kernels import OF_PLAIN
 from contactlab.engine.memory import jump, leave
 from contactlab.engine.moments import press
 from contactlab.engine.propagator import step_length
 from contactlab.engine.recorder import CRAWL, commit
 from contactlab.engine.rigid import step_rigid
-from contactlab.engine.rows import SIGNATURES
 from contactlab.engine.state import (
     CONE,
     GUARD,
@@ -38,7 +37,6 @@ from contactlab.engine.state import (
     TOUCHING,
 )
 from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK, ContactLaw, PenaltyLaw
-from contactlab.laws.intake import is_plain
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 
 TOUCH_REFINEMENT = 6
@@ -63,22 +61,21 @@ _compiled: set[object] = set()
 """Loops with the rooms for coordinates and tones that they are compiled for."""
 
 
-def loop_for(law: ContactLaw, run: Run) -> Any:
+def loop_for(law: ContactLaw, plain: bool, run: Run) -> Any:
     """Give the loop of a law's kind, compiled or with its code loaded."""
     loops: Any = (advance_compliant_with_memory, advance_compliant)
     if not isinstance(law, PenaltyLaw):
         loops = (advance_rigid_with_memory, advance_rigid)
     motions = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
-    return compiled_for(law, loops, run, (run, *motions), (numba.types.int64,))
+    return compiled_for(plain, loops, run, (run, *motions), (numba.types.int64,))
 
 
-def compiled_for(law: ContactLaw, loops: Any, run: Run, given: tuple[Any, ...], numbers: Any = ()) -> Any:
+def compiled_for(plain: bool, loops: Any, run: Run, given: tuple[Any, ...], numbers: Any = ()) -> Any:
     """Give the one of two loops that is for the law, compiled or with its code loaded.
 
     The first is for laws that remember, the second for plain ones. They are called with things like those
     given, then the law's rows, numbers of some types, and the law's kernels.
     """
-    plain = is_plain(law)
     loop = loops[plain]
     room = loop, run.plant["phasors"].shape
     if INTERPRETED or room in _compiled:

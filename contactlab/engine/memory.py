@@ -12,7 +12,7 @@ a rigid contact the motion is held meanwhile: there the flow is of the order of 
 import numpy as np
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.context import HEAD, IMPACT, STEP, Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.propagator import step_length
@@ -43,7 +43,7 @@ def recall(run: Run, memory: Memory | None, place: int) -> None:
     if memory is None:
         return
     for k in range(run.state.variables):
-        memory.row[k] = run.step.memory[place, k]
+        memory.row[HEAD + k] = run.step.memory[place, k]
 
 
 @part_kernel
@@ -53,7 +53,7 @@ def recall_start(run: Run, memory: Memory | None) -> None:
         return
     for k in range(run.state.variables):
         run.step.memory[START, k] = run.state.memory[k]
-        memory.row[k] = run.state.memory[k]
+        memory.row[HEAD + k] = run.state.memory[k]
 
 
 @part_kernel
@@ -64,8 +64,8 @@ def tell(run: Run, memory: Memory | None) -> None:
     state = run.state
     recall_start(run, memory)
     if state.told != 0:
-        memory.row[state.variables] = state.length
-        memory.row[state.variables + 1] = 1.0 if state.contact.duration == 0.0 else 0.0
+        memory.row[STEP] = state.length
+        memory.row[IMPACT] = 1.0 if state.contact.duration == 0.0 else 0.0
 
 
 @part_kernel
@@ -108,7 +108,7 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
             g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
             dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
             if dz != 0.0:
-                memory.row[k] = z + dz
+                memory.row[HEAD + k] = z + dz
                 g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
             size = max(size, abs(z))
             left = h * g
@@ -233,12 +233,12 @@ def _fastest_relaxation(run: Run, memory: Memory, s: float, gap: float, rate: fl
     for k in range(run.state.variables):
         if run.step.memory_lasts[k] == 0.0:
             continue
-        z, g = memory.row[k], memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
+        z, g = memory.row[HEAD + k], memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
         dz = NUDGE * (abs(z) + abs(s * g))
         if dz != 0.0:
-            memory.row[k] = z + dz
+            memory.row[HEAD + k] = z + dz
             nudged = memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
-            memory.row[k] = z
+            memory.row[HEAD + k] = z
             most = max(most, abs((nudged - g) / dz))
     return float(most)
 
@@ -283,14 +283,14 @@ def _limit_at(
             step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
         if step.memory_rate[k] != 0.0:
             moves = True
-            if memory.row[k] != 0.0:
-                dt = min(dt, NUDGE * abs(memory.row[k] / step.memory_rate[k]))
+            if memory.row[HEAD + k] != 0.0:
+                dt = min(dt, NUDGE * abs(memory.row[HEAD + k] / step.memory_rate[k]))
     if not moves:
         return begins, 0.0
     if dt == np.inf:
         dt = NUDGE * step_length(run.propagator, 0)
     for k in range(state.variables):
-        memory.row[k] += dt * step.memory_rate[k]
+        memory.row[HEAD + k] += dt * step.memory_rate[k]
     return begins, float((memory.limits(memory.parameters)[0] - begins) / dt)
 
 
@@ -333,7 +333,7 @@ def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
     if run.state.compliant == 0:
         return 0.0
     begins = memory.limits(memory.parameters)[0]
-    return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[2])
+    return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[3])
 
 
 @part_kernel
@@ -353,7 +353,7 @@ def _jump(run: Run, law: Law, memory: Memory, event: int) -> None:
     normal, stored = state.normal.node[0], 0.0
     if state.compliant != 0:
         gap = min(gap, end_at(memory))
-        normal, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        normal, _, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         stored = state.apart if event == AT_TOUCH else before
     for k in range(state.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
@@ -362,7 +362,7 @@ def _jump(run: Run, law: Law, memory: Memory, event: int) -> None:
         state.apart = _stored_apart(run, law, memory)
         stored -= state.apart
     elif state.compliant != 0:
-        stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
+        stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
     state.total.contact_loss += stored
     state.contact.energy_loss += stored
 

@@ -116,7 +116,7 @@ def press(run: Run, law: Law, memory: Memory | None) -> None:
     state = run.state
     _, th, _, th_rate, rotor = tip_motion(run.plant, START)
     gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
-    normal, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    normal, _, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
     turned = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[2]
     state.total.contact_loss += pressed
     state.total.friction_loss += turned

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
-from typing import Any, Final, NamedTuple, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
@@ -16,16 +16,16 @@ from contactlab.engine.arguments import (
     default_contact_step,
     memory_mark,
 )
+from contactlab.engine.binding import FORCE, LIMITS, Bound, bind, row_of
 from contactlab.engine.callback import law_errors
-from contactlab.engine.context import Records, Run
+from contactlab.engine.context import HEAD, Records, Run
 from contactlab.engine.explanation import explain
-from contactlab.engine.law_kernels import IDLE, kernels_of
 from contactlab.engine.loop import TOUCH_REFINEMENT, loop_for
 from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import GUARDS, check_answers, check_words, guarded, is_plain, memory_size, row_of
+from contactlab.laws.intake import CANARIES, check_answers, check_words, guarded
 from contactlab.laws.memory import ODD
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
@@ -39,12 +39,6 @@ ON_GRID = 1e-6
 
 _sound: deque[object] = deque(maxlen=64)
 """What the last laws that were taken in are made of: they answered as a law must."""
-
-LIMITS: Final = tuple(IDLE).index("limits")
-"""Where the kernel of limits is among a law's."""
-
-FORCE: Final = tuple(IDLE).index("force")
-"""Where the kernel of a penalty law's force is."""
 
 _workspace = Workspace()
 """Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
@@ -66,8 +60,10 @@ class Prepared(NamedTuple):
     kernels: tuple[Any, ...]
     parameters: Array
     memory: Array
-    """The part of the parameters that is the law's memory, as `Law` has it."""
+    """The same memory as the parameters, writable, from its head to the internal variables."""
     errors: LawErrors
+    plain: bool
+    seen: frozenset[str]
 
     def run_of(self, state: Any) -> Run:
         """Give the context of a run in a state."""
@@ -83,9 +79,9 @@ class Prepared(NamedTuple):
 
     def advance(self, run: Run, states: Any, motions: Array, records: Records, budget: int) -> None:
         """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
-        loop = loop_for(self.law, run)
+        loop = loop_for(self.law, self.plain, run)
         with self.errors():
-            rows = (self.parameters,) if is_plain(self.law) else (self.parameters, self.memory)
+            rows = (self.parameters,) if self.plain else (self.parameters, self.memory)
             loop(run, states, motions, records, *rows, budget, *self.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
@@ -110,16 +106,16 @@ class Prepared(NamedTuple):
             else:
                 state["memory"][i - own] = value
         self._recall(state)
-        if lasting and not is_plain(self.law):
+        if lasting and not self.plain:
             with self.errors():
                 state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
                 if isinstance(self.law, PenaltyLaw):
                     gap = float(state["begins"])
-                    state["apart"] = float(self.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[2])
+                    state["apart"] = float(self.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
 
     def _recall(self, state: Any) -> None:
         count = len(self.law.remembered)
-        self.memory[:count] = state["memory"][:count]
+        self.memory[HEAD : HEAD + count] = state["memory"][:count]
 
     def set_up(self, state: Any, interval: float) -> None:
         """Set clock, grid of records, ladder, pace and what the kernels know of a law beside its own.
@@ -145,7 +141,8 @@ class Prepared(NamedTuple):
             own = law.friction_variable
             state["friction_kind"], state["parity"] = law.friction_kind, own.parity if own else ODD
         if isinstance(law, MultiplierLaw):
-            state["projects"], state["told"] = law.projects, law.told
+            state["projects"] = law.projects
+            state["told"] = not self.seen.isdisjoint(("step", "impact"))
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
@@ -159,7 +156,7 @@ class Prepared(NamedTuple):
             state["memory_of"], state["kept"], state["internal"] = whose, 0, state["first_internal"]
             state["memory"][: len(law.remembered)] = [one.initial for one in law.remembered]
         self._recall(state)
-        if not state["kept"] and not is_plain(law):
+        if not state["kept"] and not self.plain:
             with self.errors():
                 state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
 
@@ -178,17 +175,17 @@ def prepared(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, interval, contact_step, tolerance)
-    parameters, memory, kernels, errors = take_in(law)
+    parameters, memory, bound, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
     exact = isinstance(law, MultiplierLaw)
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    made = plant, propagator, kernels, parameters, memory, errors
+    made = plant, propagator, bound.kernels, parameters, memory, errors, bound.plain, bound.seen
     return Prepared(law, duration, contact_step, tolerance, *made)
 
 
-def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, tuple[Any, ...], LawErrors]:
+def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:
     """Give what a law's kernels read, between guards, its part that is memory, and the kernels.
 
     Its answers are looked at for every new set of parameters, or `once` for all that have the same kernels.
@@ -199,20 +196,20 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, tuple[An
     with law_errors(law.name):
         check_words(law)
         parameters = row_of(law)
-    kernels, callbacks = kernels_of(law)
-    errors = partial(law_errors, law.name, *callbacks)
+    bound = bind(law)
+    errors = partial(law_errors, law.name, *bound.callbacks)
     friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
     values = parameters.size if once else parameters.tobytes()
-    made_of = kernels, values, friction, tuple(law.violations)
+    made_of = bound.kernels, values, friction, tuple(law.violations)
     # Interpreted functions may have changed since.
-    if callbacks or made_of not in _sound:
+    if bound.callbacks or made_of not in _sound:
         with errors():
-            check_answers(law, parameters, *kernels)
+            check_answers(law, parameters, *bound.kernels)
         _sound.append(made_of)
     # What the law may only read, the engine writes.
     row = guarded(parameters)
     memory: Any = row.base
-    return row, memory[GUARDS : GUARDS + memory_size(law)], kernels, errors
+    return row, memory[CANARIES : CANARIES + HEAD + len(law.remembered)], bound, errors
 
 
 def phase_at(gap: float, rate: float) -> int:

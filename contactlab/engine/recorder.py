@@ -116,7 +116,7 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
         stored = stored_apart(run, law, law.memory)
         contact += state.apart - stored
     if run.step.kind == COLLOCATED and gap < end_at(law.memory):
-        normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        normal, _, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
             internal = internal_at(state, s / state.length)
             held = law.friction(gap, rate, slip, normal, internal, law.parameters)[2]
@@ -197,7 +197,7 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
                 # Where the step was cut at the release, its last node may be clear of it by round-off.
                 loss = 0.0
                 if gap < end_at(law.memory):
-                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[4]
         friction -= weight * tangential * slip
         friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss

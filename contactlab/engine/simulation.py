@@ -89,7 +89,7 @@ def simulate(
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
     records = ready.records(intervals + 1, run)
-    loop_for(law, run)
+    loop_for(law, ready.plain, run)
 
     if progress is not None:
         progress(0.0)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiled import INTERPRETED
 from contactlab.engine.arguments import check_law, check_tolerance
+from contactlab.engine.binding import SIGNATURES
 from contactlab.engine.context import Run
 from contactlab.engine.impact import (
     MOMENT,
@@ -20,21 +21,18 @@ from contactlab.engine.impact import (
     strike_rigid,
     strike_rigid_with_memory,
 )
-from contactlab.engine.law_kernels import IDLE
 from contactlab.engine.loop import compiled_for
 from contactlab.engine.plant import MODES, TONES, Plant, plant_record
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, Prepared, fresh_state, take_in
 from contactlab.engine.propagator import Propagator, Workspace
-from contactlab.engine.rows import SIGNATURES
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw
-from contactlab.laws.intake import is_plain
 from contactlab.trajectory import Ending
 
 PIECE: Final = 500
 """Impacts between two looks at Ctrl-C."""
 
-NAMES: Final = tuple(IDLE)
+NAMES: Final = tuple(SIGNATURES)
 
 
 @final
@@ -101,9 +99,9 @@ class _Striking:
         check_law(law)
         check_tolerance(law, tolerance)
         law = law.on_rotor(WAY)
-        parameters, memory, kernels, errors = take_in(law, once)
+        parameters, memory, bound, errors = take_in(law, once)
         tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-        made = *_body(), kernels, parameters, memory, errors
+        made = *_body(), bound.kernels, parameters, memory, errors, bound.plain, bound.seen
         self.ready = Prepared(law, 1.0, 1.0, tolerance, *made)
 
     def strike(self, contacts: Array, history: int) -> tuple[Any, Any]:
@@ -119,12 +117,12 @@ class _Striking:
         ready = self.ready
         rows: tuple[Array, ...] = (ready.parameters,)
         names = ["solve"]
-        if not is_plain(ready.law):
+        if not ready.plain:
             initial = [variable.initial for variable in ready.law.remembered]
             rows = ready.parameters, ready.memory, np.array([initial, initial])
             names.append("jump")
         given = contacts, outcomes, *rows
-        loop: Any = strike_rigid if is_plain(ready.law) else strike_rigid_with_memory
+        loop: Any = strike_rigid if ready.plain else strike_rigid_with_memory
         if not INTERPRETED and not loop.overloads:
             kernels = [numba.types.FunctionType(SIGNATURES[name]) for name in names]
             loop.compile((*map(numba.typeof, given), *kernels))
@@ -145,9 +143,9 @@ class _Striking:
         count = histories.shape[1]
         written = ready.records(0, run), ready.records(count + 2 if count else 0, run)
         begins = run, states, motions, *written
-        rows = (ready.parameters,) if is_plain(ready.law) else (ready.parameters, ready.memory)
+        rows = (ready.parameters,) if ready.plain else (ready.parameters, ready.memory)
         loops = strike_compliant_with_memory, strike_compliant
-        loop = compiled_for(ready.law, loops, run, (*begins, contacts, outcomes, histories))
+        loop = compiled_for(ready.plain, loops, run, (*begins, contacts, outcomes, histories))
         for i in range(0, len(contacts), PIECE):
             some = slice(i, i + PIECE)
             with ready.errors():

@@ -33,9 +33,9 @@ Kernel = Callable[..., Any]
 KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
 """Kinds of friction in words, in their order."""
 
-GUARDS, LURES = 16, (nan, 1.0, -1.0)
-"""Numbers on either side of a law's parameters, where no kernel has any business, and what they are: an
-answer that changes with them was made from them."""
+CANARIES, VALUES = 16, (nan, 1.0, -1.0)
+"""Numbers on either side of a law's row, where no kernel has any business, and what they are: a result that
+changes with them was made from them."""
 
 DEPTHS, SPEEDS = (1e-12, 1e-9), (-0.01, 0.0, 0.01)
 """Penetrations that every contact begins and ends with [m], and gap rates and slips [m/s]."""
@@ -51,67 +51,18 @@ BALANCE_DEPTHS, PROBE_SPEED = (1e-9, 1e-7, 1e-6), 0.01
 NUDGE, DIFFERENCE = 1e-4, 1e-3
 """Step of a central difference over the depth or stretch, and what may be missing beyond its error [1]."""
 
-COUNTS = {"force": 4, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
+AT_REST = ("gap_rate", "depth_rate", "slip", "impact_speed", "tilt", "spin")
+"""Quantities of a contact at rest."""
+
+COUNTS = {"force": 5, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
 """Numbers that kernels answer with."""
 
-BETWEEN = 3
-"""Numbers between the internal variables of a law and its parameters in a row: the length of a step [s],
-whether it is that of an impact, and none."""
 
-
-def guarded(parameters: Array, guard: float = nan) -> Array:
-    """Put the parameters between guards, so that a kernel that reads beyond them finds no number."""
-    padded = np.pad(parameters, GUARDS, constant_values=guard)
-    row = padded[GUARDS:-GUARDS]
-    # As the kernels are compiled for it: one for another kind of array would be compiled anew.
-    row.flags.writeable = bool(base.PENALTY_SIGNATURE.args[-1].mutable)
-    return row
-
-
-def function_of(law: ContactLaw, name: str) -> Kernel:
-    """Give the function behind one of a law's kernels, or raise a LawError where there is none."""
-    function: Kernel = getattr(law, name)
-    if not callable(function):
-        raise LawError(f"{law.name}: its {name} is {shown(function)}; it must be a function.")
-    return function
-
-
-def kernel_parameters(law: ContactLaw) -> Array:
-    """Give what the kernels of a law receive, or raise a LawError where it is no row of numbers."""
-    given: Any = law.parameters()
-    values = np.asarray(given)
-    if values.ndim != 1 or values.dtype.kind not in "biuf":
-        raise LawError(f"{law.name}: parameters() gives {shown(given)}; it must give numbers.")
-    return values.astype(np.float64)
-
-
-def has_row(law: ContactLaw) -> bool:
-    """Tell whether the kernels read a row with more in it than parameters: what is remembered, or told."""
-    return bool(law.remembered) or (isinstance(law, MultiplierLaw) and law.told)
-
-
-def is_plain(law: ContactLaw) -> bool:
-    """Tell whether a law has nothing beyond what its family needs: no row, no limits and no moment."""
-    if isinstance(law, PenaltyLaw) and (law.limits is not None or law.moment is not None):
-        return False
-    return not has_row(law)
-
-
-def memory_size(law: ContactLaw) -> int:
-    """Give how many numbers at the beginning of a law's row the engine writes."""
-    return len(law.remembered) + 2 if has_row(law) else 0
-
-
-def row_of(law: ContactLaw) -> Array:
-    """Give what the engine's kernels read: the parameters, behind the memory of a law that `has_row`.
-
-    z begins with its initial values, the step is the law's own and that of an impact.
-    """
-    parameters = kernel_parameters(law)
-    if not has_row(law):
-        return parameters
-    initial = [one.initial for one in law.remembered]
-    return np.array([*initial, law.default_contact_step, 1.0, nan, *parameters])
+def guarded(row: Array, canary: float = nan) -> Array:
+    """Copy a row between canaries, read-only, so that a kernel that reads beyond it finds no number."""
+    copied = np.pad(row, CANARIES, constant_values=canary)[CANARIES:-CANARIES]
+    copied.flags.writeable = False
+    return copied
 
 
 def check_words(law: ContactLaw) -> None:
@@ -162,8 +113,8 @@ def misfits(law: ContactLaw) -> Iterator[str]:
 
 
 def _misfits_of_a_rigid_law(law: MultiplierLaw) -> Iterator[str]:
-    if law.internal_variables and not (law.remembered and law.told):
-        yield "it has internal variables, but no kernel rate or jump, or does not say told = True."
+    if law.internal_variables and not law.remembered:
+        yield "it has internal variables, but no kernel rate or jump."
     if law.limits is not None or law.guard is not None:
         yield "it has limits or guards; a rigid contact begins and ends at a gap of zero, and has neither."
 
@@ -200,7 +151,7 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
 
     The kernels are those of `contactlab.engine.law_kernels.kernels_of`, and read what `row_of` gives.
     """
-    ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
+    ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in VALUES])
     force, friction_force, solve, *of_memory = kernels
     if isinstance(law, PenaltyLaw):
         begin = _first_limit(law, ask, of_memory[3]) if of_memory else 0.0
@@ -208,7 +159,7 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
         for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
             gap = begin - depth
             where = f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-            normal, bound, *_ = ask("force", force, where, gap, rate, slip, abs(rate))
+            normal, _, bound, *_ = ask("force", force, where, gap, rate, slip, abs(rate))
             if bound < -ROUND_OFF * abs(normal):
                 raise LawError(
                     f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
@@ -269,9 +220,9 @@ def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, 
         return
     for depth, rate in product(BALANCE_DEPTHS, SPEEDS):
         gap = begin - depth
-        normal, _, _, loss = force(gap, rate, 0.0, PROBE_SPEED, row)
+        normal, _, _, _, loss = force(gap, rate, 0.0, PROBE_SPEED, row)
         slope, error = derivative(
-            lambda g, rate=rate: force(g, rate, 0.0, PROBE_SPEED, row)[2],  # type: ignore[misc]
+            lambda g, rate=rate: force(g, rate, 0.0, PROBE_SPEED, row)[3],  # type: ignore[misc]
             gap,
             NUDGE * depth,
         )
@@ -329,30 +280,28 @@ def _check_stiffness(law: ContactLaw) -> None:
     part = getattr(law, "normal", None)
     if not isinstance(part, NormalForce):
         return
-    kernel: Any = part.elastic if part.force is None else part.force
-    plain = getattr(kernel, "py_func", kernel)
     # The package's own are held to the contract by its tests; here they would only cost time.
-    if is_own(plain):
+    if is_own(type(part)):
         return
-    row = guarded(np.array(part.coefficients(), dtype=np.float64))
-    kept = np.array([one.initial for one in part.remembered], dtype=np.float64)
+    name = "elastic" if part.force is None else "force"
+    initial = np.array([one.initial for one in part.remembered], dtype=np.float64)
+    known: dict[str, Any] = {**dict.fromkeys(AT_REST, 0.0), "z": initial}
+    known |= {one.name: one.initial for one in part.remembered}
+
+    def asked(depth: float) -> tuple[float, float, float]:
+        given = part.evaluate(name, **known, depth=depth, gap=-depth)
+        return float(given[0]), float(given[2]), float(given[3])
+
     for depth in BALANCE_DEPTHS:
-        asked = partial(_stiffness_at, plain, row, None if part.force is None else kept)
-        for name, order in (("stiffness", 0), ("slope", 1)):
+        for word, order in (("stiffness", 0), ("slope", 1)):
             step = NUDGE * depth
-            found, error = derivative(lambda d, k=order, ask=asked: ask(d)[k], depth, step)  # type: ignore[misc]
+            found, error = derivative(lambda d, k=order: asked(d)[k], depth, step)  # type: ignore[misc]
             declared = asked(depth)[order + 1]
             if abs(declared - found) - error > DIFFERENCE * (abs(declared) + abs(found)):
                 raise LawError(
-                    f"{law.name}: the {name} of its normal force {part.name} is {declared:g} at a depth of "
+                    f"{law.name}: the {word} of its normal force {part.name} is {declared:g} at a depth of "
                     f"{depth:g} m, where the derivative of the {('force', 'stiffness')[order]} is {found:g}."
                 )
-
-
-def _stiffness_at(kernel: Kernel, row: Array, kept: Array | None, depth: float) -> tuple[float, float, float]:
-    """Return force [N], stiffness [N/m] and its slope [N/m^2] at rest, at constant internal variables."""
-    given = kernel(depth, row, 0) if kept is None else kernel(depth, 0.0, kept, row, 0)
-    return float(given[0]), float(given[2]), float(given[3])
 
 
 def _check_memory(law: ContactLaw, ask: Any, kernels: list[Kernel], where: str, *state: float) -> None:

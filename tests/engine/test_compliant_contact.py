@@ -13,7 +13,7 @@ from support.stribeck_belt import Belt, Stribeck, number
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import FREE, RATE_DEPENDENT, FrictionKernel, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import FREE, RATE_DEPENDENT, Kernel, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised
@@ -173,30 +173,30 @@ class RateAndState(PenaltyLaw):
         return 1.0
 
     @property
-    def force(self) -> PenaltyKernel:
+    def force(self) -> Kernel:
         return rate_and_state_force
 
     @property
-    def friction_force(self) -> FrictionKernel:
+    def friction_force(self) -> Kernel:
         return rate_and_state_friction
 
 
 @kernel
 def rate_and_state_force(
-    gap: float, gap_rate: float, slip: float, approach: float, p: Array
+    gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
 ) -> tuple[float, float, float, float]:
-    normal = p[1] * -gap * sqrt(-gap)
+    normal = parameters[1] * -gap * sqrt(-gap)
     return normal, normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
 def rate_and_state_friction(
-    gap: float, gap_rate: float, slip: float, normal: float, memory: float, p: Array
+    gap: float, gap_rate: float, slip: float, normal: float, memory: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     # A contact begins as old as steady slip at 0.1 m/s makes it, over 1 um at 1 um/s.
     age = max(memory, -0.99e-5) + 1e-5
-    steep = exp((0.3 + 0.015 * log(age)) / p[0])
-    return -p[0] * normal * asinh(slip / 2e-6 * steep), 1.0 - abs(slip) * age / 1e-6, 0.0, 0.0
+    steep = exp((0.3 + 0.015 * log(age)) / parameters[0])
+    return -parameters[0] * normal * asinh(slip / 2e-6 * steep), 1.0 - abs(slip) * age / 1e-6, 0.0, 0.0
 
 
 @pytest.mark.parametrize("direct_effect", [0.1, 0.01])

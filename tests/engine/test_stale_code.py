@@ -16,7 +16,7 @@ from contactlab.laws import PenaltyLaw
 import nearby
 
 @kernel
-def spring(gap, gap_rate, slip, approach, parameters):
+def spring(gap, gap_rate, slip, impact_speed, parameters):
     normal = nearby.normal(gap)
     return normal, 0.0, -0.5 * normal * gap, 0.0
 

@@ -16,39 +16,39 @@ from contactlab.laws.memory import MOST_VARIABLES
 
 
 @kernel
-def negative(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
+def negative(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
     return normal, -0.3 * normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def without_number(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
+def without_number(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
     return normal, 0.3 * normal, nan, 0.0
 
 
 @kernel
-def past_the_end(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, p[3] * normal, -0.4 * normal * gap, 0.0
+def past_the_end(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, parameters[3] * normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def coefficient(p: Array) -> float:
-    return float(p[1])
+def coefficient(parameters: Array) -> float:
+    return float(parameters[1])
 
 
 @kernel
-def hidden_past_the_end(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
+def hidden_past_the_end(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
     # What is no number does not come through a comparison.
     return normal, 0.5 * normal if coefficient(p) > 0.3 else 0.0, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def before_the_start(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, p[-3] * normal, -0.4 * normal * gap, 0.0
+def before_the_start(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, parameters[-3] * normal, -0.4 * normal * gap, 0.0
 
 
 def interpreted_past_the_end(*arguments: Any) -> Any:
@@ -57,28 +57,28 @@ def interpreted_past_the_end(*arguments: Any) -> Any:
 
 
 @kernel
-def spring(gap, gap_rate, slip, normal, z, p):
+def spring(gap, gap_rate, slip, normal, z, parameters):
     return -1e6 * z, slip, 0.5e6 * z * z, 1e6
 
 
 @kernel
-def boundless(gap, gap_rate, slip, normal, z, p):
+def boundless(gap, gap_rate, slip, normal, z, parameters):
     return -normal * slip / abs(slip), 0.0, 0.0, 0.0
 
 
 @kernel
-def aged(gap, gap_rate, slip, impact_speed, z, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
+def aged(gap, gap_rate, slip, impact_speed, z, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
     return normal, 0.3 * normal * (1.0 + z[0] / (z[0] + 1e-5)), -0.4 * normal * gap, 0.0
 
 
 @kernel
-def without_rate(which, gap, gap_rate, slip, normal, z, p):
+def without_rate(which, gap, gap_rate, slip, normal, z, parameters):
     return nan
 
 
 @kernel
-def ending_first(p):
+def ending_first(parameters):
     return 0.0, -1e-8
 
 

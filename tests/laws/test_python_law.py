@@ -14,7 +14,7 @@ from numba import njit
 
 from contactlab.engine import law_kernels, simulate
 from contactlab.laws import FRICTION_COEFFICIENT, ContactLaw, HertzPenalty, LagrangeStick, LawError
-from contactlab.laws.base import MultiplierLaw, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import Kernel, MultiplierLaw, PenaltyLaw
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
 from contactlab.testing.plants import paper_motor
@@ -49,7 +49,7 @@ class Chosen(PenaltyLaw):
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
     @property
-    def force(self) -> PenaltyKernel:
+    def force(self) -> Kernel:
         return type(self).function  # type: ignore[return-value]
 
 

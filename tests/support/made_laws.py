@@ -33,8 +33,8 @@ class Made(PenaltyLaw):
 
     stiffness: Annotated[float, STIFFNESS] = 1e10
 
-    def parameters(self) -> Array:
-        return np.full(self.length, self.stiffness)
+    def coefficients(self) -> dict[str, Any]:
+        return {"stiffness": (self.stiffness,) * self.length}
 
     @property
     def force(self) -> Any:
@@ -59,13 +59,13 @@ def short_run(law: Any) -> Any:
 
 
 @kernel
-def honest(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
+def honest(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
     return normal, 0.3 * normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
-def flowing(which, gap, gap_rate, slip, normal, z, p):
+def flowing(which, gap, gap_rate, slip, normal, z, parameters):
     return 1.0
 
 

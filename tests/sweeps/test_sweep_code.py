@@ -46,7 +46,7 @@ class Fragile(PenaltyLaw):
     default_contact_step: ClassVar[float] = 4e-6
 
     @staticmethod
-    def force(gap, gap_rate, slip, approach, parameters):
+    def force(gap, gap_rate, slip, impact_speed, parameters):
         # No shallower is it asked before it runs.
         if gap < -2e-9:
             return {"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0

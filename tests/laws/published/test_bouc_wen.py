@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.special import lambertw
+from support.kernels import state_of
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import BoucWen, Dahl
@@ -74,8 +75,7 @@ def test_a_run_follows_wens_equation_of_four_constants(a: float, beta: float, ga
 def test_the_ultimate_value_of_wen_is_mu_n(a: float, beta: float, gamma: float, n: float) -> None:
     """z_u = (A/(beta + gamma))^(1/n): there dz/dt vanishes, and friction is mu N."""
     friction = BoucWen.of_wen(MU, a, beta, gamma, n)
-    parameters = np.array(friction.coefficients())
-    force, rate, _, _ = friction.state(WEIGHT, 1.0, 0.0, 0.2, friction.yield_displacement, parameters, 0)
+    force, rate, _, _ = state_of(friction, WEIGHT, 0.2, friction.yield_displacement)
     assert_allclose(force, -LIMIT, rtol=1e-14)
     assert abs(rate) < 1e-14
     assert_allclose(a * friction.yield_displacement, (a / (beta + gamma)) ** (1.0 / n), rtol=1e-14)
@@ -87,16 +87,15 @@ def test_friction_stays_in_the_cone_loses_energy_and_is_odd_at_any_state(
     shape: float, exponent: float
 ) -> None:
     friction, rng = BoucWen(MU, YIELD, shape, exponent), np.random.default_rng(0)
-    parameters = np.array(friction.coefficients())
     for _ in range(300):
         normal, slip, z = rng.uniform(0.0, 10.0), rng.normal(), rng.uniform(-1.0, 1.0) * YIELD
-        force, rate, stored, _ = friction.state(normal, 1.0, 0.0, slip, z, parameters, 0)
+        force, rate, stored, _ = state_of(friction, normal, slip, z)
         assert abs(force) <= MU * normal
         # At constant load dV/dt = mu N z dz/dt / Y; what friction takes and does not store is lost.
         power = -force * slip
         assert power - MU * normal * z / YIELD * rate >= -1e-14 * abs(power)
         assert stored == pytest.approx(0.5 * MU * normal * z**2 / YIELD, rel=1e-12)
-        mirrored = friction.state(normal, 1.0, 0.0, -slip, -z, parameters, 0)
+        mirrored = state_of(friction, normal, -slip, -z)
         assert mirrored == (-force, -rate, stored, 0.0)
         if shape == 0.5 and slip * z < 0.0:
             # It unloads along a straight line.
@@ -105,11 +104,9 @@ def test_friction_stays_in_the_cone_loses_energy_and_is_odd_at_any_state(
 
 def test_one_of_its_shapes_is_dahls() -> None:
     wen, dahl = BoucWen(MU, YIELD, 1.0, 1.0), Dahl(MU, MU / YIELD, 1.0)
-    rows = [np.array(each.coefficients()) for each in (wen, dahl)]
     for slip in (-0.3, 0.1):
         for z in (-2e-6, 0.0, 1e-6):
-            state = WEIGHT, 1.0, 0.0, slip, z
-            assert_allclose(wen.state(*state, rows[0], 0), dahl.state(*state, rows[1], 0), rtol=1e-14)
+            assert_allclose(state_of(wen, WEIGHT, slip, z), state_of(dahl, WEIGHT, slip, z), rtol=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from contactlab.testing.plants import block, first, last, run
 MASS = 2e-3
 SPHERE = Dmt(work_of_adhesion=1.0)
 PULL_OFF = 2.0 * pi * SPHERE.work_of_adhesion * SPHERE.radius
-STIFFNESS = SPHERE.coefficients()[0]
+STIFFNESS = SPHERE.parameters()[0]
 
 
 def test_force_is_hertz_less_a_constant_pull() -> None:

@@ -17,7 +17,7 @@ from contactlab.testing.plants import attempt, block, first, last, run
 MASS = 2e-3
 SPHERE = Jkr(work_of_adhesion=1.0)
 PULL_OFF = 1.5 * pi * SPHERE.work_of_adhesion * SPHERE.radius
-BREAK = SPHERE.limits(np.array(SPHERE.coefficients()), 0)[1]
+BREAK = SPHERE.evaluate("limits")[1]
 
 SCALE = (SPHERE.work_of_adhesion**5 * SPHERE.radius**4 / SPHERE.effective_modulus**2) ** (1.0 / 3.0)
 """(w^5 R^4 / E*^2)^(1/3) [J]."""
@@ -106,7 +106,7 @@ def test_a_body_that_is_moved_away_is_held_to_the_gap_of_the_break() -> None:
 @pytest.mark.parametrize(("share", "holds"), [(0.85, True), (1.01, False)])
 def test_a_constant_pull_parts_the_bodies_beyond_the_pull_off_force(share: float, holds: bool) -> None:
     x = 0.75 * (1.0 + sqrt(max(1.0 - share, 0.0)))
-    unit = SPHERE.coefficients()[1]
+    unit = SPHERE.parameters()[1]
     depth = max(x ** (1.0 / 3.0) * (x - 1.0), 1e-3) * unit
     made = run(block(MASS, height=-depth, weight=-share * PULL_OFF), Composed(SPHERE), 2e-3)
     if holds:
@@ -124,7 +124,7 @@ def test_without_surface_energy_it_is_hertz() -> None:
 @settings(max_examples=60)
 @given(exponent=st.floats(-2.0, 4.0), side=st.booleans())
 def test_force_stiffness_and_slope_are_derivatives_of_the_energy(exponent: float, side: bool) -> None:
-    unit = SPHERE.coefficients()[1]
+    unit = SPHERE.parameters()[1]
     depth = unit * (10.0**exponent if side else -0.45 / (1.0 + 10.0**exponent))
     assert imbalance(SPHERE, abs(depth) if side else depth, 0.1) < 1e-5
     h = 1e-5 * abs(depth)

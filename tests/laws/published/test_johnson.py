@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from support.impacts import answer_of, broken, drawn_impacts
+from support.kernels import solve_of
 
 from contactlab.laws import Johnson, LagrangeStick, Newton
 from contactlab.testing.plants import block, last, run
@@ -89,8 +90,8 @@ def test_with_friction_it_is_newtons_impact_of_that_restitution() -> None:
 def test_contact_that_lasts_has_no_restitution() -> None:
     law, d = Johnson(0.6), (900.0, 20.0, 2000.0)
     for gap_rate in (0.0, -1e-18):
-        found = law.solve(-1e-3, 1e-3, gap_rate, 1e-3, *d, law.parameters())
-        expected = LagrangeStick(0.6).solve(-1e-3, 1e-3, gap_rate, 1e-3, *d, np.array([0.6]))
+        found = solve_of(law, -1e-3, 1e-3, gap_rate, 1e-3, *d)
+        expected = solve_of(LagrangeStick(0.6), -1e-3, 1e-3, gap_rate, 1e-3, *d)
         assert found == pytest.approx(expected, rel=1e-12)
 
 

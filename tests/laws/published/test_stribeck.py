@@ -24,14 +24,13 @@ def law_of(velocity: float, exponent: float = 1.0) -> Composed:
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
 def test_the_bound_is_the_published_curve_and_the_same_in_the_mirror(exponent: float) -> None:
     friction = Stribeck(MU, RATIO, 1e-2, exponent)
-    parameters = np.array(friction.coefficients())
-    assert friction.bound(2.0, 0.0, parameters, 0) == MU * RATIO * 2.0
-    assert friction.bound(-2.0, 0.0, parameters, 0) == 0.0
+    assert friction.evaluate("bound", normal=2.0, slip=0.0) == MU * RATIO * 2.0
+    assert friction.evaluate("bound", normal=-2.0, slip=0.0) == 0.0
     for slip in (1e-9, 3e-3, 1e-2, 0.2):
-        found = friction.bound(2.0, slip, parameters, 0)
+        found = friction.evaluate("bound", normal=2.0, slip=slip)
         expected = 2.0 * (MU + DROP * exp(-((slip / 1e-2) ** exponent)))
         assert_allclose(found, expected, rtol=1e-14)
-        assert found == friction.bound(2.0, -slip, parameters, 0)
+        assert found == friction.evaluate("bound", normal=2.0, slip=-slip)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

@@ -92,7 +92,7 @@ def test_what_is_not_stored_is_lost_and_no_jump_changes_what_is_stored(
     normal = WaltonBraun(SOFT, STIFF, grows)
     assert imbalance(normal, peak, rate, LOADS) < 1e-6
     assert answer(normal, peak, rate, LOADS)[4] > 0.0
-    dent = -normal.limits(np.array([0.0, peak]), np.array(normal.coefficients()), 0)[0]
+    dent = -normal.evaluate("limits", loads=0.0, largest_depth=peak)[0]
     assert imbalance(normal, dent + share * (peak - dent), -rate, (0.0, peak)) < 1e-6
     assert lost_by(normal, STOPS, peak, 0.0, LOADS) < 1e-12
     assert lost_by(normal, BEGINS, peak, rate, (0.0, peak)) < 1e-12
