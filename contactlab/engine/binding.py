@@ -46,31 +46,28 @@ _state = (_real,) * 4
 
 SIGNATURES: Final = {
     "force": types.UniTuple(_real, 5)(*_state, _row),
-    "friction_force": types.UniTuple(_real, 4)(*_state, _real, _row),
+    "friction_force": types.UniTuple(_real, 4)(*_state, _row),
     "solve": types.Tuple((_real, _real, _whole))(*[_real] * 7, _row),
     "rate": _real(_whole, *_state, _row),
     "guard": _real(_whole, *_state, _row),
     "jump": _real(_whole, _whole, *_state, _row),
-    "limits": types.UniTuple(_real, 2)(_row),
-    "moment": types.UniTuple(_real, 3)(*_state, _row),
+    "limits": types.UniTuple(_real, 2)(_real, _row),
+    "moment": types.UniTuple(_real, 3)(_real, _real, _row),
 }
 """Signatures of the bound kernels by name, in the order in which the loop takes them."""
 
 LIMITS, FORCE = list(SIGNATURES).index("limits"), list(SIGNATURES).index("force")
 
-OF_PLAIN: Final = 3
-"""How many of them the loop for plain laws takes."""
-
 _STATE: Final = "gap, gap_rate, slip, normal"
 _ARGUMENTS: Final = {
     "force": "gap, gap_rate, slip, impact_speed, row",
-    "friction_force": f"{_STATE}, own, row",
+    "friction_force": f"{_STATE}, row",
     "solve": "normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, row",
     "rate": f"which, {_STATE}, row",
     "guard": f"which, {_STATE}, row",
     "jump": f"which, event, {_STATE}, row",
-    "limits": "row",
-    "moment": "tilt, spin, gap, normal, row",
+    "limits": "gap_rate, row",
+    "moment": "gap, normal, row",
 }
 _IDLE: Final = {
     "force": "0.0, 0.0, 0.0, 0.0, 0.0",
@@ -83,6 +80,9 @@ _IDLE: Final = {
     "moment": "0.0, 0.0, 0.0",
 }
 """What a kernel returns that a law lacks: nothing acts, and internal variables keep their values."""
+
+_OF_FEW: Final = ("rate", "guard", "jump", "limits", "moment")
+"""Kernels that few laws have: without any of them a law is plain."""
 
 _FROM_ROW: Final = {
     "step": f"row[{STEP}]",
@@ -100,10 +100,11 @@ class Bound(NamedTuple):
     """A law's bound kernels.
 
     Args:
-        kernels: in the order of `SIGNATURES`.
+        kernels: in the order of `SIGNATURES`; None for `solve` of a compliant law, and of a plain law for all
+            kernels that few laws have.
         callbacks: functions that the Python interpreter runs in place of some of them.
         seen: quantities that kernels read from the head of the row.
-        plain: whether it has no internal variables, limits or moments and reads nothing from the head.
+        plain: whether it has no rates, guards, jumps, limits and moments.
     """
 
     kernels: tuple[Any, ...]
@@ -114,7 +115,7 @@ class Bound(NamedTuple):
 
 def row_of(law: ContactLaw) -> Array:
     """Return the row of a law before any contact: the step is its default, as in an impact."""
-    head = [law.default_contact_step, 1.0, 0.0, 0.0, 0.0, *(v.initial for v in law.remembered)]
+    head = [law.default_contact_step, 1.0, 0.0, 0.0, 0.0, *(v.initial for v in law.internal_variables)]
     values = [np.array(head, np.float64)]
     for part in _parts(law):
         given = np.asarray(_coefficients(law, part)[1])
@@ -179,12 +180,9 @@ class _Part:
         self.functions: dict[str, Any] = {}
         self.kinds: dict[str, tuple[Any, ...]] = {}
         self.seen: set[str] = set()
-        variables = getattr(owner, "remembered", ())
-        self.count = len(variables)
+        variables = getattr(owner, "internal_variables", ())
+        self.count, self.coupled = len(variables), getattr(owner, "coupled", 0)
         self._known = {v.name: f"row[{HEAD + first + i}]" for i, v in enumerate(variables)}
-        own = getattr(owner, "friction_variable", None)
-        if own is not None:
-            self._known[own.name] = "own"
         self._known["z"] = f"row[{HEAD + first}:{HEAD + first + self.count}]"
         begin = at
         for name, size in shape:
@@ -217,7 +215,8 @@ class _Part:
         for name in names_of(function):
             if name not in known:
                 raise LawError(
-                    f"{self.owner.name}: its kernel {kernel} names {name!r}; there are {', '.join(sorted(known))}."
+                    f"{self.owner.name}: its kernel {kernel} names {name!r}; there are "
+                    f"{', '.join(sorted(known))}."
                 )
             if name in quantities and name in self._coefficients:
                 raise LawError(
@@ -244,15 +243,16 @@ _IN_CONTACT: Final = {**_CONTACT, "normal": "normal"}
 _OF_FORCE: Final = {**_CONTACT, "impact_speed": "impact_speed"}
 _WHICH, _EVENT = {"which": "which"}, {"which": "which", "event": "event"}
 _RIGID: Final = {name: name for name in _ARGUMENTS["solve"].split(", ")[:-1]}
-_MOMENT: Final = {"tilt": "tilt", "spin": "spin", "gap": "gap", "depth": "-gap", "normal": "normal"}
+_MOMENT: Final = {"gap": "gap", "depth": "-gap", "normal": "normal"}
+_LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
 
 def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
     """Return the lines of every bound kernel that a law has, and its parts."""
-    words, first, at, parts = ("normal", "damping", "friction"), 0, HEAD + len(law.remembered) + 1, []
+    words, first, at, parts = ("normal", "damping", "friction"), 0, HEAD + len(law.internal_variables) + 1, []
     owners = _parts(law)
     # The friction's internal variables come first.
-    offsets = (len(law.friction.remembered), 0, 0) if isinstance(law, Composed) else (0,)
+    offsets = (len(law.friction.internal_variables), 0, 0) if isinstance(law, Composed) else (0,)
     for word, owner, first in zip(words if len(owners) > 1 else ("law",), owners, offsets, strict=True):
         part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
         parts.append(part)
@@ -265,14 +265,14 @@ def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
         made = {"solve": [f"return {part.call('solve', _RIGID)}"]}
     else:
         made = {"force": [f"normal, bound, stored, loss = {part.call('force', _OF_FORCE)}", *_bounds(part)]}
-    of_three = bool(part.count)
+    of_three = part.count > part.coupled
     if isinstance(law, PenaltyLaw) and part.has("friction_force"):
         made["friction_force"] = _four(part.call("friction_force", _IN_CONTACT), of_three)
     for name, more in (("rate", _WHICH), ("guard", _WHICH), ("jump", _EVENT)):
         if part.has(name):
             made[name] = [f"return {part.call(name, {**_IN_CONTACT, **more})}"]
     if part.has("limits"):
-        made["limits"] = [f"return {part.call('limits', {})}"]
+        made["limits"] = [f"return {part.call('limits', _LIMITS)}"]
     if isinstance(law, PenaltyLaw) and part.has("moment"):
         made["moment"] = [f"return {part.call('moment', _MOMENT)}"]
     return made
@@ -324,7 +324,10 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, li
         )
 
     if friction.has("state"):
-        made["friction_force"] = [*over("state"), *_four(friction.call("state", swept), bool(friction.count))]
+        made["friction_force"] = [
+            *over("state"),
+            *_four(friction.call("state", swept), friction.count > friction.coupled),
+        ]
     counts = {"rate": friction.count, "guard": getattr(friction.owner, "guards", 0)}
     for name, count in counts.items():
         if not (friction.has(name) or normal.has(name)):
@@ -352,7 +355,7 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, li
             f"return {ours}",
         ]
     if normal.has("limits"):
-        made["limits"] = [f"return {normal.call('limits', {})}"]
+        made["limits"] = [f"return {normal.call('limits', _LIMITS)}"]
     return made
 
 
@@ -379,10 +382,12 @@ def _bound(shape: _Shape) -> Bound:
     kinds = {word: kind for part in parts for word, kind in part.kinds.items()}
     owners = {word: part.owner for part in parts for word in part.functions}
     seen = frozenset[str]().union(*(part.seen for part in parts))
-    special = [getattr(law, name, None) for name in ("limits", "moment")]
-    plain = not law.remembered and not seen and all(each is None for each in special)
+    plain = all(getattr(law, name, None) is None for name in _OF_FEW)
     kernels, callbacks = [], []
-    for name, signature in [*SIGNATURES.items()][: OF_PLAIN if plain else None]:
+    for name, signature in SIGNATURES.items():
+        if (name == "solve" and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
+            kernels.append(None)
+            continue
         found, callback = _compiled(name, *sources[name], kinds, owners, signature)
         kernels.append(found)
         callbacks += [callback] if callback else []
@@ -417,25 +422,19 @@ def _compiled(
     else:
         return _kept(name, "".join(imports) + "\n\n" + source, signature), None
     made = {word: _own_compiled(function, kinds[word]) for word, function in used.items()}
-    for word, kernel in made.items():
-        if isinstance(kernel, str):
-            plain = getattr(used[word], "py_func", used[word])
-            _say_once(
-                f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({kernel}), so "
-                "the Python interpreter runs it: a call takes microseconds, that of a compiled kernel some ns."
-            )
-            break
-    else:
+    obstacles = [(word, kernel) for word, kernel in made.items() if isinstance(kernel, str)]
+    if not obstacles:
         found = _session(name, source, tuple(made.items()), signature)
         if not isinstance(found, str):
             return found, None
-        words = ", ".join(getattr(f, "__qualname__", word) for word, f in used.items())
-        _say_once(
-            f"{words} cannot be compiled ({found}), so the Python interpreter runs it: a call takes "
-            "microseconds, that of a compiled kernel some ns."
-        )
-    plain = {word: getattr(function, "py_func", function) for word, function in used.items()}
-    return stand_in(name, signature), (name, _executed(name, source, plain))
+        obstacles = [(word, found) for word in used]
+    plain = getattr(used[obstacles[0][0]], "py_func", used[obstacles[0][0]])
+    _say_once(
+        f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({obstacles[0][1]}), "
+        "so the Python interpreter runs it: a call takes microseconds, that of a compiled kernel some ns."
+    )
+    in_python = {word: getattr(function, "py_func", function) for word, function in used.items()}
+    return stand_in(name, signature), (name, _executed(name, source, in_python))
 
 
 @cache

@@ -253,6 +253,6 @@ def _answers(run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Con
     found = kernels[0](*contact, run.state.impact_speed, parameters)
     answers = dict(zip(OF_FORCE, found, strict=True))
     if run.state.friction_kind != SET_VALUED:
-        friction = kernels[1](*contact, found[0], run.state.internal, parameters)
+        friction = kernels[1](*contact, found[0], parameters)
         answers |= zip(OF_FRICTION, friction, strict=True)
     return answers

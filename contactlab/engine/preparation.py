@@ -18,9 +18,10 @@ from contactlab.engine.arguments import (
 )
 from contactlab.engine.binding import FORCE, LIMITS, Bound, bind, row_of
 from contactlab.engine.callback import law_errors
-from contactlab.engine.context import HEAD, Records, Run
+from contactlab.engine.context import HEAD, Impacts, Records, Run
 from contactlab.engine.explanation import explain
-from contactlab.engine.loop import TOUCH_REFINEMENT, loop_for
+from contactlab.engine.hybrid import TOUCH_REFINEMENT
+from contactlab.engine.loop import advance, prepare_loop
 from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
@@ -57,18 +58,16 @@ class Prepared(NamedTuple):
     tolerance: float
     plant: Plant
     propagator: Propagator
-    kernels: tuple[Any, ...]
+    bound: Bound
     parameters: Array
-    memory: Array
-    """The same memory as the parameters, writable, from its head to the internal variables."""
+    row: Array
+    """The same memory as the parameters, writable."""
     errors: LawErrors
-    plain: bool
-    seen: frozenset[str]
 
     def run_of(self, state: Any) -> Run:
         """Give the context of a run in a state."""
         run = Run(self.plant, self.propagator, state, one(STEP))
-        for k, variable in enumerate(self.law.remembered):
+        for k, variable in enumerate(self.law.internal_variables):
             run.step["memory_first"][k] = variable.initial
             run.step["memory_lasts"][k] = variable.life == "run"
         return run
@@ -77,18 +76,31 @@ class Prepared(NamedTuple):
         """Give room for so many records of a run, and for its contacts."""
         return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables))
 
-    def advance(self, run: Run, states: Any, motions: Array, records: Records, budget: int) -> None:
+    def prepare_loop(self, run: Run, impacts: Impacts | None = None) -> None:
+        """Compile the loop for a run or for impacts, or load its code."""
+        motions = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
+        prepare_loop(self.bound, run, *motions, impacts)
+
+    def advance(
+        self,
+        run: Run,
+        states: Any,
+        motions: Array,
+        records: Records,
+        budget: int,
+        impacts: Impacts | None = None,
+    ) -> None:
         """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
-        loop = loop_for(self.law, self.plain, run)
+        self.prepare_loop(run, impacts)
         with self.errors():
-            rows = (self.parameters,) if self.plain else (self.parameters, self.memory)
-            loop(run, states, motions, records, *rows, budget, *self.kernels)
+            rows = self.parameters, self.row
+            advance(run, states, motions, records, impacts, *rows, budget, *self.bound.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
-        """Give the ending of a run that stopped by itself, and a sentence on it."""
+        """Return the ending of a run that stopped by itself, and a sentence on it."""
         self._recall(run.state)
         with self.errors():
-            return explain(run, self.kernels, self.parameters, self.contact_step)
+            return explain(run, self.bound.kernels, self.parameters, self.contact_step)
 
     def begin_with(self, state: Any, memory: Array | None) -> None:
         """Set the internal variables whose life is the run, in a state in free flight that `set_up` made.
@@ -98,24 +110,20 @@ class Prepared(NamedTuple):
         """
         if memory is None:
             return
-        own = 1 if self.law.friction_variable else 0
         lasting = [i for i, each in enumerate(self.law.internal_variables) if each.life == "run"]
         for i, value in zip(lasting, memory, strict=True):
-            if i < own:
-                state["internal"] = value
-            else:
-                state["memory"][i - own] = value
+            state["memory"][i] = value
         self._recall(state)
-        if lasting and not self.plain:
+        if lasting and self.bound.kernels[LIMITS] is not None:
             with self.errors():
-                state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
+                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
                 if isinstance(self.law, PenaltyLaw):
                     gap = float(state["begins"])
-                    state["apart"] = float(self.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
+                    state["apart"] = float(self.bound.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
 
     def _recall(self, state: Any) -> None:
-        count = len(self.law.remembered)
-        self.memory[HEAD : HEAD + count] = state["memory"][:count]
+        count = len(self.law.internal_variables)
+        self.row[HEAD : HEAD + count] = state["memory"][:count]
 
     def set_up(self, state: Any, interval: float) -> None:
         """Set clock, grid of records, ladder, pace and what the kernels know of a law beside its own.
@@ -138,27 +146,29 @@ class Prepared(NamedTuple):
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
         self._set_memory(state)
         if isinstance(law, PenaltyLaw):
-            own = law.friction_variable
-            state["friction_kind"], state["parity"] = law.friction_kind, own.parity if own else ODD
+            parity = law.internal_variables[0].parity if law.coupled else ODD
+            state["friction_kind"], state["parity"], state["coupled"] = law.friction_kind, parity, law.coupled
+            state["moments"] = law.moment is not None
         if isinstance(law, MultiplierLaw):
             state["projects"] = law.projects
-            state["told"] = not self.seen.isdisjoint(("step", "impact"))
+        state["told"] = not self.bound.seen.isdisjoint(("step", "impact"))
+        state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
+        state["limited"] = law.limits is not None
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
 
     def _set_memory(self, state: Any) -> None:
         """Let what is remembered go on, or begin where it is another law's."""
-        law, own = self.law, self.law.friction_variable
-        state["variables"], state["guards"] = len(law.remembered), law.guards
-        state["first_internal"], state["lasts"] = (own.initial, own.life == "run") if own else (0.0, 0)
+        law = self.law
+        state["variables"], state["guards"] = len(law.internal_variables), law.guards
         if state["memory_of"] != (whose := memory_mark(law)):
-            state["memory_of"], state["kept"], state["internal"] = whose, 0, state["first_internal"]
-            state["memory"][: len(law.remembered)] = [one.initial for one in law.remembered]
+            state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
+            state["memory"][: len(law.internal_variables)] = [one.initial for one in law.internal_variables]
         self._recall(state)
-        if not state["kept"] and not self.plain:
+        if not state["kept"] and self.bound.kernels[LIMITS] is not None:
             with self.errors():
-                state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
+                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
 
 
 def prepared(
@@ -175,18 +185,18 @@ def prepared(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, interval, contact_step, tolerance)
-    parameters, memory, bound, errors = take_in(law)
+    parameters, row, bound, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
     exact = isinstance(law, MultiplierLaw)
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    made = plant, propagator, bound.kernels, parameters, memory, errors, bound.plain, bound.seen
+    made = plant, propagator, bound, parameters, row, errors
     return Prepared(law, duration, contact_step, tolerance, *made)
 
 
 def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:
-    """Give what a law's kernels read, between guards, its part that is memory, and the kernels.
+    """Return a law's row between canaries, read-only and writable, and its bound kernels.
 
     Its answers are looked at for every new set of parameters, or `once` for all that have the same kernels.
 
@@ -209,7 +219,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
     # What the law may only read, the engine writes.
     row = guarded(parameters)
     memory: Any = row.base
-    return row, memory[CANARIES : CANARIES + HEAD + len(law.remembered)], bound, errors
+    return row, memory[CANARIES:-CANARIES], bound, errors
 
 
 def phase_at(gap: float, rate: float) -> int:
@@ -232,5 +242,5 @@ def overlap_at(gap: float, law: ContactLaw) -> str:
 def fresh_state() -> Any:
     """Give the state of a run at t = 0, whose phase is not set yet."""
     # A first step continues a polynomial of zeros, of some length.
-    unknown = {"least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
+    unknown = {"left": np.inf, "least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
     return one(STATE, length=1.0, **unknown)

@@ -24,7 +24,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from contactlab.compiled import kernel
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared
-from contactlab.laws.memory import InternalVariable, Remembering
+from contactlab.laws.memory import Remembering
 
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
@@ -72,9 +72,12 @@ class Tangential(Remembering):
         return 0.0
 
     @property
-    def friction_variable(self) -> InternalVariable | None:
-        """The variable whose rate the friction's kernel returns, where there is no `rate` and no `jump`."""
-        return self.internal_variables[0] if self.internal_variables and not self.remembered else None
+    def coupled(self) -> int:
+        """Number of internal variables that are solved together with the friction, 0 or 1.
+
+        Without a kernel `rate` or `jump` the friction's own kernel returns the rate of the only one.
+        """
+        return int(bool(self.internal_variables) and self.rate is None and self.jump is None)
 
 
 class ContactLaw(Declared, Tangential):

@@ -33,7 +33,7 @@ class Composed(PenaltyLaw):
     friction_kind = _of_friction("friction_kind")
     friction_limit = _of_friction("friction_limit")
     friction_offset = _of_friction("friction_offset")
-    friction_variable = _of_friction("friction_variable")
+    coupled = _of_friction("coupled")
     exact_stick = _of_friction("exact_stick")
 
     def __post_init__(self) -> None:
@@ -64,11 +64,6 @@ class Composed(PenaltyLaw):
     def internal_variables(self) -> tuple[InternalVariable, ...]:
         """The friction's, then the normal force's."""
         return *self.friction.internal_variables, *self.normal.internal_variables
-
-    @property
-    def remembered(self) -> tuple[InternalVariable, ...]:
-        """See `Remembering.remembered`."""
-        return *self.friction.remembered, *self.normal.remembered
 
     @dependent
     def guards(self) -> int:

@@ -69,7 +69,7 @@ class Declared(ABC):
                 yield name, value, member.parameter
 
     def coefficients(self) -> Mapping[str, Coefficient]:
-        """Return what the kernels may name, SI: the fields, NaN for None, unless something follows from them."""
+        """Return the numbers that kernels may name, SI: by default the fields, with NaN for None."""
         named: Any = type(self)
         values = {name: getattr(self, name) for name in declared_fields(named)}
         return {k: nan if v is None else v for k, v in values.items() if not isinstance(v, Declared)}

@@ -33,6 +33,9 @@ Kernel = Callable[..., Any]
 KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
 """Kinds of friction in words, in their order."""
 
+HEAD = 5
+"""Place in a law's row where the internal variables begin: before them is what the engine writes there."""
+
 CANARIES, VALUES = 16, (nan, 1.0, -1.0)
 """Numbers on either side of a law's row, where no kernel has any business, and what they are: a result that
 changes with them was made from them."""
@@ -104,8 +107,8 @@ def misfits(law: ContactLaw) -> Iterator[str]:
         yield from _misfits_of_friction(law)
     elif isinstance(law, MultiplierLaw):
         yield from _misfits_of_a_rigid_law(law)
-    if len(law.remembered) > MOST_VARIABLES:
-        yield f"it has {len(law.remembered)} internal variables; it can have {MOST_VARIABLES} at most."
+    if (count := len(law.internal_variables)) > MOST_VARIABLES:
+        yield f"it has {count} internal variables; it can have {MOST_VARIABLES} at most."
     if law.guards and (law.guard is None or law.jump is None):
         yield f"it says that it has {law.guards} guards; it needs a kernel guard and a kernel jump for them."
     if law.guard is not None and not law.guards:
@@ -113,14 +116,14 @@ def misfits(law: ContactLaw) -> Iterator[str]:
 
 
 def _misfits_of_a_rigid_law(law: MultiplierLaw) -> Iterator[str]:
-    if law.internal_variables and not law.remembered:
+    if law.internal_variables and law.rate is None and law.jump is None:
         yield "it has internal variables, but no kernel rate or jump."
     if law.limits is not None or law.guard is not None:
         yield "it has limits or guards; a rigid contact begins and ends at a gap of zero, and has neither."
 
 
 def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
-    kind, kernel, own = law.friction_kind, law.friction_force, law.friction_variable
+    kind, kernel, coupled = law.friction_kind, law.friction_force, law.coupled
     if kind not in (SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT):
         yield (f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base.")
         return
@@ -132,16 +135,16 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
         )
     if kind != SET_VALUED and kernel is None:
         yield f"{said}, but it has no kernel of friction. Give it one, or say SET_VALUED."
-    if len(law.internal_variables) > 1 and not law.remembered:
+    flows = law.rate is not None or law.jump is not None
+    if len(law.internal_variables) > 1 and not flows:
         yield (
             f"it remembers {', '.join(map(str, law.internal_variables))}; more than one quantity needs a "
             "kernel rate or jump."
         )
-    elif law.internal_variables and not law.remembered and own is None:
-        yield "it has an internal variable of its normal force, and no kernel rate or jump for it."
-    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != (own is not None):
+    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(coupled):
+        names = [one.name for one in law.internal_variables[:coupled]]
         yield (
-            f"{said} and what its friction remembers {shown(own and own.name)}; set-valued friction "
+            f"{said} and what its friction remembers {shown(names)}; set-valued friction "
             "remembers by a kernel rate or jump, and a spring its stretch."
         )
 
@@ -151,11 +154,11 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
 
     The kernels are those of `contactlab.engine.law_kernels.kernels_of`, and read what `row_of` gives.
     """
-    ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in VALUES])
-    force, friction_force, solve, *of_memory = kernels
+    ask = partial(_answer, law.name, [guarded(parameters, canary) for canary in VALUES])
+    force, friction_force, solve, *others = kernels
+    of_memory = others if others[0] is not None else []
     if isinstance(law, PenaltyLaw):
         begin = _first_limit(law, ask, of_memory[3]) if of_memory else 0.0
-        own = law.friction_variable
         for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
             gap = begin - depth
             where = f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
@@ -167,8 +170,7 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
                 )
             if law.friction_kind != SET_VALUED:
                 # What else the variable may be than at first, the law alone knows.
-                first = own.initial if own else 0.0
-                ask("friction_force", friction_force, where, gap, rate, slip, normal, first)
+                ask("friction_force", friction_force, where, gap, rate, slip, normal)
             _check_memory(law, ask, of_memory, where, gap, rate, slip, normal)
         _check_energy(law, force, friction_force, guarded(parameters), begin)
         _check_stiffness(law)
@@ -191,7 +193,7 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
 
 def _first_limit(law: ContactLaw, ask: Any, limits: Kernel) -> float:
     """Give the gap at which a first contact begins [m]; refuse one that ends before."""
-    begin, end = ask("limits", limits, "at first")
+    begin, end = ask("limits", limits, "at first", 0.0)
     if begin > end:
         raise LawError(
             f"{law.name}: its limits say that a contact begins at a gap of {begin:g} m and ends at {end:g} "
@@ -216,7 +218,7 @@ def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, 
     The normal loss is -(N + dV/dgap) gap_rate, a spring has F = -k z and E = 1/2 k z^2, and friction at a
     constant gap loses -F v - dE/dz dz/dt >= 0: a stretched contact gives back no more than it stores.
     """
-    if law.remembered:
+    if len(law.internal_variables) > law.coupled:
         return
     for depth, rate in product(BALANCE_DEPTHS, SPEEDS):
         gap = begin - depth
@@ -234,16 +236,23 @@ def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, 
                 f"{gap:g} m and a gap rate of {rate:g} m/s: N is {normal:g} N, -dV/dgap {-slope:g} N, "
                 f"the loss {loss:g} W; the loss must be -(N + dV/dgap) gap_rate."
             )
-        if law.friction_variable is not None:
-            _check_stretch(law, friction, row, gap, float(normal))
+        if law.coupled:
+            _check_stretch(law, partial(_friction_with, friction, row), gap, float(normal))
 
 
-def _check_stretch(law: PenaltyLaw, friction: Kernel, row: Array, gap: float, normal: float) -> None:
+def _friction_with(friction: Kernel, row: Array, *state: float) -> Any:
+    """Evaluate friction with a value of its coupled variable, the last number."""
+    first: Any = row.base
+    first[CANARIES + HEAD] = state[-1]
+    return friction(*state[:-1], row)
+
+
+def _check_stretch(law: PenaltyLaw, friction: Kernel, gap: float, normal: float) -> None:
     """Refuse stored energy of friction that contradicts its force at a small stretch."""
     first = law.internal_variables[0].initial
     if law.friction_kind == ELASTOPLASTIC:
         z = first + NUDGE * abs(gap)
-        drag, _, stored, stiffness = friction(gap, 0.0, 0.0, normal, z, row)
+        drag, _, stored, stiffness = friction(gap, 0.0, 0.0, normal, z)
         misses = abs(drag + stiffness * z), abs(stored - 0.5 * stiffness * z * z) / (abs(z) or 1.0)
         wrong = max(misses) > ROUND_OFF * (abs(drag) + stiffness * abs(z))
         if wrong and "kernel_is_consistent" not in law.violations:
@@ -254,13 +263,13 @@ def _check_stretch(law: PenaltyLaw, friction: Kernel, row: Array, gap: float, no
         return
     way = 1e-3 * abs(gap)
     for outward in (-PROBE_SPEED, PROBE_SPEED):
-        z = first + friction(gap, 0.0, outward, normal, first, row)[1] * way / PROBE_SPEED
+        z = first + friction(gap, 0.0, outward, normal, first)[1] * way / PROBE_SPEED
         if z == first:
             continue
         for slip in (outward, -outward):
-            drag, rate, _, _ = friction(gap, 0.0, slip, normal, z, row)
+            drag, rate, _, _ = friction(gap, 0.0, slip, normal, z)
             slope, error = derivative(
-                lambda x, slip=slip: friction(gap, 0.0, slip, normal, x, row)[2],  # type: ignore[misc]
+                lambda x, slip=slip: friction(gap, 0.0, slip, normal, x)[2],  # type: ignore[misc]
                 z,
                 NUDGE * abs(z - first),
             )
@@ -284,9 +293,9 @@ def _check_stiffness(law: ContactLaw) -> None:
     if is_own(type(part)):
         return
     name = "elastic" if part.force is None else "force"
-    initial = np.array([one.initial for one in part.remembered], dtype=np.float64)
+    initial = np.array([one.initial for one in part.internal_variables], dtype=np.float64)
     known: dict[str, Any] = {**dict.fromkeys(AT_REST, 0.0), "z": initial}
-    known |= {one.name: one.initial for one in part.remembered}
+    known |= {one.name: one.initial for one in part.internal_variables}
 
     def asked(depth: float) -> tuple[float, float, float]:
         given = part.evaluate(name, **known, depth=depth, gap=-depth)
@@ -306,7 +315,7 @@ def _check_stiffness(law: ContactLaw) -> None:
 
 def _check_memory(law: ContactLaw, ask: Any, kernels: list[Kernel], where: str, *state: float) -> None:
     """Ask rates, jumps and guards at a state, as `contactlab.laws.memory` has it."""
-    for k in range(len(law.remembered)):
+    for k in range(law.coupled, len(law.internal_variables)):
         ask("rate", kernels[0], where, k, *state)
         for event in (*EVENTS, *range(law.guards)):
             ask("jump", kernels[2], where, k, event, *state)

@@ -23,12 +23,12 @@ class Asked:
 
     def __init__(self, law: ContactLaw, canary: float = np.nan) -> None:
         self.law, self.variables = law, law.internal_variables
-        self.own = 1 if law.friction_variable is not None else 0
+        self.own = law.coupled if isinstance(law, PenaltyLaw) else 0
         self.initial = np.array([one.initial for one in self.variables], dtype=np.float64)
         self._kernels, self._row = functions_of(law), guarded(row_of(law), canary)
         # What kernels may only read is written here.
         self._written: Any = np.asarray(self._row.base)[CANARIES:]
-        self._count = len(law.remembered)
+        self._count = len(self.variables)
 
     @property
     def has_friction(self) -> bool:
@@ -36,7 +36,7 @@ class Asked:
         return isinstance(self.law, PenaltyLaw) and self.law.friction_force is not None
 
     def _seen(self, kept: Array) -> Array:
-        self._written[HEAD : HEAD + self._count] = kept[self.own :]
+        self._written[HEAD : HEAD + self._count] = kept
         return self._row
 
     def force(self, gap: float, rate: float, slip: float, speed: float, kept: Array) -> tuple[float, ...]:
@@ -47,21 +47,20 @@ class Asked:
 
     def friction(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Any:
         """Return friction [N], the rate of the friction's own variable, energy [J] and stiffness [N/m]."""
-        variable = float(kept[0]) if self.own else 0.0
-        return self._kernels["friction_force"](gap, rate, slip, normal, variable, self._seen(kept))
+        return self._kernels["friction_force"](gap, rate, slip, normal, self._seen(kept))
 
     def moments(self, tilt: float, spin: float, gap: float, normal: float, kept: Array) -> tuple[float, ...]:
         """Return what `PenaltyLaw.moment` does."""
         self._written[TILT], self._written[SPIN] = tilt, spin
-        return tuple(self._kernels["moment"](tilt, spin, gap, normal, self._seen(kept)))
+        return tuple(self._kernels["moment"](gap, normal, self._seen(kept)))
 
     def rates(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Return the rates of all internal variables."""
         found, row = np.zeros(len(self.variables)), self._seen(kept)
         if self.own:
             found[0] = self.friction(gap, rate, slip, normal, kept)[1]
-        for k in range(self._count):
-            found[self.own + k] = self._kernels["rate"](k, gap, rate, slip, normal, row)
+        for k in range(self.own, self._count):
+            found[k] = self._kernels["rate"](k, gap, rate, slip, normal, row)
         return found
 
     def guards(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
@@ -72,13 +71,13 @@ class Asked:
     def jumped(self, event: int, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Return the internal variables after an event."""
         after, row = kept.copy(), self._seen(kept)
-        for k in range(self._count):
-            after[self.own + k] = self._kernels["jump"](k, event, gap, rate, slip, normal, row)
+        for k in range(self.own, self._count):
+            after[k] = self._kernels["jump"](k, event, gap, rate, slip, normal, row)
         return after
 
     def limits(self, kept: Array) -> Limits:
         """Return the gaps at which a contact begins and ends [m]."""
-        begin, end = self._kernels["limits"](self._seen(kept))
+        begin, end = self._kernels["limits"](0.0, self._seen(kept))
         return float(begin), float(end)
 
     def solve(self, step: tuple[float, ...], length: float, impact: bool, kept: Array) -> Any:

@@ -56,10 +56,10 @@ def answers_of_parts(
     swept["normal_stiffness_rate"] = -slope * rate
     if drag.state is not None:
         given = drag.evaluate("state", **swept)
-        answers += (given[0], 0.0, *given[1:]) if drag.remembered else given
+        answers += (given[0], 0.0, *given[1:]) if len(drag.internal_variables) > drag.coupled else given
     sides = ((drag, swept, kept[:count]), (part, {**state, **pressed}, kept[count:]))
     for each, known, own in sides:
-        for k in range(own.size if each.remembered else 0):
+        for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
             answers.append(0.0 if each.rate is None else each.evaluate("rate", **known, which=k))
     for each, known, _ in sides:
         answers += [each.evaluate("guard", **known, which=k) for k in range(each.guards)]
@@ -68,7 +68,7 @@ def answers_of_parts(
         for each, known, own in sides:
             mine = event if event < 0 or each is drag else event - drag.guards
             theirs = event >= 0 and (event < drag.guards) != (each is drag)
-            for k in range(own.size if each.remembered else 0):
+            for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
                 as_it_was = theirs or each.jump is None
                 jumped = float(own[k]) if as_it_was else each.evaluate("jump", **known, which=k, event=mine)
                 answers.append(jumped)

@@ -73,17 +73,14 @@ def restituted(approach, end, first, second, p_c, e):
 
 @inner_kernel
 def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, of_energy):
-    """Return impulses [N s] and mode; the restitution is of the work of compression, or else of its impulse."""
+    """Return impulses [N s] and mode; the restitution is of the work of compression, or of its impulse."""
     approach = approach_of(normal_rate, gap_rate)
     if approach == 0.0:
         return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
     end, before, after, mode = stages_of(tangential_rate, d_nt, d_tt, mu)
     first, second = d_nn + d_nt * before, d_nn + d_nt * after
     p_n = compression(approach, end, first, second)
-    if of_energy:
-        p_n = restituted(approach, end, first, second, p_n, e)
-    else:
-        p_n = (1.0 + e) * p_n
+    p_n = restituted(approach, end, first, second, p_n, e) if of_energy else (1.0 + e) * p_n
     p_t = before * min(p_n, end) + after * max(p_n - end, 0.0)
     if p_n < end:
         mode = SLIP
