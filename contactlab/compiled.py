@@ -80,11 +80,6 @@ def _remove_old(parent: Path, prefix: str, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def is_compiled(name: str) -> bool:
-    """Tell whether the code of the kernel with this name is kept."""
-    return any(code_folder().glob(f"*/*.{name}-*.nbi"))
-
-
 def kernel(function: Function, **options: Any) -> Function:
     """Compile a scalar or array function on first use and keep the code; another package's by `keep_code`.
 

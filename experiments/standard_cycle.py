@@ -90,7 +90,7 @@ def curves_of(law: ContactLaw) -> Curves:
 def _normal_of(law: PenaltyLaw) -> Callable[[float], float]:
     """The force [N] of a depth [m] below the first touch, at rest and with the memory of that."""
     row, _, bound, _ = take_in(law)
-    begins = 0.0 if law.limits is None else bound.kernels[LIMITS](row)[0]
+    begins = 0.0 if law.limits is None else bound.kernels[LIMITS](0.0, row)[0]
 
     def normal(depth: float) -> float:
         return float(bound.kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
@@ -193,7 +193,7 @@ def _impacts(law: MultiplierLaw) -> Curves:
         numbers=words,
         time=np.empty(0),
     )
-    return _with_stick_slip(curves, law) if law.remembered else curves
+    return _with_stick_slip(curves, law) if law.internal_variables else curves
 
 
 def _with_stick_slip(curves: Curves, law: ContactLaw) -> Curves:

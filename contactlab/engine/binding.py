@@ -19,6 +19,7 @@ What is written for the package's own laws is kept as a source file beside its m
 exactly these sources, and found again by later processes. Code for other laws is compiled in the session.
 """
 
+import re
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -34,7 +35,6 @@ from contactlab.checks import shown
 from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, keep_code, remade
 from contactlab.engine.callback import Callback, law_errors, stand_in
 from contactlab.engine.context import HEAD, IMPACT, SPEED, SPIN, STEP, TILT
-from contactlab.engine.obstacle import obstacle
 from contactlab.fingerprint import Fingerprint, is_own
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
@@ -163,13 +163,13 @@ def _parts(law: ContactLaw) -> tuple[Any, ...]:
 
 def _coefficients(law: ContactLaw, part: Any) -> tuple[tuple[tuple[str, int], ...], list[Any]]:
     """Return names and lengths of the coefficients, zero for a number, and the numbers."""
-    given = (
-        part.solved(law.normal) if isinstance(law, Composed) and part is law.damping else part.coefficients()
-    )
+    given: Any = part.coefficients()
+    if isinstance(law, Composed) and part is law.damping:
+        given = part.solved(law.normal)
     if not isinstance(given, Mapping):
         raise LawError(f"{part.name}: coefficients() returns {shown(given)}; it must return numbers by name.")
     shape = tuple((name, np.size(value) if np.ndim(value) else 0) for name, value in given.items())
-    return shape, [x for value in given.values() for x in (value if np.ndim(value) else (value,))]
+    return shape, [x for value in given.values() for x in np.atleast_1d(value).tolist()]
 
 
 class _Part:
@@ -383,7 +383,8 @@ def _bound(shape: _Shape) -> Bound:
     owners = {word: part.owner for part in parts for word in part.functions}
     seen = frozenset[str]().union(*(part.seen for part in parts))
     plain = all(getattr(law, name, None) is None for name in _OF_FEW)
-    kernels, callbacks = [], []
+    kernels: list[Any] = []
+    callbacks: list[Callback] = []
     for name, signature in SIGNATURES.items():
         if (name == "solve" and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
             kernels.append(None)
@@ -451,8 +452,17 @@ def _session(name: str, source: str, used: tuple[tuple[str, Any], ...], signatur
         _compile(made, signature)
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:
-        return obstacle(error, made.py_func, signature)
+        return _reason(error)
     return made
+
+
+_NOISE: Final = re.compile(r"Failed in |During: |>>> |File \"|- |\* |\s*$|\^|raised from ", re.IGNORECASE)
+
+
+def _reason(error: Exception) -> str:
+    """Return the line in which the compiler says why it failed."""
+    lines = [line.strip() for line in str(error).splitlines() if not _NOISE.match(line.strip())]
+    return lines[0] if lines else type(error).__name__
 
 
 def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any]:
@@ -485,7 +495,7 @@ def _made(found: Fingerprint, kinds: tuple[Any, ...]) -> Any:
         _compile(kernel, kinds)
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:
-        return obstacle(error, function, kinds)
+        return _reason(error)
     return kernel
 
 

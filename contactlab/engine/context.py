@@ -42,7 +42,7 @@ class Law(NamedTuple):
 
     force: Kernel
     friction: Kernel
-    solve: Kernel | None
+    solve: Any
     parameters: Array
     row: Array
     memory: Memory | None

@@ -72,7 +72,8 @@ def friction_at(
     gap, rate, slip = at
     if gap >= end:
         return 0.0, 0.0, 0.0, 0.0
-    return law.friction(gap, rate, slip, normal, law.parameters)
+    friction, internal_rate, stored, stiffness = law.friction(gap, rate, slip, normal, law.parameters)
+    return friction, internal_rate, stored, stiffness
 
 
 @inner_kernel

@@ -61,12 +61,17 @@ def note_turn(run: Run, place: int, th: float, t_u: float, th_rate: float, rotor
         run.step.spin[place] = th_rate + rotor / run.plant.geometry.radius
 
 
+@inner_kernel
+def _note_turn_at(run: Run, place: int) -> None:
+    _, th, _, th_rate, rotor = tip_motion(run.plant, place)
+    note_turn(run, place, th, contact_at(run.plant, place)[5], th_rate, rotor)
+
+
 @part_kernel
 def note_turn_at(run: Run, place: int) -> None:
     """Note tilt and spin at a place whose motion is known."""
     if run.state.turns != 0:
-        _, th, _, th_rate, rotor = tip_motion(run.plant, place)
-        note_turn(run, place, th, contact_at(run.plant, place)[5], th_rate, rotor)
+        _note_turn_at(run, place)
 
 
 @part_kernel
@@ -316,7 +321,7 @@ def limit_at(
     return _limit_at(run, law, memory, place, s, contact)
 
 
-@part_kernel
+@inner_kernel
 def _turning(run: Run, law: Law, place: int, gap: float, slip: float) -> float:
     """Let the law's kernels read tilt and spin of a place; returns the rate of the tilt [rad/s]."""
     if run.state.turns == 0:

@@ -306,7 +306,7 @@ class Friction(Declared, Tangential):
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
-    bound = staticmethod(cone)
+    bound: ClassVar[Kernel] = staticmethod(cone)
     """The kernel of the bound, by default that of Coulomb's cone.
 
     bound(normal, slip, ...) -> largest friction [N]

@@ -152,7 +152,7 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
 def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
-    The kernels are those of `contactlab.engine.law_kernels.kernels_of`, and read what `row_of` gives.
+    The kernels are bound, see `contactlab.engine.binding`, and read its row.
     """
     ask = partial(_answer, law.name, [guarded(parameters, canary) for canary in VALUES])
     force, friction_force, solve, *others = kernels

@@ -92,7 +92,7 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
     names = [one.name for one in part.internal_variables]
     for gap, rate, _, _, kept in states_of(bench):
         depth, z = -gap, kept[count:].copy()
-        known = {
+        known: dict[str, Any] = {
             "gap_rate": rate,
             "depth_rate": -rate,
             "slip": 0.0,

@@ -20,8 +20,8 @@ def parts_keep_apart(bench: Bench) -> Claims:
         return
     asked = Asked(law)
     for gap, rate, slip, speed, kept in states_of(bench):
-        expected, found = answers_of_parts(law, gap, rate, slip, speed, kept), []
-        found += asked.force(gap, rate, slip, speed, kept)
+        expected = answers_of_parts(law, gap, rate, slip, speed, kept)
+        found = [*asked.force(gap, rate, slip, speed, kept)]
         state = gap, rate, slip, found[0], kept
         if asked.has_friction:
             found += asked.friction(*state)

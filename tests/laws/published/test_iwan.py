@@ -40,7 +40,7 @@ class Driven:
 
     def __init__(self, friction: Iwan) -> None:
         self.friction, self.limits = friction, np.array(friction.coefficients()["limit"])
-        self.z = np.zeros(len(friction.remembered))
+        self.z = np.zeros(len(friction.internal_variables))
         self.work, self.events = 0.0, 0
 
     def force(self) -> float:
