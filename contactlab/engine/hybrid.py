@@ -3,7 +3,7 @@
 from typing import Any
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, merged_kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.context import SPEED, Law, Records, Run
 from contactlab.engine.flight import step_flight
@@ -33,30 +33,26 @@ TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
 
-@inner_kernel
-def run_law(run: Run, states: Any, motions: Array, records: Records, law: Law, budget: int) -> None:
-    """Run a law from starts, see `contactlab.engine.loop.advance`."""
+@merged_kernel
+def run_law(
+    run: Run, states: Any, motions: Array, records: Records, law: Law, solve: Any, budget: int
+) -> None:
+    """Run a law from starts, see `contactlab.engine.loop.advance`; compliant where `solve` is None."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law):
-            if each.state.phase == TOUCHING:
-                event = _step_in_contact(each, law, law.solve)
-            else:
+            if each.state.phase != TOUCHING:
                 event = step_flight(each, law)
+            elif solve is None:
+                event = step_compliant(each, law)
+            else:
+                event = step_rigid(each, law)
             commit(each, law, records.series, records.traces)
             _act(each, law, records.ends, event)
             left -= 1
         _leave_at(each, motions[i])
-
-
-@part_kernel
-def _step_in_contact(run: Run, law: Law, solve: Any) -> int:
-    """Take a step in contact, compliant where the law has no `solve`."""
-    if solve is None:
-        return step_compliant(run, law)
-    return step_rigid(run, law)
 
 
 @inner_kernel

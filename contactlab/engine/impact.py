@@ -49,23 +49,9 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 """A record of a history [s], [N], [N], [m]; the forces are means since the one before."""
 
 
-@part_kernel
-def integrate_impacts(
-    run: Run, states: Any, motions: Array, records: Records, impacts: Impacts, law: Law, solve: Any
-) -> None:
-    """Integrate every impact of a compliant law, or evaluate `solve` of a rigid one.
-
-    The states are a fresh one, and room for that of the impact. Histories may have no record; then `records`
-    are not used, else they have two more, and `silent` none.
-    """
-    if solve is None:
-        _integrate(run, states, motions, records, impacts, law)
-    else:
-        _evaluate(run, states[0], impacts, law, solve)
-
-
 @inner_kernel
-def _evaluate(run: Run, state: Any, impacts: Impacts, law: Law, solve: Any) -> None:
+def evaluate_impacts(run: Run, state: Any, impacts: Impacts, law: Law, solve: Any) -> None:
+    """Evaluate `solve` of a rigid law for every impact."""
     for i in range(impacts.outcomes.size):
         contact = impacts.contacts[i]
         for k in range(state.variables):
@@ -111,8 +97,15 @@ def _give_up(outcome: Any, ending: int) -> None:
     outcome.peak_normal_force, outcome.max_penetration = np.nan, np.nan
 
 
-@inner_kernel
-def _integrate(run: Run, states: Any, motions: Array, records: Records, impacts: Impacts, law: Law) -> None:
+@merged_kernel
+def integrate_impacts(
+    run: Run, states: Any, motions: Array, records: Records, impacts: Impacts, law: Law, solve: Any
+) -> None:
+    """Integrate every impact of a compliant law.
+
+    The states are a fresh one, and room for that of the impact. Histories may have no record; then `records`
+    are not used, else they have two more, and `silent` none.
+    """
     count = impacts.histories.shape[1]
     for i in range(impacts.outcomes.size):
         contact, outcome, state = impacts.contacts[i], impacts.outcomes[i], states[1]
@@ -127,7 +120,7 @@ def _integrate(run: Run, states: Any, motions: Array, records: Records, impacts:
             written = Records(impacts.silent, records.traces, records.ends)
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, NO_END)
+            run_law(run, states[1:], motions, written, law, solve, NO_END)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

@@ -14,7 +14,7 @@ from contactlab.compiled import INTERPRETED, inner_kernel, kernel
 from contactlab.engine.binding import SIGNATURES, Bound
 from contactlab.engine.context import Impacts, Law, Memory, Records, Run
 from contactlab.engine.hybrid import run_law
-from contactlab.engine.impact import integrate_impacts
+from contactlab.engine.impact import evaluate_impacts, integrate_impacts
 
 _compiled: set[object] = set()
 """Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
@@ -91,9 +91,11 @@ def advance(
     """
     law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:
-        run_law(run, states, motions, records, law, budget)
+        run_law(run, states, motions, records, law, solve, budget)
+    elif solve is None:
+        integrate_impacts(run, states, motions, records, impacts, law, solve)
     else:
-        integrate_impacts(run, states, motions, records, impacts, law, law.solve)
+        evaluate_impacts(run, states[0], impacts, law, solve)
 
 
 @inner_kernel
