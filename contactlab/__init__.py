@@ -92,17 +92,16 @@ from contactlab.orbits import (
     NoBranchError as NoBranchError,
     NoPeriodError as NoPeriodError,
     NotSettledError as NotSettledError,
-    Steady as Steady,
     UnboundedError as UnboundedError,
     attractors as attractors,
     basins as basins,
     branch as branch,
-    converged as converged,
-    steady as steady,
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
+from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
+from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.sweeps import (
     SweepError as SweepError,
     WorkerError as WorkerError,

@@ -20,7 +20,6 @@ VERBS = {
     "example": "copy a script, measured impacts or the package of a law to begin from",
     "fit": "find numbers of law and motor from measurements, with posterior and evidence",
     "laws": "list every installed law and part, with all that it declares",
-    "steady": "find what the motor does once it has settled: velocity, torque, stability",
     "validate": "judge contact laws by measured impacts that they were not fitted to",
     "verify": "print what is claimed of the engine and the laws, and what is found",
     "warm-up": "compile the engine ahead, for laws of every kind, so that no run has to wait for it",
@@ -80,7 +79,7 @@ _LONG_FLAGS = {
     "--shell-completion",
 }
 
-_FLAGS = {*_LONG_FLAGS, *_VALUED, "-h", "-r", "-m", "-sc", "--"}
+FLAGS = {*_LONG_FLAGS, *_VALUED, "-h", "-r", "-m", "-sc", "--"}
 """All of Hydra's flags."""
 
 NO_TEXT = re.compile("[\0\ud800-\udfff]")
@@ -199,7 +198,7 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
     for argument in arguments:
         if NO_TEXT.search(argument):
             raise RefusalError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
-        if (name := argument.partition("=")[0]) not in _FLAGS and re.match("-.", name):
+        if (name := argument.partition("=")[0]) not in FLAGS and re.match("-.", name):
             _refuse_flag(argument, arguments)
         if not argument.strip():
             raise RefusalError("An argument is empty, as of a shell variable that is not set. Leave it out.")

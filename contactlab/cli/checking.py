@@ -20,6 +20,7 @@ from contactlab.cli.arguments import gives_several, quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.cost import announce_time
 from contactlab.cli.jobs import refusals
+from contactlab.cli.study import refusals_of
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import ConfigurationError, build
 from contactlab.config.composition import SEVERAL, resolved, unknown_override
@@ -51,7 +52,8 @@ class Check(Callback):
             SystemExit: a fault of the user's. Hydra makes warnings of other exceptions here.
         """
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
-        faults = misplaced(lines)
+        verb = str(config.study.name)
+        faults = [*misplaced(lines), *refusals_of(verb, lines)]
         try:
             setup = build(resolved(config))
             configuration = setup.configuration

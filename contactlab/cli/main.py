@@ -10,6 +10,7 @@ from pathlib import Path
 from contactlab.cli import terminal
 from contactlab.cli.arguments import INSTEAD, NO_TEXT, VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
+from contactlab.config.studies import RUN, question_of, studies
 from contactlab.suggestion import suggestion
 
 
@@ -35,20 +36,7 @@ def _status(verb: str = "", *arguments: str) -> int:
     """Do what is asked for, and give its exit status however it ends."""
     try:
         with terminal.ending_at_once():
-            if verb == "help":
-                if not arguments:
-                    print(*_verbs(), sep="\n")
-                    return 0
-                verb, arguments = arguments[0], ("--help",)
-                sys.argv[1:] = [verb, *arguments]
-            if verb in VERBS:
-                module = verb.replace("-", "_")
-                return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
-            _refuse_what_is_no_verb(verb, *arguments)
-            # Imported here: it brings Hydra, which no verb needs.
-            from contactlab.cli import app
-
-            return app.main()
+            return _perform(verb, *arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     except RefusalError as refusal:
@@ -69,13 +57,44 @@ def _status(verb: str = "", *arguments: str) -> int:
         )
 
 
+def _perform(verb: str, *arguments: str) -> int:
+    """Do the work of a verb, of a study, or of a run, which has no verb."""
+    if verb in ("-m", "--multirun") and arguments:
+        (verb, *rest), flag = arguments, verb
+        arguments = (*rest, flag)
+    if verb == "help":
+        if not arguments:
+            print(*_verbs(), sep="\n")
+            return 0
+        verb, arguments = arguments[0], ("--help",)
+        sys.argv[1:] = [verb, *arguments]
+    if verb in studies() and verb != RUN:
+        # Imported here: it brings the engine.
+        from contactlab.cli.study import as_overrides, help_on
+
+        if {"--help", "-h"} & {*arguments}:
+            print(help_on(verb))
+            return 0
+        sys.argv[1:] = as_overrides(verb, arguments)
+    elif verb in VERBS:
+        module = verb.replace("-", "_")
+        return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
+    else:
+        _refuse_what_is_no_verb(verb, *arguments)
+    # Imported here: it brings Hydra, which other verbs do not need.
+    from contactlab.cli import app
+
+    return app.main()
+
+
 def _verbs() -> list[str]:
     """Return the lines that list every verb with what it does."""
-    width = max(map(len, VERBS))
+    every = dict(sorted({**VERBS, **{name: question_of(name) for name in studies() if name != RUN}}.items()))
+    width = max(map(len, every))
     return [
         "contactlab [KEY=VALUE ...] simulates a motor; contactlab -m KEY=A,B ... simulates all combinations.",
         "contactlab VERB ...:",
-        *(f"  {verb:{width}}  {words}" for verb, words in VERBS.items()),
+        *(f"  {verb:{width}}  {words}" for verb, words in every.items()),
         "contactlab help VERB lists the options of a verb, contactlab --help all groups and keys of a run.",
     ]
 

@@ -34,9 +34,10 @@ from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
 from contactlab.config.schema import idle_friction
+from contactlab.config.studies import RUN
 from contactlab.processes import processors
 from contactlab.results.files import LOG, STATE, told
-from contactlab.sweeps.batch import Batch, Outputs, WorkerError
+from contactlab.sweeps.batch import Outputs, WorkerError
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
 from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state
@@ -89,14 +90,18 @@ class Sweeping:
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
         raise_faults(faults)
         settings = Sweep(**arguments.settings)
+        study = str(self.config.study.name)
         samples = settings.samples
         plan = planned(
             arguments,
             full_keys(table(samples), arguments) if samples else arguments.columns,
-            Outputs.named(settings.metrics, settings.series or ()),
+            Outputs.of_study(study)
+            if study != RUN
+            else Outputs.named(settings.metrics, settings.series or ()),
             samples=samples is not None,
-            chunk=settings.chunk,
-            keep=settings.keep,
+            # A cell of a study takes seconds: every one is kept as it ends.
+            chunk=settings.chunk or (1 if study != RUN else None),
+            keep="metrics" if study != RUN else settings.keep,
         )
         set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
@@ -249,6 +254,6 @@ def run_chunk(settings: DictConfig) -> int:
         )
     # The processes of a launcher share a machine, unless a cluster gives each some processors.
     workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
-    with Batch(store.plan.setup_at, store.plan.outputs, min(workers, processors())) as batch:
+    with store.plan.batch(min(workers, processors())) as batch:
         store.run(asked.number, batch)
     return COMPLETE
