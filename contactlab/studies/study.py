@@ -195,6 +195,10 @@ class Result:
             raise AttributeError(f"{type(self).__name__} of {self.study.name} has no number {name!r}")
         return getattr(self.details, name)
 
+    def __getitem__(self, name: str) -> Any:
+        """Return a variable of the data, or a group."""
+        return self.data[name]
+
     def plot(self) -> "Figure":
         """Return the first figure.
 
@@ -218,5 +222,5 @@ class Result:
         save(self, Path(folder))
 
     def __repr__(self) -> str:
-        blocks = [as_text(table) for table in self.tables.values()]
-        return "\n".join([*blocks, *self.findings])
+        blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self.tables.values()]
+        return "\n\n".join([*blocks, "\n".join(self.findings)]).rstrip()
