@@ -98,6 +98,7 @@ from contactlab.orbits import (
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
+from contactlab.settling.statistics import Estimate as Estimate
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady

@@ -127,9 +127,10 @@ class Study(ABC):
 
     def result(self, setup: Setup) -> "Result":
         """Put the study to one setup, in this process."""
-        (task,) = self.tasks({"": setup})
-        part = task()
-        return Result(self, {"": setup}, self.combine({"": setup}, {"": part.data}), part.details)
+        # Imported here: the runner knows studies.
+        from contactlab.studies.runner import run
+
+        return run(self, {"": setup})
 
     @property
     def options(self) -> dict[str, Any]:
