@@ -22,7 +22,7 @@ from contactlab.cli.arguments import for_hydra
 from contactlab.cli.checking import typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.next_step import after_a_run
-from contactlab.cli.study import perform_study
+from contactlab.cli.study import perform_study, setups_of
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
 from contactlab.config import ConfigurationError, build, validate
 from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences, without_environment
@@ -83,8 +83,10 @@ def run(settings: DictConfig) -> int:
         status = refuse(error.faults)
     else:
         if configuration.get("study", {}).get("name", RUN) != RUN:
-            study = study_of(validate(configuration)["study"])
-            sys.exit(perform_study(study, {"": setup}, directory))
+            checked = validate(configuration)
+            over = checked["sweep"]["over"] or []
+            setups = setups_of(job.overrides, over) if over else {"": setup}
+            sys.exit(perform_study(study_of(checked["study"]), setups, directory))
         job = Job(key_of(setup), job.overrides, job.choices, setup.configuration)
         if swept and is_done(directory, job.key):
             return COMPLETE

@@ -20,7 +20,7 @@ from contactlab.cli.arguments import gives_several, quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.cost import announce_time
 from contactlab.cli.jobs import refusals
-from contactlab.cli.study import refusals_of
+from contactlab.cli.study import refusals_of, setups_of
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import ConfigurationError, build
 from contactlab.config.composition import SEVERAL, resolved, unknown_override
@@ -58,6 +58,8 @@ class Check(Callback):
             setup = build(resolved(config))
             configuration = setup.configuration
             faults = faults or list(_folder_faults(config))
+            if over := config.sweep.over:
+                setups_of(lines, list(over))
             is_set = not faults and sets_friction(lines)
             if is_set and (words := idle_friction([configuration["law"]])):
                 tell(f"contactlab: {words}", sys.stderr)
@@ -115,7 +117,7 @@ def misplaced(lines: Sequence[str], *, swept: bool = False) -> list[str]:
         f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
         "it out."
         for line in lines
-        if line.lstrip("+").startswith("sweep.")
+        if line.lstrip("+").startswith("sweep.") and not line.startswith("sweep.over=")
     ]
 
 

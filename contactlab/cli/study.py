@@ -5,19 +5,26 @@ contactlab steady law=newton brake="2 mN m"     is     contactlab study=steady l
 
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING
+from itertools import product
 from pathlib import Path
 from types import NoneType
+from typing import Final
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import FLAGS, quoted
 from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
+from contactlab.config import Setup, build
 from contactlab.config.studies import study_class
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.study import Setups, Study
+from contactlab.sweeps.values import listed
+
+LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
+"""An override with several values."""
 
 FOLDER = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
@@ -35,35 +42,55 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     study = study_class(verb)
     options = declared_fields(study)
     sweeps = not {"-m", "--multirun"}.isdisjoint(words)
-    lines, rest = [f"study={verb}"], list(words)
+    lines, rest, several = [f"study={verb}"], list(words), list[str]()
     place = FOLDER[sweeps]
     while rest:
         word = rest.pop(0)
-        name, sign, value = word.partition("=")
-        name = name.removeprefix("--").replace("-", "_")
-        if name == "output" or (word.startswith("--") and name in options):
-            field = options.get(name)
-            if not sign and field is not None and bool in field.kinds:
-                value = "true"
-            elif not sign and not rest:
-                raise RefusalError(f"{word} has no value; one must follow it.")
-            elif not sign:
-                value = rest.pop(0)
-            key = place if name == "output" else f"study.{name}"
-            lines.append(f"{key}={quoted(value) if name == 'output' else value}")
-        elif word.startswith("--no-") and name.removeprefix("no_") in options:
-            lines.append(f"study.{name.removeprefix('no_')}=false")
-        elif word.startswith("--") and word.partition("=")[0] not in FLAGS:
-            raise RefusalError(f"{word} is no option of {verb}; it must be one of {', '.join(options)}.")
+        name, sign, _ = word.partition("=")
+        if word.startswith("--") and name not in FLAGS:
+            lines.append(_option(word, rest, options, place))
+        elif name == "output":
+            lines.append(f"{place}={quoted(word.removeprefix('output='))}")
+        elif study.several and not sweeps and LISTED.match(word):
+            several.append(word)
         elif sign and name in options:
             lines.append(f"study.{word}")
         else:
             taken = next((key for key, form in study.words.items() if form.fullmatch(word)), None)
             lines.append(f"study.{taken}={quoted(word)}" if taken else word)
+    if several:
+        lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     if sweeps:
         return lines
     # What a user sets comes later and prevails.
     return [f"{place}={verb}", "hydra.output_subdir=null", *lines]
+
+
+def _option(word: str, rest: list[str], options: Mapping[str, DeclaredField], place: str) -> str:
+    """Return an option with dashes as an override; its value may be the first of the other words."""
+    key, sign, value = word.removeprefix("--").partition("=")
+    name = key.replace("-", "_")
+    if name.removeprefix("no_") in options and bool in options[name.removeprefix("no_")].kinds and not sign:
+        return f"study.{name.removeprefix('no_')}={str(not name.startswith('no_')).lower()}"
+    if name not in (*options, "output"):
+        raise RefusalError(f"{word} is no option; it must be one of {', '.join([*options, 'output'])}.")
+    if not sign and not rest:
+        raise RefusalError(f"{word} has no value; one must follow it.")
+    value = value if sign else rest.pop(0)
+    return f"{place}={quoted(value)}" if name == "output" else f"study.{name}={value}"
+
+
+def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:
+    """Return the setups of a study: of its overrides, and of every combination of the listed values.
+
+    Raises:
+        ConfigurationError: an override is faulty.
+    """
+    rest = [line for line in lines if not re.match(r"\+*(study|sweep|hydra)\b", line)]
+    axes = [
+        [f"{key}={value}" for value in listed(values)] for key, _, values in (o.partition("=") for o in over)
+    ]
+    return {", ".join(chosen): build([*rest, *chosen]) for chosen in product(*axes)}
 
 
 def help_on(verb: str) -> str:
@@ -101,7 +128,9 @@ def refusals_of(verb: str, lines: Sequence[str]) -> Iterator[str]:
     """Yield what is wrong with arguments on which a study does not depend."""
     from contactlab.cli.idle_words import idle
 
-    for line in idle(lines, *study_class(verb).ignored):
+    study = study_class(verb)
+    effective = "sweep.over=" if study.several else "study="
+    for line in idle((line for line in lines if not line.startswith(effective)), *study.ignored):
         yield f"{line} has no effect on the study {verb}; it must be left out."
 
 

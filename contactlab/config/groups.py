@@ -88,6 +88,7 @@ class Sweep(Checked):
     metrics: Annotated[_Names, _said("names of metrics that are kept, or all")] = None
     series: Annotated[_Names, _said("names of time series that are kept as well")] = None
     samples: Annotated[str | None, _SAMPLES] = None
+    over: Annotated[_Names, _said("values by which the setups of one study differ, as law=A,B")] = None
     chunk: Annotated[int | None, _CHUNK] = None
     workers: Annotated[int | None, _said("processes at work", at_least=1)] = None
 

@@ -16,7 +16,11 @@ GROUP: Final = "contactlab.studies"
 RUN: Final = "simulate"
 """The study that a command without a verb does."""
 
-OWN: Final = {RUN: "contactlab.studies.simulate:Simulate", "steady": "contactlab.studies.steady:Steady"}
+OWN: Final = {
+    RUN: "contactlab.studies.simulate:Simulate",
+    "characterise": "contactlab.studies.characterise:Characterise",
+    "steady": "contactlab.studies.steady:Steady",
+}
 """The package's own studies."""
 
 

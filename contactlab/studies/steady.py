@@ -19,7 +19,7 @@ from contactlab.orbits.steady_state import Steady as State
 from contactlab.parameter import Parameter
 from contactlab.settling.statistics import Estimate
 from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates, option
-from contactlab.studies.tables import table
+from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
 
@@ -100,12 +100,9 @@ class Steady(Study):
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the quantities, a row each."""
-        every = self.numbers(data)
-        rows = [
-            {"quantity": q.long_name, "value": every[q.name], "unit": "" if q.units == "1" else q.units}
-            for q in self.quantities
-        ]
-        return {"quantities": table(rows, caption=f"Steady state under {data.attrs['law']}")}
+        caption = f"Steady state under {data.attrs['law']}"
+        columns = {"value": self.numbers(data)}
+        return {"quantities": table_of_quantities(self.quantities, columns, caption)}
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return path of the tip, multipliers, velocity, gap and forces."""

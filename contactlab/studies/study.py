@@ -127,9 +127,10 @@ class Study(ABC):
 
     def result(self, setup: Setup) -> "Result":
         """Put the study to one setup, in this process."""
-        (task,) = self.tasks({"": setup})
-        part = task()
-        return Result(self, {"": setup}, self.combine({"": setup}, {"": part.data}), part.details)
+        # Imported here: the runner knows studies.
+        from contactlab.studies.runner import run
+
+        return run(self, {"": setup})
 
     @property
     def options(self) -> dict[str, Any]:
@@ -195,6 +196,10 @@ class Result:
             raise AttributeError(f"{type(self).__name__} of {self.study.name} has no number {name!r}")
         return getattr(self.details, name)
 
+    def __getitem__(self, name: str) -> Any:
+        """Return a variable of the data, or a group."""
+        return self.data[name]
+
     def plot(self) -> "Figure":
         """Return the first figure.
 
@@ -218,5 +223,5 @@ class Result:
         save(self, Path(folder))
 
     def __repr__(self) -> str:
-        blocks = [as_text(table) for table in self.tables.values()]
-        return "\n".join([*blocks, *self.findings])
+        blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self.tables.values()]
+        return "\n\n".join([*blocks, "\n".join(self.findings)]).rstrip()

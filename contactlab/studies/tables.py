@@ -5,14 +5,22 @@ the CF conventions and `frame.attrs["caption"]` a sentence; both may be missing.
 """
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
 import pandas
 
 from contactlab.parameter import from_cf
+from contactlab.results.summary import prefixed_unit
 from contactlab.settling.statistics import Estimate
+from contactlab.variables import Variable
+
+UNIT: Final = "unit"
+"""Column of the units of rows, in the words of the CF conventions."""
+
+WITHOUT_PREFIX: Final = ("rad/s", "1", "1/m", "V A")
+"""Units that are read as they are."""
 
 DIGITS: Final = 5
 """Digits of a number without an error."""
@@ -25,6 +33,18 @@ def table(rows: Any, *, units: Mapping[str, str] | None = None, caption: str = "
     return frame
 
 
+def table_of_quantities(
+    quantities: Iterable[Variable], columns: Mapping[str, Mapping[str, Estimate]], caption: str = ""
+) -> pandas.DataFrame:
+    """Return a table with a row for each quantity, in SI, and a column of numbers for each label."""
+    rows = [
+        {"quantity": q.name.replace("_", " "), UNIT: q.units}
+        | {label: numbers[q.name] for label, numbers in columns.items()}
+        for q in quantities
+    ]
+    return table(rows, caption=caption)
+
+
 def shown(cell: object, plus_minus: str = "+-") -> str:
     """Return a cell as text: an error has two digits, its number as many as the error leaves certain.
 
@@ -32,13 +52,15 @@ def shown(cell: object, plus_minus: str = "+-") -> str:
     ('-2.19118 +- 0.0021', '0.3', '')
     """
     match cell:
+        case Estimate(_, error) if np.isinf(error):
+            return "no limit"
         case Estimate(value, error) if np.isfinite(value) and np.isfinite(error) and error > 0.0:
             digits = int(np.clip(np.ceil(np.log10(max(abs(value), error) / error)) + 2, 2, 9))
             return f"{value:.{digits}g} {plus_minus} {error:.2g}"
         case Estimate(value, _):
             return shown(float(value), plus_minus)
         case float() | np.floating():
-            return "" if np.isnan(cell) else f"{cell:.{DIGITS}g}"
+            return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else f"{cell:.{DIGITS}g}"
         case None:
             return ""
     return str(cell)
@@ -53,9 +75,25 @@ def heads(frame: pandas.DataFrame) -> list[str]:
 
 
 def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pandas.DataFrame:
-    """Return a frame of texts."""
-    texts = [[write(cell) for cell in row] for row in frame.itertuples(index=False, name=None)]
+    """Return a frame of texts; rows with a unit get one of a handy size."""
+    rows = frame.to_dict("records")
+    texts = [[write(cell) for cell in (_prefixed(row) if UNIT in row else row).values()] for row in rows]
     return pandas.DataFrame(texts, columns=heads(frame), dtype=object)
+
+
+def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Return a row with the prefix of its unit that suits its largest number."""
+    unit, scale = from_cf(row[UNIT]), 1.0
+    sizes = [
+        abs(cell.value) for cell in row.values() if isinstance(cell, Estimate) and np.isfinite(cell.value)
+    ]
+    if unit not in WITHOUT_PREFIX and max(sizes, default=0.0) > 0.0:
+        unit, scale = prefixed_unit(max(sizes), unit)
+    cells = {
+        name: Estimate(cell.value / scale, cell.error / scale) if isinstance(cell, Estimate) else cell
+        for name, cell in row.items()
+    }
+    return cells | {UNIT: "" if unit == "1" else unit.replace("\u00b5", "u")}
 
 
 def as_text(frame: pandas.DataFrame) -> str:

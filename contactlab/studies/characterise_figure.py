@@ -1,18 +1,13 @@
 """The figure of a data sheet: torque, output power and efficiency over velocity, all laws together."""
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.style import context
-
-from contactlab.plot.style import STYLE
-from contactlab.results.files import whole_file
 
 SIZE: Final = (5.2, 5.4)  # inches; the words are still read where a phone makes it its own width
 DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
@@ -26,19 +21,6 @@ FINE: Final = 400
 """Velocities at which lines are drawn."""
 
 THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}
-
-METADATA: Final[Any] = {"pdf": {"CreationDate": None}, "png": {"Software": None}}
-"""Without dates and versions the same sheet gives the same bytes."""
-
-
-def save(data: xarray.Dataset, folder: Path) -> Path:
-    """Write sheet.png and sheet.pdf into a folder, and give the PNG."""
-    with context(STYLE):
-        figure = draw(data)
-        for kind, metadata in METADATA.items():
-            with whole_file(folder / f"sheet.{kind}") as partial:
-                figure.savefig(partial, format=kind, metadata=metadata)
-    return folder / "sheet.png"
 
 
 def draw(data: xarray.Dataset) -> Figure:
