@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Sequence
 from itertools import product
 
-from contactlab.cli.branch import RANGE
 from contactlab.cli.terminal import RefusalError
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION
@@ -13,6 +12,7 @@ from contactlab.inference.models import LawModel
 from contactlab.laws import Composed
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import PARTS, law_names
+from contactlab.studies.branch import RANGE
 from contactlab.suggestion import suggestion
 
 FORMS = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HIGH"
