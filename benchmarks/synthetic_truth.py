@@ -30,13 +30,13 @@ from tqdm import tqdm
 
 import contactlab as cl
 from contactlab.config.schema import declared_in
-from contactlab.fitting.evidence import told
-from contactlab.fitting.impact_model import ImpactModel
-from contactlab.fitting.least_squares import best_fit
-from contactlab.fitting.nested import sample
-from contactlab.fitting.parameters import Free, free_parameters, with_values
-from contactlab.fitting.series_model import series_model
-from contactlab.fitting.synthetic import made_impacts, made_series, without_errors
+from contactlab.inference.evidence import told
+from contactlab.inference.free_parameters import Free, free_parameters, with_values
+from contactlab.inference.impact_problem import ImpactModel
+from contactlab.inference.least_squares import best_fit
+from contactlab.inference.nested_sampling import sample
+from contactlab.inference.series_problem import series_model
+from contactlab.inference.synthetic import made_impacts, made_series, without_errors
 from contactlab.processes import begin_worker
 
 POINTS, COVERING = 50, 150
