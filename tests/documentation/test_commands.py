@@ -108,7 +108,7 @@ def _options(group: str) -> frozenset[str]:
 
 
 def _faults_of_script(words: list[str]) -> list[str]:
-    if not words[0].startswith("experiments/"):
+    if not words[0].startswith(("experiments/", "benchmarks/", "docs/tools/", "tests/tools/")):
         return []
     script = ROOT / words[0]
     if PLACEHOLDER.fullmatch(script.stem):

@@ -18,7 +18,7 @@ def rows() -> dict[str, list[str]]:
 
 
 def test_every_law_has_a_row_and_no_row_is_without_a_law(rows: dict[str, list[str]]) -> None:
-    assert [*rows] == [entry.name for entry in law_table.entries()], "Run python experiments/law_table.py."
+    assert [*rows] == [entry.name for entry in law_table.entries()], "Run python docs/tools/law_table.py."
 
 
 def test_no_row_is_of_a_law_that_fails(rows: dict[str, list[str]]) -> None:

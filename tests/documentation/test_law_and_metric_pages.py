@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.long
 def test_the_page_is_what_the_laws_declare() -> None:
     committed = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
-    assert committed == law_page.page(), "Run python experiments/law_page.py."
+    assert committed == law_page.page(), "Run python docs/tools/law_page.py."
 
 
 def test_every_law_has_a_picture_and_no_picture_is_without_a_law() -> None:
@@ -32,4 +32,4 @@ def test_the_page_can_be_made_elsewhere(tmp_path: Path) -> None:
 
 def test_the_page_of_the_metrics_is_what_they_say() -> None:
     committed = (ROOT / "docs" / "plausibility.md").read_text(encoding="utf-8")
-    assert committed == metric_page.page(), "Run python experiments/metric_page.py."
+    assert committed == metric_page.page(), "Run python docs/tools/metric_page.py."
