@@ -13,9 +13,9 @@ from contactlab.laws.base import Part
 
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
-    "Many runs, and what comes of them": ("sweeps", "comparison", "datasheet"),
-    "Steady states": ("orbits",),
-    "Impacts and measurements": ("impact", "measured", "fitting", "validation"),
+    "Studies, and many runs": ("studies", "sweeps", "comparison", "datasheet"),
+    "Steady states": ("orbits", "settling"),
+    "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),
@@ -27,8 +27,8 @@ CHAPTERS: Final = {
 FURTHER: Final = {
     "contactlab.measured.files": "measured impacts, from files and into them",
     "contactlab.measured.series": "measured series, from files and into them",
-    "contactlab.validation.study": "laws judged on impacts that they have not seen",
-    "contactlab.fitting.fit": "numbers of laws and motors from measurements",
+    "contactlab.inference.study": "laws judged on impacts that they have not seen",
+    "contactlab.inference.fit": "numbers of laws and motors from measurements",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }
@@ -112,7 +112,7 @@ def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
 
 
 def _chapter_of(one: Any) -> str:
-    room = one.__module__.removeprefix("contactlab.")
+    room = getattr(one, "func", one).__module__.removeprefix("contactlab.")
     if inspect.isclass(one) and issubclass(one, Exception):
         return "What is raised"
     if inspect.isclass(one) and issubclass(one, get_args(Part)) and room != "laws.base":

@@ -207,7 +207,6 @@ class Told(MultiplierLaw):
     equation = "|F| <= mu (N + C), gdot+ = -e gdot- in impacts"
     source = "this test"
     default_contact_step = 1e-6
-    told = True
     internal_variables = (
         InternalVariable("age", "t", "s", "time of stick"),
         InternalVariable("warmth", "z", "1", "what is left", initial=1.0, life="run"),
