@@ -58,20 +58,6 @@ def test_the_age_counts_stick_and_is_forgotten_by_slip_and_by_a_new_contact() ->
     assert after == [0.0, 0.7, 0.0, 0.7]
 
 
-def test_a_pulled_block_breaks_away_where_the_pull_meets_the_friction_that_has_aged() -> None:
-    """k v t = mu_s(t) N; the slower the pull, the larger its peak, by delta ln 10 N a decade."""
-    ages = []
-    for speed in (0.3, 0.03, 0.003):
-        expected = breakaway(speed)
-        ages.append(stick_of(speed, expected + 1e-3))
-        assert_allclose(ages[-1], expected, rtol=1e-8)
-        assert stick_of(-speed, expected + 1e-3) == ages[-1]
-    peaks = STIFFNESS / WEIGHT * np.array(ages) * (0.3, 0.03, 0.003)
-    decades = np.diff(np.log10(np.array(ages) + BEGINS))
-    assert (decades > 0.9).all()
-    assert_allclose(np.diff(peaks), DELTA * log(10.0) * decades, rtol=1e-6)
-
-
 def test_while_it_slips_it_has_no_age() -> None:
     speed = 0.03
     until = breakaway(speed) + 1e-3

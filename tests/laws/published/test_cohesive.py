@@ -59,17 +59,6 @@ def test_the_bound_is_a_cone_with_its_apex_at_the_cohesion() -> None:
         )
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_a_sliding_block_slows_by_mu_g_and_mu_c_over_m_and_stops(way: float) -> None:
-    """v = v_0 - mu (g + C/m) t, of a block of 1 kg."""
-    start, slowing = 0.2, MU * (WEIGHT + C)
-    law, time = Composed(Linear(SPRING), friction=Cohesive(MU, RATIO, C)), 0.2 / (MU * (WEIGHT + C))
-    series = run(resting(velocity=way * start), law, 1.25 * time, 1e-3, time / 8.0).series
-    expected = start - slowing * time / 8.0 * np.arange(8)
-    assert_allclose(way * series["slip_velocity"][:8], expected, atol=1e-9)
-    assert np.abs(series["slip_velocity"][9:]).max() < 1e-15 * start
-
-
 @pytest.mark.parametrize(("share", "moves"), [(0.999, False), (1.001, True)])
 def test_a_block_holds_up_to_mu_s_of_weight_and_cohesion(share: float, moves: bool) -> None:
     push = share * MU * RATIO * (WEIGHT + C)

@@ -1,6 +1,5 @@
 """Iwan's elements: the microslip of Mindlin and Deresiewicz, loops after Masing, and what they lose."""
 
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -8,10 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 
-from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Iwan
-from contactlab.laws.normal import Linear
-from contactlab.testing.plants import HEAVY, block, run
 
 Array = np.ndarray
 
@@ -181,21 +177,3 @@ def test_guards_and_jumps_are_the_return_map_of_every_element(path: list[float],
         stretches = np.clip(stretches + way * WHOLE, -limits, limits)
         assert_allclose(driven.z[:n], stretches, atol=1e-9 * WHOLE)
         assert abs(force) <= LIMIT * (1.0 + 1e-9)
-
-
-@pytest.mark.long
-def test_a_run_loses_in_a_cycle_what_spheres_do() -> None:
-    """A body so heavy that the contact does not disturb it, swinging within the full slip and beyond."""
-    spring, frequency = 1e7, 50.0
-    resting = partial(block, HEAVY, height=-NORMAL / spring, weight=NORMAL)
-    rate = 2.0 * np.pi * frequency
-    for share in (0.5, 1.5):
-        swing = share * WHOLE
-        driven, friction = resting(velocity=rate * swing, stiffness=HEAVY * rate**2), Iwan(MU, 24, WHOLE)
-        made = run(
-            driven, Composed(Linear(spring), friction=friction), 2.0 / frequency, 1e-4, 1.0 / frequency
-        )
-        loss = np.diff(made.series["friction_loss"])[-1]
-        assert loss == pytest.approx(elements_loss(friction, swing), rel=1e-6)
-        closed = cycle_loss(min(share, 1.0) * WHOLE) + 4.0 * LIMIT * max(share - 1.0, 0.0) * WHOLE
-        assert loss == pytest.approx(closed, rel=7e-3)

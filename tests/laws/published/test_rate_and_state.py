@@ -30,15 +30,6 @@ def answer(friction: RateAndState, slip: float, z: float) -> tuple[float, float]
     return -force / NORMAL, rate
 
 
-@pytest.mark.parametrize("speed", [1e-8, 1e-6, 1e-3, 1.0])
-def test_steady_slip_has_the_logarithm_of_its_speed(speed: float) -> None:
-    found, rate = answer(SLOW, speed, log(V0 / speed))
-    assert found == pytest.approx(MU + (A - B) * log(speed / V0), rel=1e-9)
-    assert abs(rate) < 1e-12 * speed / D
-    mirrored, _ = answer(SLOW, -speed, log(V0 / speed))
-    assert mirrored == -found
-
-
 def aged(slip: float, z: float, duration: float) -> float:
     """Let z flow at a constant slip."""
 
