@@ -194,7 +194,7 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
         # What is remembered flows on past the release at another rate, whatever the force is by then.
-        small = state.tolerance * state.momentum * (REMEMBERED if state.variables > 0 else 1.0)
+        small = state.tolerance * state.momentum * (REMEMBERED if state.variables > state.coupled else 1.0)
         finest = run.propagator.rule.level_count - 1
         while h * rate > -0.7 * gap and abs(normal) * h > small and level < finest:
             level += 1

@@ -145,9 +145,10 @@ class Prepared(NamedTuple):
             state["longest"], state["contact_level"] = rule.longest, rule.contact_level
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
         self._set_memory(state)
+        state["coupled"] = state["moments"] = 0
         if isinstance(law, PenaltyLaw):
-            parity = law.internal_variables[0].parity if law.coupled else ODD
-            state["friction_kind"], state["parity"], state["coupled"] = law.friction_kind, parity, law.coupled
+            state["friction_kind"], state["coupled"] = law.friction_kind, law.coupled
+            state["parity"] = law.internal_variables[0].parity if law.coupled else ODD
             state["moments"] = law.moment is not None
         if isinstance(law, MultiplierLaw):
             state["projects"] = law.projects
