@@ -100,8 +100,8 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     elif state.idle > IDLE_LIMIT:
         words = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
     why = (
-        "A force that jumps with gap, gap rate or slip stalls the steps: check the law and its parameters, or "
-        "choose a larger solver.tolerance. Friction that jumps with the slip is set-valued."
+        "A force that jumps with gap, gap rate or slip stalls the steps: check the law and its parameters, "
+        "or choose a larger solver.tolerance. Friction that jumps with the slip is set-valued."
     )
     sway = float(run.plant.tones["steady_u"].sum())
     if sway >= FARTHEST:
