@@ -12,7 +12,6 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 
 from contactlab.comparison import ComparisonError as ComparisonError, compare as compare
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
-from contactlab.datasheet import characterise as characterise
 from contactlab.impact import impact as impact
 from contactlab.laws import (
     AgeingStick as AgeingStick,
@@ -85,24 +84,23 @@ from contactlab.motor import (
 )
 from contactlab.orbits import (
     Attractor as Attractor,
-    Basins as Basins,
-    Branch as Branch,
     BrokenOffError as BrokenOffError,
     Converged as Converged,
     NoBranchError as NoBranchError,
     NoPeriodError as NoPeriodError,
     NotSettledError as NotSettledError,
-    Steady as Steady,
     UnboundedError as UnboundedError,
     attractors as attractors,
-    basins as basins,
-    branch as branch,
-    converged as converged,
-    steady as steady,
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
+from contactlab.settling.statistics import Estimate as Estimate
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
+from contactlab.studies.basins import Basins as Basins, basins as basins
+from contactlab.studies.branch import Branch as Branch, branch as branch
+from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
+from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
+from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.sweeps import (
     SweepError as SweepError,
     WorkerError as WorkerError,

@@ -20,13 +20,13 @@ import numpy as np
 import xarray
 from tqdm import tqdm
 
+from contactlab.inference.cross_validation_data import laws_in
+from contactlab.inference.residuals import abscissas, binned, residuals_of
+from contactlab.inference.study import study
 from contactlab.measured.files import read_impacts
 from contactlab.results.files import whole_file
-from contactlab.validation import tables
-from contactlab.validation.dataset import laws_in
-from contactlab.validation.report import write
-from contactlab.validation.residuals import abscissas, binned, residuals_of
-from contactlab.validation.study import study
+from contactlab.studies import validate_tables as tables
+from contactlab.studies.validate_page import write
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "measurements.md"

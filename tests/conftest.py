@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from contactlab.cli import main as cli
 
 # Somebody else's project; it runs in its own environment, by tests/laws/test_outside.py.
-collect_ignore = ["example_law"]
+collect_ignore = ["example_law", "example_study"]
 
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None)

@@ -22,10 +22,12 @@ from contactlab.cli.arguments import for_hydra
 from contactlab.cli.checking import typed
 from contactlab.cli.jobs import perform
 from contactlab.cli.next_step import after_a_run
+from contactlab.cli.study import perform_study, setups_of
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
-from contactlab.config import ConfigurationError, build
+from contactlab.config import ConfigurationError, build, validate
 from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences, without_environment
 from contactlab.config.options import conf_directory
+from contactlab.config.studies import RUN, study_of
 from contactlab.results.provenance import versions
 from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
 
@@ -73,12 +75,18 @@ def run(settings: DictConfig) -> int:
     swept = hydra_config.mode == RunMode.MULTIRUN
     job = Job(overrides=tuple(typed(hydra_config.overrides.task)), choices=choices_of(hydra_config))
     try:
-        setup = build(resolved(settings))
+        configuration = resolved(settings)
+        setup = build(configuration)
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
         write_state(directory, State(REFUSED, job, " ".join(error.faults)))
         status = refuse(error.faults)
     else:
+        if configuration.get("study", {}).get("name", RUN) != RUN:
+            checked = validate(configuration)
+            over = checked["sweep"]["over"] or []
+            setups = setups_of(job.overrides, over) if over else {"": setup}
+            sys.exit(perform_study(study_of(checked["study"]), setups, directory))
         job = Job(key_of(setup), job.overrides, job.choices, setup.configuration)
         if swept and is_done(directory, job.key):
             return COMPLETE

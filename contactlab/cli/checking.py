@@ -18,8 +18,8 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import gives_several, quoted
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.cost import announce_time
 from contactlab.cli.jobs import refusals
+from contactlab.cli.study import refusals_of, setups_of
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
 from contactlab.config import ConfigurationError, build
 from contactlab.config.composition import SEVERAL, resolved, unknown_override
@@ -51,11 +51,14 @@ class Check(Callback):
             SystemExit: a fault of the user's. Hydra makes warnings of other exceptions here.
         """
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
-        faults = misplaced(lines)
+        verb = str(config.study.name)
+        faults = [*misplaced(lines), *refusals_of(verb, lines)]
         try:
             setup = build(resolved(config))
             configuration = setup.configuration
             faults = faults or list(_folder_faults(config))
+            if over := config.sweep.over:
+                setups_of(lines, list(over))
             is_set = not faults and sets_friction(lines)
             if is_set and (words := idle_friction([configuration["law"]])):
                 tell(f"contactlab: {words}", sys.stderr)
@@ -64,7 +67,6 @@ class Check(Callback):
         if faults:
             sys.exit(refuse(faults))
         announce([configuration])
-        announce_time([setup])
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
         """Hold the folder of a sweep for all its jobs, which else name it by their own overrides."""
@@ -113,7 +115,7 @@ def misplaced(lines: Sequence[str], *, swept: bool = False) -> list[str]:
         f"{line} says how the runs of a sweep are made; a single run must be without. Add -m, or leave "
         "it out."
         for line in lines
-        if line.lstrip("+").startswith("sweep.")
+        if line.lstrip("+").startswith("sweep.") and not line.startswith("sweep.over=")
     ]
 
 

@@ -14,8 +14,8 @@ from contactlab.cli.next_step import tell_next
 from contactlab.cli.terminal import COMPLETE, RefusalError, tell
 
 if TYPE_CHECKING:
-    from contactlab.fitting.answer import Answer
-    from contactlab.fitting.fit import Data, Question
+    from contactlab.inference.fit import Data, Question
+    from contactlab.inference.result import Answer
 
 POINTS = 150
 STARTS = 16
@@ -93,7 +93,7 @@ def main(arguments: list[str]) -> int:
     check_output(given.output)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError
-    from contactlab.fitting.nested import NoSamplerError
+    from contactlab.inference.nested_sampling import NoSamplerError
     from contactlab.laws import LawError
 
     try:
@@ -144,12 +144,12 @@ def _number(text: str) -> float:
 
 def _fit(given: Namespace) -> int:
     from contactlab.cli.idle_words import KEPT, LASTING, refuse_idle, refuse_of_motor
-    from contactlab.fitting.fit import digest_told, left_of_others, pose, read, save
-    from contactlab.fitting.nested import available
-    from contactlab.fitting.page import as_text
-    from contactlab.fitting.words import sorted_words
+    from contactlab.inference.fit import digest_told, left_of_others, pose, read
+    from contactlab.inference.law_choice import sorted_words
+    from contactlab.inference.nested_sampling import available
     from contactlab.measured.repeats import copies_warning
     from contactlab.measured.series import MeasuredSeries
+    from contactlab.studies.fit_page import as_text, save
 
     available()
     path, output = Path(given.words[0]), given.output
@@ -191,7 +191,7 @@ def _fit(given: Namespace) -> int:
 
 def _answered(questions: "list[Question]", given: Namespace) -> "list[Answer]":
     """Answer the questions; Ctrl-C waits for the end of an evaluation, of which others would print."""
-    from contactlab.fitting.fit import fit
+    from contactlab.inference.fit import fit
 
     total = len(questions)
     with terminal.waiting() as look, terminal.progress(total, "laws", "The fit") as advance:
@@ -207,7 +207,7 @@ def _answered(questions: "list[Question]", given: Namespace) -> "list[Answer]":
 
 def _chosen(data: "Data", given: Namespace) -> "Data":
     """Give the series that were asked for, with the noise that is known."""
-    from contactlab.fitting.synthetic import with_noise, without_errors
+    from contactlab.inference.synthetic import with_noise, without_errors
     from contactlab.measured.series import MeasuredSeries
 
     if given.series is not None:
@@ -223,8 +223,8 @@ def _make(given: Namespace) -> int:
     from contactlab.cli.idle_words import KEPT, LASTING, acting, refuse_idle, refuse_of_motor
     from contactlab.config import build
     from contactlab.config.schema import FRICTION
-    from contactlab.fitting.synthetic import made_impacts, made_series
-    from contactlab.fitting.words import LAW
+    from contactlab.inference.law_choice import LAW
+    from contactlab.inference.synthetic import made_impacts, made_series
     from contactlab.measured.files import write_impacts
     from contactlab.measured.series import chosen_names, write_series
 

@@ -3,17 +3,17 @@
 from collections.abc import Iterable, Sequence
 from itertools import product
 
-from contactlab.cli.branch import RANGE
 from contactlab.cli.terminal import RefusalError
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION
-from contactlab.fitting.parameters import free_parameters
+from contactlab.inference.candidates import usual_law, usual_laws
+from contactlab.inference.free_parameters import free_parameters
+from contactlab.inference.models import LawModel
 from contactlab.laws import Composed
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import PARTS, law_names
+from contactlab.studies.branch import RANGE
 from contactlab.suggestion import suggestion
-from contactlab.validation.candidates import usual_law, usual_laws
-from contactlab.validation.models import LawModel
 
 FORMS = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HIGH"
 

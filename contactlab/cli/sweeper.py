@@ -24,19 +24,19 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import quoted
 from contactlab.cli.checking import announce, announce_series, misplaced, sets_friction
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.cost import TRIALS, announce_time
 from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.next_step import tell_next
 from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError, build, validate
+from contactlab.config import ConfigurationError, validate
 from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
 from contactlab.config.schema import idle_friction
+from contactlab.config.studies import RUN
 from contactlab.processes import processors
 from contactlab.results.files import LOG, STATE, told
-from contactlab.sweeps.batch import Batch, Outputs, WorkerError
+from contactlab.sweeps.batch import Outputs, WorkerError
 from contactlab.sweeps.dataset import summary
 from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
 from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state
@@ -89,14 +89,18 @@ class Sweeping:
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
         raise_faults(faults)
         settings = Sweep(**arguments.settings)
+        study = str(self.config.study.name)
         samples = settings.samples
         plan = planned(
             arguments,
             full_keys(table(samples), arguments) if samples else arguments.columns,
-            Outputs.named(settings.metrics, settings.series or ()),
+            Outputs.of_study(study)
+            if study != RUN
+            else Outputs.named(settings.metrics, settings.series or ()),
             samples=samples is not None,
-            chunk=settings.chunk,
-            keep=settings.keep,
+            # A cell of a study takes seconds: every one is kept as it ends.
+            chunk=settings.chunk or (1 if study != RUN else None),
+            keep="metrics" if study != RUN else settings.keep,
         )
         set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
@@ -139,8 +143,6 @@ class Sweeping:
             if not (place / STATE).exists():
                 write_state(place, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
-        some = pending[:: max(len(pending) // TRIALS, 1)][:TRIALS]
-        announce_time([build(job.configuration) for _, job in some], len(pending))
         if pending:
             OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
@@ -166,11 +168,6 @@ class Sweeping:
             with suppress(ConfigurationError):
                 first = plan.setup_at(0).configuration
                 announce_series(plan.cells, len(plan.outputs.series), first)
-        if missing := store.missing_runs():
-            # A run that is refused is told of at its place.
-            with suppress(ConfigurationError):
-                some = [plan.setup_at(n * plan.cells // TRIALS) for n in range(min(TRIALS, plan.cells))]
-                announce_time(some, missing, workers or processors())
         try:
             with terminal.raising():
                 status = self._chunks(store, workers)
@@ -249,6 +246,6 @@ def run_chunk(settings: DictConfig) -> int:
         )
     # The processes of a launcher share a machine, unless a cluster gives each some processors.
     workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
-    with Batch(store.plan.setup_at, store.plan.outputs, min(workers, processors())) as batch:
+    with store.plan.batch(min(workers, processors())) as batch:
         store.run(asked.number, batch)
     return COMPLETE

@@ -29,13 +29,13 @@ def main(arguments: list[str]) -> int:
     check_output(output)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.cli.law_words import models_of
+    from contactlab.inference.study import KEPT, ValidationError, study
     from contactlab.laws import LawError
     from contactlab.measured.faults import MeasurementError
     from contactlab.measured.files import read_impacts
+    from contactlab.studies import validate_tables as tables
+    from contactlab.studies.validate_page import write
     from contactlab.sweeps.batch import WorkerError
-    from contactlab.validation import tables
-    from contactlab.validation.report import write
-    from contactlab.validation.study import KEPT, ValidationError, study
 
     models = models_of(given.words)
     try:

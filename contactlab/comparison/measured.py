@@ -25,7 +25,7 @@ def judged(measurements: Sequence[Measurement], runs: Sequence[Run]) -> list[Jud
     """
     if not measurements:
         return []
-    # They bring fitting, which no other comparison needs.
+    # They bring inference, which no other comparison needs.
     from contactlab.comparison.measured_impacts import by_impacts
     from contactlab.comparison.measured_series import by_series
 

@@ -10,8 +10,8 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.comparison.measurements import ENDS, Judged, Measurement, row
 from contactlab.config import Setup
-from contactlab.fitting.resampling import LEVEL, Resampled, resampled
 from contactlab.impact import velocities_after
+from contactlab.inference.bootstrap import LEVEL, Resampled, resampled
 from contactlab.laws import LawError
 from contactlab.measured import floors
 from contactlab.measured.impacts import MeasuredImpacts

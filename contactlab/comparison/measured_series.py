@@ -10,7 +10,7 @@ from contactlab.comparison.measurements import ENDS, Judged, Measurement, row
 from contactlab.comparison.runs import FREE, ComparisonError, shown
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
-from contactlab.fitting.series_model import series_model
+from contactlab.inference.series_problem import series_model
 from contactlab.laws.declaration import SHARED
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.metrics import Metric

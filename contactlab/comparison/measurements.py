@@ -87,7 +87,7 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
         ComparisonError: with what is wrong with any of them.
     """
     # It brings the plotting.
-    from contactlab.fitting.fit import read
+    from contactlab.inference.fit import read
 
     found, faults = [], []
     for path in map(Path, paths):

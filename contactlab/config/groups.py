@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
 from contactlab import motor
 from contactlab.checks import Checked
+from contactlab.config.studies import study_class, study_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import PARTS, class_of, law_names
@@ -87,6 +88,7 @@ class Sweep(Checked):
     metrics: Annotated[_Names, _said("names of metrics that are kept, or all")] = None
     series: Annotated[_Names, _said("names of time series that are kept as well")] = None
     samples: Annotated[str | None, _SAMPLES] = None
+    over: Annotated[_Names, _said("values by which the setups of one study differ, as law=A,B")] = None
     chunk: Annotated[int | None, _CHUNK] = None
     workers: Annotated[int | None, _said("processes at work", at_least=1)] = None
 
@@ -163,6 +165,21 @@ _BEAM: Final = declared_fields(motor.PatchedBeam)
 _CONTACT: Final = declared_fields(motor.ContactGeometry)
 _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
+
+@final
+class _OptionsOfStudies(Mapping[str, Keys]):
+    """The keys of studies by name; a study is imported when its keys are needed."""
+
+    def __iter__(self) -> Iterator[str]:
+        return study_names()
+
+    def __len__(self) -> int:
+        return sum(1 for _ in study_names())
+
+    def __getitem__(self, name: str) -> Keys:
+        return _named("name", name, keys_of(study_class(name)))
+
+
 GROUPS: Final[dict[str, Section]] = {
     "resonator": Section(
         {name: _named("basis", name, keys_of(kind, *_OF_OTHERS)) for name, kind in BASES.items()}, "basis"
@@ -199,15 +216,22 @@ GROUPS: Final[dict[str, Section]] = {
     "record": Section({"default": keys_of(Record)}),
     "uncertainty": Section({"default": keys_of(Uncertainty)}),
     "sweep": Section({"default": keys_of(Sweep)}),
+    "study": Section(_OptionsOfStudies(), "name"),
 }
 """The groups but that of the laws, in the order of a configuration."""
 
 ADDED: Final = frozenset(
-    {"solver.until", "solver.precision", "piezoceramic.loss_tangent", "piezoceramic.free_permittivity"}
+    {
+        "sweep.over",
+        "solver.until",
+        "solver.precision",
+        "piezoceramic.loss_tangent",
+        "piezoceramic.free_permittivity",
+    }
 )
 """Keys that configurations of earlier versions lack, which ran as their defaults say."""
 
-NOT_OF_A_RUN: Final = frozenset({"sweep"})
+NOT_OF_A_RUN: Final = frozenset({"study", "sweep"})
 """The groups that say how runs are made: a run's own configuration has none."""
 
 NO_NUMBERS: Final = NOT_OF_A_RUN | {"uncertainty"}

@@ -1,4 +1,1 @@
-"""The data sheet of a motor: what it does on belts and under loads once it has settled."""
-
-from contactlab.datasheet.sheet import characterise as characterise
-from contactlab.datasheet.table import as_text as as_text
+"""The data sheet of a motor: what it does at prescribed velocities and under loads once it has settled."""

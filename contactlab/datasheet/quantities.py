@@ -6,11 +6,11 @@ from contactlab.variables import Variable
 
 
 def _at_a_point(*rows: tuple[str, str, str, str]) -> dict[str, Variable]:
-    return {name: Variable(name, ("law", "point"), *rest) for name, *rest in rows}
+    return {name: Variable(name, ("point",), *rest) for name, *rest in rows}
 
 
 def _of_a_motor(*rows: tuple[str, str, str, str]) -> dict[str, Variable]:
-    return {name: Variable(name, ("law",), *rest) for name, *rest in rows}
+    return {name: Variable(name, (), *rest) for name, *rest in rows}
 
 
 POINT: Final = _at_a_point(

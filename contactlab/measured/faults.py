@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Final, final
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from contactlab.arrays import Array
 from contactlab.measured.reduction import BodyImpacts
@@ -113,7 +113,7 @@ def check_span(bodies: BodyImpacts, names: Sequence[str], angles: Sequence[bool]
     column, turned = _best_sign(bodies, names, angles)
     freedom = len(bodies.before) * (len(names) - 2)
     ratio = stands / max(turned, ROUND_OFF)
-    chance = 2 * len(names) * float(f_distribution.sf(ratio, freedom, freedom))
+    chance = 2 * len(names) * float(fdtrc(freedom, freedom, ratio))
     better = ratio > BEYOND_ERRORS and chance < BY_CHANCE
     too_large = stands > (LARGEST_SHARE if explained is None else BEYOND_ERRORS * explained)
     if better and too_large and not keep:

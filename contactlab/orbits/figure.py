@@ -1,35 +1,22 @@
 """A steady state in one picture: path of the tip, rotor velocity, gap and forces, and multipliers."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.style import context
 
-from contactlab.orbits.convergence import Converged
 from contactlab.orbits.report import with_error
-from contactlab.orbits.steady_state import Steady
 from contactlab.plot.overview import explain_shades, shade
 from contactlab.plot.recording import recording_of, steps
-from contactlab.plot.style import COLOURS, STYLE
-from contactlab.results.files import whole_file
+from contactlab.plot.style import COLOURS
 from contactlab.results.summary import prefixed_unit
 
 
-def picture(found: Converged, tree: xarray.DataTree, path: Path) -> None:
-    """Draw a steady state from its tree and write the picture as PNG, whole or not at all."""
-    with context(STYLE):
-        figure = draw(found, tree)
-        with whole_file(path) as partial:
-            figure.savefig(partial, format="png", metadata={"Software": None})
-
-
-def draw(found: Converged, tree: xarray.DataTree) -> Figure:
+def draw(tree: xarray.DataTree) -> Figure:
     """Draw the panels: over one orbit, or over one period of a motion that has none."""
-    run, best = recording_of(tree), found.best
+    run, about, state = recording_of(tree), tree["steady"].attrs, tree["steady"].to_dataset()
+    velocity = (float(state["rotor_velocity"]), float(state["rotor_velocity_error"]))
     series, (unit, scale) = run.series, run.unit
     time = run.time / scale
     figure = Figure(figsize=(7.1, 6.2), layout="constrained")
@@ -39,20 +26,20 @@ def draw(found: Converged, tree: xarray.DataTree) -> Figure:
         height_ratios=(1.7, 1, 1, 1),
     )
     figure.suptitle(
-        f"{best.setup.law.name}, {best.kind}: {with_error(found.velocity, 'rad/s')}".replace("+-", "\u00b1"),
+        f"{tree.attrs['law']}, {about['kind']}: {with_error(velocity, 'rad/s')}".replace("+-", "\u00b1"),
         x=0.01, ha="left", fontsize=9,
     )  # fmt: skip
     _draw_path(panels["path"], tree)
-    if best.orbit is not None:
-        _draw_multipliers(panels["multipliers"], best)
+    if "multiplier" in state.dims:
+        _draw_multipliers(panels["multipliers"], state)
     else:
-        _draw_strobes(panels["multipliers"], best)
+        _draw_stroboscopic_samples(panels["multipliers"], state)
     below = {name: panels[name] for name in ("velocity", "gap", "force")}
     gap_unit, gap_scale = prefixed_unit(float(np.abs(series["gap"]).max()), "m", smallest=0.1)
     below["velocity"].plot(time, series["rotor_velocity"], color="black")
-    if best.belt is not None:
-        # What the contact does to a belt is round-off.
-        below["velocity"].set_ylim(best.belt - 1.0, best.belt + 1.0)
+    if "belt" in about:
+        # The contact changes a prescribed velocity by round-off only.
+        below["velocity"].set_ylim(about["belt"] - 1.0, about["belt"] + 1.0)
     below["velocity"].set_ylabel("rotor velocity\n(rad/s)")
     below["gap"].plot(time, series["gap"] / gap_scale, color="black")
     below["gap"].axhline(0.0, color="0.35", linewidth=0.6)
@@ -62,7 +49,7 @@ def draw(found: Converged, tree: xarray.DataTree) -> Figure:
         below["force"].plot(*steps(time, force), color=colour, label=name)
     below["force"].legend(loc="upper right")
     below["force"].set_ylabel("force on the tip (N)")
-    below["force"].set_xlabel(f"time ({unit}), from phase {best.phase:.3g} of the drive's period on")
+    below["force"].set_xlabel(f"time ({unit}), from phase {about['phase']:.3g} of the drive's period on")
     for axes in below.values():
         shade(axes, run, 0.0)
         axes.set_xlim(time[0], time[-1])
@@ -90,24 +77,24 @@ def _draw_path(axes: Axes, tree: xarray.DataTree) -> None:
     axes.set_title("path of the tip end", loc="left")
 
 
-def _draw_multipliers(axes: Axes, best: Steady) -> None:
+def _draw_multipliers(axes: Axes, state: xarray.Dataset) -> None:
     """Draw the Floquet multipliers in the unit circle."""
-    assert best.orbit is not None
-    around, found = np.exp(2j * np.pi * np.linspace(0.0, 1.0, 361)), best.orbit.multipliers
-    axes.plot(around.real, around.imag, color="0.5", linewidth=0.8)
+    circle = np.exp(2j * np.pi * np.linspace(0.0, 1.0, 361))
+    real, imag = state["multiplier_real"].values, state["multiplier_imag"].values
+    axes.plot(circle.real, circle.imag, color="0.5", linewidth=0.8)
     axes.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
     axes.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
-    axes.plot(found.real, found.imag, "o", color="#0072B2", markersize=4)
+    axes.plot(real, imag, "o", color="#0072B2", markersize=4)
     axes.set_aspect("equal", "datalim")
     axes.set_xlabel("real part")
     axes.set_ylabel("imaginary part")
-    axes.set_title(f"multipliers, largest {abs(found[0]):.5g}", loc="left")
+    axes.set_title(f"Floquet multipliers, largest {np.hypot(real[0], imag[0]):.5g}", loc="left")
 
 
-def _draw_strobes(axes: Axes, best: Steady) -> None:
-    """Draw what a motion without an orbit shows once a period."""
-    series = best.motion.series
-    axes.plot(series["slip_velocity"][1:], series["rotor_velocity"][1:], ".", color="black", markersize=1.5)
+def _draw_stroboscopic_samples(axes: Axes, state: xarray.Dataset) -> None:
+    """Draw slip and rotor velocity of a motion without an orbit, sampled once a period."""
+    slip, rotor = (state[f"stroboscopic_{name}"].values for name in ("slip_velocity", "rotor_velocity"))
+    axes.plot(slip, rotor, ".", color="black", markersize=1.5)
     axes.set_xlabel("slip velocity (m/s)")
     axes.set_ylabel("rotor velocity (rad/s)")
-    axes.set_title(f"once a period, {best.motion.time.size - 1} periods", loc="left")
+    axes.set_title(f"stroboscopic samples of {slip.size} periods", loc="left")

@@ -139,5 +139,9 @@ def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
             words = f"{part} part of the Floquet multipliers"
             variables[f"multiplier_{part}"] = "multiplier", values, {"units": "1", "long_name": words}
         attributes |= {"roughness": best.orbit.roughness, "settling_time": best.orbit.settling_time}
+    else:
+        for name in ("slip_velocity", "rotor_velocity"):
+            said = {**tree[name].attrs, "long_name": f"{tree[name].attrs['long_name']}, once a period"}
+            variables[f"stroboscopic_{name}"] = "sample", best.motion.series[name][1:], said
     tree["steady"] = xarray.DataTree(xarray.Dataset(variables, attrs=attributes))
     return tree

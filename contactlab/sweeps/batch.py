@@ -14,12 +14,13 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.config import ConfigurationError, Setup
+from contactlab.config.studies import study_class
 from contactlab.engine import prepare
 from contactlab.engine.callback import is_of_a_signal
 from contactlab.laws import ContactLaw, LawError
@@ -33,11 +34,17 @@ from contactlab.sweeps.state import Status, status_of
 from contactlab.sweeps.values import listed
 from contactlab.variables import INTERNAL, Variable
 
+if TYPE_CHECKING:
+    from contactlab.studies.study import Study
+
 Answers = dict[str, NDArray[Any]]
 """What runs gave, a row each: metrics, NAME_series, `status` and `reason`; and the `time` of all series."""
 
 SetupAt = Callable[[int], Setup]
 """What runs in a cell; it may raise a `ConfigurationError`, which makes the cell a refused one."""
+
+StudyAt = Callable[[int], "Study"]
+"""The study of a cell, where its numbers are kept."""
 
 Report = Callable[[int], object]
 """Told now and then how many runs have ended."""
@@ -61,6 +68,13 @@ class Outputs:
     metrics: tuple[str, ...] = tuple(key for key, metric in METRICS.items() if metric.usual)
     series: tuple[str, ...] = ()
     internal: tuple[Variable, ...] = ()
+    study: str = ""
+    """Name of the study whose numbers are kept, each with its error, in place of metrics of a run."""
+
+    @classmethod
+    def of_study(cls, name: str) -> "Outputs":
+        """Keep the numbers of a study."""
+        return cls(tuple(variable.name for variable in numbers_of(name)), study=name)
 
     @classmethod
     def named(cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str) -> "Outputs":
@@ -118,9 +132,26 @@ class Outputs:
         return tuple(known[name] for name in self.series)
 
     @property
+    def numbers(self) -> tuple[Variable, ...]:
+        """The numbers of a study as variables; none for metrics of a run."""
+        return numbers_of(self.study) if self.study else ()
+
+    @property
     def sampled(self) -> bool:
         """Whether more records than the last are needed."""
-        return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics)
+        return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics if key in METRICS)
+
+
+def numbers_of(study: str) -> tuple[Variable, ...]:
+    """Return the quantities of a study and their errors as variables of a sweep."""
+    every = study_class(study).quantities
+    errors = (
+        replace(
+            q, name=f"{q.name}_error", symbol=f"error of {q.symbol}", long_name=f"error of the {q.long_name}"
+        )
+        for q in every
+    )
+    return (*every, *errors)
 
 
 @final
@@ -131,9 +162,14 @@ class Batch:
     """
 
     def __init__(
-        self, setup_at: SetupAt, outputs: Outputs, workers: int | None = None, report: Report | None = None
+        self,
+        setup_at: SetupAt,
+        outputs: Outputs,
+        workers: int | None = None,
+        report: Report | None = None,
+        study_at: StudyAt | None = None,
     ) -> None:
-        self._task = (setup_at, outputs)
+        self._task = (setup_at, outputs, study_at)
         self._count = workers or processors()
         self._report = report
         self._done = 0
@@ -195,18 +231,18 @@ _WORKER: Final[list[Callable[[Sequence[int]], Answers]]] = []
 """What a worker process does with all its pieces."""
 
 
-def _begin(setup_at: SetupAt, outputs: Outputs) -> None:
+def _begin(setup_at: SetupAt, outputs: Outputs, study_at: StudyAt | None) -> None:
     """Make this process a worker."""
     begin_worker()
-    _WORKER[:] = [partial(_answers, setup_at, outputs)]
+    _WORKER[:] = [partial(_answers, setup_at, outputs, study_at)]
 
 
 def _work(cells: Sequence[int]) -> Answers:
     return _WORKER[0](cells)
 
 
-def _answers(setup_at: SetupAt, outputs: Outputs, cells: Sequence[int]) -> Answers:
-    return joined([_run(setup_at, outputs, cell) for cell in cells])
+def _answers(setup_at: SetupAt, outputs: Outputs, study_at: StudyAt | None, cells: Sequence[int]) -> Answers:
+    return joined([_run(setup_at, outputs, study_at, cell) for cell in cells])
 
 
 def joined(parts: Sequence[Answers]) -> Answers:
@@ -222,12 +258,14 @@ def joined(parts: Sequence[Answers]) -> Answers:
     return {**found, "time": time}
 
 
-def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
+def _run(setup_at: SetupAt, outputs: Outputs, study_at: StudyAt | None, cell: int) -> Answers:
     """Run one cell: what became of it and why, with its numbers where it reached its end."""
     metrics, status = dict.fromkeys(outputs.metrics, np.nan), Status.FAILED
     series, time = dict.fromkeys(outputs.series, np.empty(0)), np.empty(0)
     try:
         setup = setup_at(cell)
+        if study_at is not None:
+            return _put(study_at(cell), setup, outputs)
         sampled = outputs.sampled or setup.until == STEADY
         run = setup.run(record_interval=setup.record_interval if sampled else setup.duration)
         status, reason = status_of(run.ending), run.message
@@ -254,4 +292,16 @@ def _run(setup_at: SetupAt, outputs: Outputs, cell: int) -> Answers:
         "reason": np.array([reason]),
         **{f"{name}_series": rows[np.newaxis] for name, rows in series.items()},
         "time": time,
+    }
+
+
+def _put(study: "Study", setup: Setup, outputs: Outputs) -> Answers:
+    """Put a study to a setup and return its numbers with their errors."""
+    numbers = study.result(setup).numbers
+    return {
+        **{q: np.array([numbers[q].value]) for q in outputs.metrics if q in numbers},
+        **{f"{q}_error": np.array([numbers[q].error]) for q in numbers if f"{q}_error" in outputs.metrics},
+        "status": np.array([Status.COMPLETE], dtype=np.int8),
+        "reason": np.array([""]),
+        "time": np.empty(0),
     }

@@ -87,6 +87,7 @@ def dataset_of(
     *,
     samples: bool = False,
     series: Sequence[Variable] = (),
+    numbers: Sequence[Variable] = (),
 ) -> xarray.Dataset:
     """Give one dataset of many runs.
 
@@ -95,12 +96,14 @@ def dataset_of(
         columns: metrics, series over time, 'status' and 'reason', the first dimension that of the runs in C
             order over the axes.
         attributes: of the dataset, beside those that every sweep has.
+        numbers: those of a study, whose columns are not metrics.
         samples: whether the n-th run has the n-th value of every axis.
         series: those that are kept, here or in the file.
     """
-    taken = TAKEN.union(variable.name for variable in series)
+    taken = TAKEN.union(variable.name for variable in (*series, *numbers))
     names = list(short_names([axis.key for axis in axes], taken).values())
     told_of = _ATTRIBUTES | {f"{one.name}_series": cf_attributes(one) for one in series}
+    told_of |= {variable.name: cf_attributes(variable) for variable in numbers}
     dims, shape = ([RUN], [-1]) if samples else (names, [len(axis.values) for axis in axes])
 
     def variable(attributes: Mapping[str, Any], values: NDArray[Any]) -> xarray.Variable:

@@ -10,22 +10,27 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from itertools import product
 from math import ceil, prod
-from typing import Any, Final, Literal, Protocol, final
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
 
 import numpy as np
 from pydantic import TypeAdapter
 
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError, Setup, build, validate
 from contactlab.config.nesting import Value, flat
 from contactlab.config.quantity import describe
 from contactlab.config.schema import declared_in
+from contactlab.config.studies import study_of
 from contactlab.laws import ContactLaw
+from contactlab.parameter import Parameter
 from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
-from contactlab.sweeps.batch import Outputs
+from contactlab.sweeps.batch import Batch, Outputs, Report
 from contactlab.sweeps.dataset import Axis
 from contactlab.sweeps.state import code_digest_of
 from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, spread
+
+if TYPE_CHECKING:
+    from contactlab.studies.study import Study
 
 CHUNK: Final = 1000
 """Runs in a chunk where nothing is said: seconds of work. And chunks: clusters take about so many tasks."""
@@ -111,6 +116,16 @@ class Plan:
         """Build what runs in a cell; a ConfigurationError says what is faulty in its values together."""
         return build(self.configuration(cell))
 
+    def study_at(self, cell: int) -> "Study":
+        """Return the study that is put to the setup of a cell."""
+        return study_of(validate(self.configuration(cell))["study"])
+
+    def batch(self, workers: int | None = None, report: Report | None = None) -> Batch:
+        """Return what runs the cells."""
+        return Batch(
+            self.setup_at, self.outputs, workers, report, self.study_at if self.outputs.study else None
+        )
+
     def text(self) -> str:
         """Write the plan as JSON, the same for the same plan."""
         return json.dumps(asdict(self), indent=1, ensure_ascii=False)
@@ -162,7 +177,11 @@ def planned(
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = _trials(bases, values)
     outputs = outputs.of_laws(_laws(composer, trials))
-    declared = declared_in(_sound(composer, trials).configuration) if values else {}
+    declared: Mapping[str, Parameter] = {}
+    if values:
+        sound = _sound(composer, trials).configuration
+        chosen = {"study": bases[0]["study"]} if "study" in bases[0] else {}
+        declared = declared_in({**sound, **chosen})
     axes: list[Axis] = []
     faults: list[str] = []
     for key, column in columns.items():

@@ -114,7 +114,7 @@ class Store:
 
     def run_missing(self, workers: int | None, report: Report | None = None) -> None:
         """Run all chunks that are not finished; a WorkerError or OSError tells why that cannot be done."""
-        with Batch(self.plan.setup_at, self.plan.outputs, workers, report) as batch:
+        with self.plan.batch(workers, report) as batch:
             for chunk in self.missing():
                 self.run(chunk, batch)
 
@@ -169,7 +169,9 @@ class Store:
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         configuration = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
         said, kept = {"configuration": configuration}, plan.outputs.kept
-        dataset = dataset_of(plan.axes, columns, said, samples=plan.samples, series=kept)
+        dataset = dataset_of(
+            plan.axes, columns, said, samples=plan.samples, series=kept, numbers=plan.outputs.numbers
+        )
         path = self.path / (DATASET if whole else UNFINISHED)
         with whole_netcdf(path) as partial:
             write(dataset, partial, kept, lambda: self._slabs(chunks))

@@ -15,7 +15,7 @@ CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
     "Many runs, and what comes of them": ("sweeps", "comparison", "datasheet"),
     "Steady states": ("orbits",),
-    "Impacts and measurements": ("impact", "measured", "fitting", "validation"),
+    "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),
@@ -27,8 +27,8 @@ CHAPTERS: Final = {
 FURTHER: Final = {
     "contactlab.measured.files": "measured impacts, from files and into them",
     "contactlab.measured.series": "measured series, from files and into them",
-    "contactlab.validation.study": "laws judged on impacts that they have not seen",
-    "contactlab.fitting.fit": "numbers of laws and motors from measurements",
+    "contactlab.inference.study": "laws judged on impacts that they have not seen",
+    "contactlab.inference.fit": "numbers of laws and motors from measurements",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }

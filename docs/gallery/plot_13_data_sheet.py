@@ -6,9 +6,10 @@ The data sheet of a motor
 `contactlab characterise` writes the same as a page.
 """
 
+from contactlab.datasheet.figure import draw
+
 import contactlab as cl
 from contactlab.datasheet import as_text
-from contactlab.datasheet.figure import draw
 
 sheet = cl.characterise([cl.build([f"law={law}"]) for law in ("hertz_penalty", "lagrange_stick")])
 print(as_text(sheet))

@@ -8,11 +8,11 @@ the rest.
 """
 
 import contactlab as cl
-from contactlab.fitting.synthetic import made_impacts
-from contactlab.validation.figures import draw_errors, draw_residuals
-from contactlab.validation.models import LawModel
-from contactlab.validation.study import study
-from contactlab.validation.tables import headline
+from contactlab.inference.models import LawModel
+from contactlab.inference.study import study
+from contactlab.inference.synthetic import made_impacts
+from contactlab.studies.validate_figures import draw_errors, draw_residuals
+from contactlab.studies.validate_tables import headline
 
 truth = cl.Poisson(friction_coefficient=0.2, restitution=0.6)
 measured = made_impacts(truth, count=90, noise=0.03, seed=1)

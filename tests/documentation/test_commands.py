@@ -15,7 +15,7 @@ import pytest
 from page_blocks import blocks
 from page_desk import Desk, follow, surroundings
 
-from contactlab.cli.arguments import _FLAGS, INSTEAD, VERBS
+from contactlab.cli.arguments import FLAGS, INSTEAD, VERBS
 from contactlab.config.composition import options_of
 from contactlab.config.options import groups, known_keys
 from contactlab.orbits.basins import COORDINATES
@@ -71,7 +71,7 @@ def faults_of(words: list[str], text: str) -> list[str]:
             f"no verb {word}" for word in rest[1:] if word not in VERBS and not PLACEHOLDER.fullmatch(word)
         ]
     else:
-        known = {*_FLAGS}
+        known = {*FLAGS}
         if verb and not verb.startswith("-") and "=" not in verb and not PLACEHOLDER.fullmatch(verb):
             return [f"no verb {verb}"]
     found = []
@@ -108,7 +108,7 @@ def _options(group: str) -> frozenset[str]:
 
 
 def _faults_of_script(words: list[str]) -> list[str]:
-    if not words[0].startswith("experiments/"):
+    if not words[0].startswith(("experiments/", "benchmarks/", "docs/tools/", "tests/tools/")):
         return []
     script = ROOT / words[0]
     if PLACEHOLDER.fullmatch(script.stem):

@@ -66,5 +66,5 @@ def test_what_a_function_of_the_front_door_says_that_it_raises_is_at_the_front_d
 
 def test_every_further_module_has_names_in_the_reference() -> None:
     made = made_api.further()
-    for name in ("measured.files.MeasurementError", "validation.study.study", "testing.LawContract"):
+    for name in ("measured.files.MeasurementError", "inference.study.study", "testing.LawContract"):
         assert f":: contactlab.{name}\n" in made

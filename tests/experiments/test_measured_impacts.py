@@ -6,9 +6,9 @@ import pytest
 import xarray
 from support.measurements import ELLIPSES
 
+from contactlab.inference.candidates import usual_law
+from contactlab.inference.study import study
 from contactlab.measured.files import read_impacts
-from contactlab.validation.candidates import usual_law
-from contactlab.validation.study import study
 
 
 def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dataset:

@@ -10,14 +10,14 @@ import scipy.io
 from scipy.optimize import minimize
 from support.measurements import ELLIPSES
 
-from contactlab.fitting.likelihood import approach_scale
+from contactlab.inference.candidates import usual_laws
+from contactlab.inference.folds import folds_of
+from contactlab.inference.likelihood import approach_scale
+from contactlab.inference.models import LawModel
 from contactlab.measured.ellipses import AXES, MASS, read_ellipses
 from contactlab.measured.files import read_impacts
 from contactlab.measured.floors import with_constant_impulse
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.validation.candidates import usual_laws
-from contactlab.validation.folds import folds_of
-from contactlab.validation.models import LawModel
 
 pytestmark = pytest.mark.skipif(
     not ELLIPSES.is_file(),

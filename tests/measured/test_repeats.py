@@ -9,13 +9,13 @@ from support.struck_discs import struck_discs
 
 import contactlab as cl
 from contactlab.cli import fit as fit_verb
-from contactlab.fitting.fit import read
+from contactlab.inference.fit import read
+from contactlab.inference.models import LawModel
+from contactlab.inference.outcome import digest_of
+from contactlab.inference.study import ValidationError, study
 from contactlab.measured.files import MeasurementError, read_impacts, write_impacts
 from contactlab.measured.repeats import copies_warning, measurements
-from contactlab.validation import tables
-from contactlab.validation.models import LawModel
-from contactlab.validation.outcome import digest_of
-from contactlab.validation.study import ValidationError, study
+from contactlab.studies import validate_tables as tables
 
 NEWTON = LawModel.of(cl.Newton(), {"restitution": None, "friction_coefficient": None})
 

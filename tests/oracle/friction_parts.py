@@ -10,7 +10,7 @@ and internal variables z. Its quantities come from the instant `At`.
     touch(at, z)               mode of a contact that begins
 """
 
-# ruff: noqa: ARG002, ARG005 - parts of one family have one signature
+# ruff: noqa: ARG005 - parts of one family have one signature
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -11,7 +11,7 @@ A normal force has a mode (a number, `LOADS` or `ELASTIC` where it has two) and 
     touch(z, rate)             mode of a contact that begins
 """
 
-# ruff: noqa: ARG002, ARG005 - parts of one family have one signature
+# ruff: noqa: ARG005 - parts of one family have one signature
 from __future__ import annotations
 
 from collections.abc import Callable

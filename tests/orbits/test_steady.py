@@ -277,6 +277,6 @@ def test_what_a_setup_has_of_its_own_is_not_given_beside_it(refused: dict[str, A
 
 def test_the_peak_of_a_motion_without_period_has_no_known_error() -> None:
     found = cl.steady(setup_of("law=newton", "resonator=finite_element"), longest=200)
-    chaotic = replace(found, orbit=None, periods=0)
+    chaotic = replace(found.details, orbit=None, periods=0)
     assert chaotic.peak_force.value == found.peak_force.value
     assert np.isnan(chaotic.peak_force.error)

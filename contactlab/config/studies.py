@@ -1,0 +1,66 @@
+"""Every study by name, for the group `study` of a configuration: the package's own and those of others.
+
+A study is imported when it is chosen; see `contactlab.studies.study`.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from contactlab.studies.study import Study
+
+GROUP: Final = "contactlab.studies"
+
+RUN: Final = "simulate"
+"""The study that a command without a verb does."""
+
+OWN: Final = {
+    RUN: "contactlab.studies.simulate:Simulate",
+    "basins": "contactlab.studies.basins:Basins",
+    "branch": "contactlab.studies.branch:Branch",
+    "characterise": "contactlab.studies.characterise:Characterise",
+    "steady": "contactlab.studies.steady:Steady",
+}
+"""The package's own studies."""
+
+
+@cache
+def studies() -> Mapping[str, EntryPoint]:
+    """Return the entry points of all studies by name; a name of the package's own cannot be taken."""
+    others = {point.name: point for point in entry_points(group=GROUP) if point.name.isidentifier()}
+    return others | {name: EntryPoint(name, value, GROUP) for name, value in OWN.items()}
+
+
+@cache
+def study_class(name: str) -> "type[Study]":
+    """Return the class of a study.
+
+    Raises:
+        ValueError: there is none of this name, or its package cannot be imported.
+    """
+    if name not in studies():
+        raise ValueError(f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}.")
+    try:
+        found: type[Study] = studies()[name].load()
+    # A module of another package may fail in any way.
+    except Exception as error:
+        raise ValueError(f"The study {name} cannot be imported: {type(error).__name__}: {error}") from error
+    return found
+
+
+def study_of(values: Mapping[str, Any]) -> "Study":
+    """Return the study that the section `study` of a checked configuration describes."""
+    options = {name: value for name, value in values.items() if name != "name"}
+    return study_class(values["name"])(**options)
+
+
+def study_names() -> Iterator[str]:
+    """Return the names of all studies."""
+    return iter(sorted(studies()))
+
+
+def question_of(name: str) -> str:
+    """Return the question of a study: the first paragraph of its docstring on one line."""
+    return " ".join((study_class(name).__doc__ or "").split("\n\n")[0].split())

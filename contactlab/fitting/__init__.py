@@ -1,1 +1,0 @@
-"""Numbers of laws and motors from what was measured: the best, their posterior, and evidence between laws."""

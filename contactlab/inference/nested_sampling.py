@@ -1,0 +1,355 @@
+"""Posterior and evidence by nested sampling (Skilling 2006, Bayesian Analysis 1, 833), by dynesty.
+
+Live points are drawn from the prior; again and again the least likely is replaced by one of the prior that is
+more likely, so that the prior's volume above shrinks by known factors, and the evidence Z is the sum of
+likelihood times volume. The error of ln Z is that of those factors, sqrt(H / live points) with the
+information H of the data about the parameters [nat].
+
+Proposals are made in groups of `GROUP`, however many processes evaluate them: the same seed gives the same
+bits. A checkpoint contains the likelihoods evaluated so far, as plain numbers, and no state of the sampler:
+the seed repeats the sampler's path, and evaluations in the checkpoint are looked up. So a resumed run gives
+the same bits as one without a stop, and a checkpoint from somebody else can run no code.
+"""
+
+import multiprocessing
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from hashlib import sha256
+from importlib.util import find_spec
+from io import BytesIO
+from math import log
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Final, final
+from zipfile import BadZipFile
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.inference.free_parameters import Free, from_cube
+from contactlab.inference.problem import Model, log_likelihood
+from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.results.files import whole_file
+
+POINTS: Final = 150
+"""Live points where nothing is said."""
+
+GROUP: Final = 8
+"""Proposals made at once."""
+
+EVERY: Final = 10.0
+"""Seconds between two checkpoints."""
+
+ENLARGED: Final = 1.5
+"""Volume of the ellipsoids over that which just holds the live points."""
+
+UNBOUNDED: Final = 40
+"""Share of proposals from the whole prior that are taken [%], below which they are drawn from ellipsoids."""
+
+WORTH_A_PROCESS: Final = 1e-3
+"""Seconds that a likelihood must take for processes to pay."""
+
+MISSING: Final = (
+    "Posteriors need the packages dynesty and arviz, which are not installed. Install them with: pip install "
+    "'contactlab[fit]' (in a clone: pip install -e '.[fit]')."
+)
+
+TINY: Final = 1e-12
+"""Evidence that is not missing any more, in ln Z."""
+
+Advance = Callable[[float], object]
+
+_CURRENT: Final[list[Model]] = []
+"""The model that is sampled: messages between processes do not carry it."""
+
+_RECORDED: Final[dict[bytes, float]] = {}
+"""Log likelihoods of an earlier start, by the bytes of the values; workers are forked with them."""
+
+_EVALUATED: Final[list[tuple[Array, float]]] = []
+"""Values and log likelihoods evaluated in this process since the last message to the parent."""
+
+
+class NoSamplerError(RuntimeError):
+    """What samples is not installed; the message is a sentence."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """What nested sampling found.
+
+    Args:
+        free: what was free.
+        samples: all points in their order [SI], shape (sample, parameter).
+        log_likelihood: of each, shape (sample,).
+        log_weight: logarithm of each one's share in the posterior, shape (sample,).
+        log_evidence, error: ln Z and its standard deviation.
+        information: of the data about the parameters [nat].
+        calls: how often the likelihood was asked.
+        points, seed: as asked for.
+    """
+
+    free: tuple[Free, ...]
+    samples: Array
+    log_likelihood: Array
+    log_weight: Array
+    log_evidence: float
+    error: float
+    information: float
+    calls: int
+    points: int
+    seed: int
+
+    @property
+    def effective(self) -> float:
+        """How many independent draws the samples are worth, after Kish: 1 over the sum of squared weights."""
+        return float(1.0 / np.sum(np.exp(self.log_weight) ** 2))
+
+    def draws(self, count: int) -> Array:
+        """Give samples of equal weight in random order, shape (count, parameter); the same every time."""
+        generator = np.random.default_rng([self.seed, 1])
+        # Systematic: each stands as often as its share says, but for one.
+        steps = (np.arange(count) + generator.random()) / count
+        chosen = np.searchsorted(np.cumsum(np.exp(self.log_weight)), steps)
+        found: Array = self.samples[np.minimum(chosen, len(self.samples) - 1)]
+        return found[generator.permutation(count)]
+
+    def quantiles(self, shares: Iterable[float]) -> Array:
+        """Give the quantiles of each parameter [SI], shape (parameter, share)."""
+        found = []
+        for column in self.samples.T:
+            order = np.argsort(column, kind="stable")
+            reached = np.cumsum(np.exp(self.log_weight[order]))
+            found.append(np.interp(list(shares), reached, column[order]))
+        return np.array(found).reshape(len(self.free), -1)
+
+    def moments(self) -> tuple[Array, Array]:
+        """Give mean, shape (parameter,), and covariance [SI], shape (parameter, parameter)."""
+        weights = np.exp(self.log_weight)
+        mean = weights @ self.samples
+        off = self.samples - mean
+        return mean, np.asarray((off * weights[:, None]).T @ off)
+
+
+def sample(
+    model: Model,
+    *,
+    points: int = POINTS,
+    seed: int = 0,
+    checkpoint: Path | None = None,
+    workers: int | None = None,
+    one_mode: bool = False,
+    advance: Advance = bool,
+    announce: Callable[[str], object] = bool,
+) -> Posterior:
+    """Sample the posterior of a model.
+
+    Args:
+        model: what is free in it has a prior; there must be something.
+        points: live points; the evidence's error falls with their root, the work grows as they do.
+        seed: the same seed gives the same bits, whatever the number of processes.
+        checkpoint: file of the likelihoods evaluated so far; a run that finds one looks them up in it.
+        workers: processes at work; None is one a processor where that pays.
+        one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
+        advance: receives the share that is done.
+        announce: receives a sentence where the checkpoint is damaged and the run begins anew.
+
+    Raises:
+        NoSamplerError: dynesty is not installed.
+    """
+    available()
+    from dynesty import NestedSampler
+
+    _CURRENT[:] = [model]
+    record = _Record(checkpoint, model)
+    if record.damage:
+        announce(record.damage)
+    _RECORDED.clear()
+    _RECORDED.update(zip((row.tobytes() for row in record.values), record.log_likelihood, strict=True))
+    with _pool(model, workers) as pool, record.kept():
+        sampler = NestedSampler(
+            _log_likelihood,
+            _from_cube,
+            len(model.free),
+            nlive=points,
+            rstate=np.random.default_rng(seed),
+            pool=_Recorder(pool, record),
+            queue_size=GROUP,
+            use_pool={"update_bound": False},
+            bound="single" if one_mode else "multi",
+            # By bootstrap they may become so large that nearly no proposal lies in the prior.
+            bootstrap=0,
+            enlarge=ENLARGED,
+            first_update={"min_ncall": points, "min_eff": UNBOUNDED},
+        )
+        sampler.run_nested(print_func=_Watch(advance))
+        found = sampler.results
+    log_weight = np.asarray(found["logwt"] - found["logz"][-1])
+    # They add up to one but for round-off.
+    log_weight = log_weight - np.logaddexp.reduce(log_weight)
+    return Posterior(
+        model.free,
+        np.asarray(found["samples"]),
+        np.asarray(found["logl"]),
+        log_weight,
+        float(found["logz"][-1]),
+        float(found["logzerr"][-1]),
+        float(found["information"][-1]),
+        int(np.sum(found["ncall"])),
+        points,
+        seed,
+    )
+
+
+def available() -> None:
+    """Refuse to go on, by a NoSamplerError, where dynesty or ArviZ is not installed."""
+    if any(find_spec(name) is None for name in ("dynesty", "arviz")):
+        raise NoSamplerError(MISSING)
+
+
+def _log_likelihood(values: Array) -> float:
+    known = _RECORDED.get(values.tobytes())
+    if known is not None:
+        return known
+    found = log_likelihood(_CURRENT[0], values)
+    _EVALUATED.append((np.array(values), found))
+    return found
+
+
+def _with_evaluations(work: Callable[[Any], Any], item: Any) -> tuple[Any, list[tuple[Array, float]]]:
+    """Return the result of a piece of work and the likelihoods that were evaluated for it."""
+    _EVALUATED.clear()
+    return work(item), list(_EVALUATED)
+
+
+def _from_cube(shares: Array) -> Array:
+    return from_cube(_CURRENT[0].free, shares)
+
+
+@final
+class _Here:
+    """Maps in this process, as a pool of processes does in others."""
+
+    @staticmethod
+    def map(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+        return [work(item) for item in items]
+
+
+@contextmanager
+def _pool(model: Model, workers: int | None) -> Iterator[Any]:
+    """Give what maps: processes where a likelihood takes long enough, else this one."""
+    middle = from_cube(model.free, np.full(len(model.free), 0.5))
+    # The first loads the compiled code.
+    log_likelihood(model, middle)
+    began = perf_counter()
+    log_likelihood(model, middle)
+    pays = perf_counter() - began > WORTH_A_PROCESS
+    count = workers or (processors() if pays else 1)
+    if count < 2 or START_METHOD is None:
+        yield _Here()
+        return
+    # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have.
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "This process", DeprecationWarning)
+        pool = multiprocessing.get_context(START_METHOD).Pool(count, begin_worker)
+    with pool:
+        yield pool
+
+
+@final
+class _Record:
+    """Likelihoods evaluated so far, in a file: an .npz, then the SHA-256 digest of its name and content.
+
+    Args:
+        path: of the file; None keeps nothing.
+        model: that is sampled.
+    """
+
+    def __init__(self, path: Path | None, model: Model) -> None:
+        self._path = path
+        self._written = perf_counter()
+        self.values: list[Array] = []
+        self.log_likelihood: list[float] = []
+        self.damage = ""
+        if path is None or not path.exists():
+            return
+        try:
+            content, size = path.read_bytes(), sha256().digest_size
+            if self._digest(content[:-size]) != content[-size:]:
+                raise ValueError("its digest is another")
+            with np.load(BytesIO(content[:-size]), allow_pickle=False) as read:
+                values, found = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
+            kinds = {values.dtype, found.dtype}
+            if values.shape != (found.size, len(model.free)) or kinds != {np.dtype(float)}:
+                raise ValueError("its numbers are of another shape")
+        except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
+            self.damage = f"'{path}' is damaged ({error}); the fit begins anew."
+            return
+        self.values, self.log_likelihood = list(values), found.tolist()
+
+    def _digest(self, content: bytes) -> bytes:
+        assert self._path is not None
+        return sha256(self._path.name.encode() + content).digest()
+
+    def add(self, evaluated: Iterable[tuple[Array, float]]) -> None:
+        """Add evaluations; write the file if the last one is older than `EVERY`."""
+        for values, found in evaluated:
+            self.values.append(values)
+            self.log_likelihood.append(found)
+        if perf_counter() - self._written > EVERY:
+            self.write()
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Write the file when the body ends, by an interrupt too."""
+        try:
+            yield
+        finally:
+            self.write()
+
+    def write(self) -> None:
+        """Write the file, whole or not at all."""
+        if self._path is None or not self.values:
+            return
+        stream = BytesIO()
+        np.savez(stream, values=np.array(self.values), log_likelihood=np.array(self.log_likelihood))
+        stream.write(self._digest(stream.getvalue()))
+        with whole_file(self._path) as partial:
+            partial.write_bytes(stream.getvalue())
+        self._written = perf_counter()
+
+
+@final
+class _Recorder:
+    """A pool whose evaluated likelihoods are recorded."""
+
+    def __init__(self, pool: Any, record: _Record) -> None:
+        self._pool, self._record = pool, record
+
+    def map(self, work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+        """Return the results in the order of the items."""
+        results = []
+        for result, evaluated in self._pool.map(partial(_with_evaluations, work), items):
+            results.append(result)
+            self._record.add(evaluated)
+        return results
+
+
+@final
+class _Watch:
+    """Tells the share that is done, by the evidence that may still be missing: it falls evenly by factors."""
+
+    def __init__(self, advance: Advance) -> None:
+        self._advance = advance
+        self._first = 0.0
+
+    def __call__(self, found: Any, _iteration: int, _calls: int, **others: Any) -> None:
+        missing, limit = max(float(found.delta_logz), TINY), float(others["dlogz"])
+        self._first = max(self._first, missing)
+        if others.get("add_live_it") is not None or self._first <= limit:
+            self._advance(1.0)
+        else:
+            self._advance(min(log(self._first / missing) / log(self._first / limit), 1.0))

@@ -1,0 +1,169 @@
+"""Data made by a known law, on which a fit can be held to the truth."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.config.nesting import flat
+from contactlab.datasheet.electrodes import currents
+from contactlab.impact import velocities_after
+from contactlab.inference.likelihood import approach_scale
+from contactlab.laws import ContactLaw
+from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.series import CURRENTS, MeasuredSeries
+
+TRUTH: Final = "truth"
+"""Attribute that holds the numbers that made the data, by key, as JSON; of impacts a note begins so."""
+
+MASS: Final = 0.036  # [kg] of the body that hits, an ellipse like those that were published
+HALF_AXES: Final = (0.035, 0.025)  # [m]
+SPEEDS: Final = (0.2, 1.5)  # [m/s] of approach
+STEEPEST: Final = 70.0  # [deg] of the approach to the normal
+
+
+def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> MeasuredSeries:
+    """Run a motor and measure series of it with white noise.
+
+    Args:
+        setup: the truth.
+        names: of `contactlab.measured.series.MEASURABLE`.
+        noise: its standard deviation over the root mean square of each series [1], positive.
+        seed: of the noise.
+
+    Raises:
+        ValueError: the run does not reach its end; its own sentence.
+    """
+    run = setup.run()
+    if not run.ending.reached_end:
+        raise ValueError(f"The truth cannot be run to its end: {run.message}")
+    series = dict(run.series)
+    if any(one.name in names for one in CURRENTS):
+        series |= dict(zip((one.name for one in CURRENTS), currents(run), strict=True))
+    draws = np.random.default_rng(seed)
+    values, errors = {}, {}
+    for name in names:
+        size = noise * (float(np.sqrt(np.mean(series[name] ** 2))) or 1.0)
+        values[name] = series[name] + size * draws.standard_normal(run.time.size)
+        errors[name] = np.full(run.time.size, size)
+    said = {
+        "title": f"Made by law {setup.law.name}, with {noise:g} of noise",
+        TRUTH: json.dumps(truth_of(setup.configuration)),
+        "seed": seed,
+    }
+    return MeasuredSeries(run.time, values, errors, setup.configuration, said)
+
+
+def made_impacts(
+    law: ContactLaw, count: int, noise: float, seed: int, configuration: Mapping[str, Any] | None = None
+) -> MeasuredImpacts:
+    """Let an ellipse hit a plate under a law, and measure it with noise.
+
+    Angle of the body, speed and direction of the approach are drawn evenly. The noise is isotropic in the
+    norm of the kinetic energy, relative to the approach.
+
+    Args:
+        law: the truth.
+        count: how many impacts.
+        noise: standard deviation in that norm [1], positive.
+        seed: of approaches and noise.
+        configuration: of the law, whose numbers are noted as the truth.
+
+    Raises:
+        ValueError: the law answers one of them with no number.
+    """
+    draws = np.random.default_rng(seed)
+    delassus, before = _approaches(draws, count)
+    after = velocities_after(law, delassus, before)
+    if not np.isfinite(after).all():
+        raise ValueError(f"The law {law.name} has no answer to some of the impacts; choose other values.")
+    scale = approach_scale(delassus, before)
+    covariance = noise**2 * scale[:, None, None] * delassus
+    error = np.linalg.cholesky(covariance) @ draws.standard_normal((count, 2, 1))
+    truth = json.dumps(truth_of(configuration or {}))
+    return MeasuredImpacts(
+        delassus=delassus,
+        velocity_before=before,
+        velocity_after=after + error[..., 0],
+        kinetic_energy=0.5 * scale,
+        outside=np.zeros(count),
+        covariance=covariance,
+        title=f"Made by law {law.name}, with {noise:g} of noise",
+        source=f"contactlab, seed {seed}",
+        licence="",
+        left_out=0,
+        number=np.arange(1, count + 1),
+        notes=(f"{TRUTH}: {truth}",),
+    )
+
+
+def _approaches(draws: np.random.Generator, count: int) -> tuple[Array, Array]:
+    """Draw Delassus matrices [1/kg] and velocities before [m/s]."""
+    a, b = HALF_AXES
+    angle = draws.uniform(0.0, np.pi, count)
+    height = np.sqrt((a * np.sin(angle)) ** 2 + (b * np.cos(angle)) ** 2)
+    aside = (a**2 - b**2) * np.sin(angle) * np.cos(angle) / height
+    inertia = 0.25 * MASS * (a**2 + b**2)
+    delassus = np.empty((count, 2, 2))
+    delassus[:, 0, 0] = 1.0 / MASS + aside**2 / inertia
+    delassus[:, 1, 1] = 1.0 / MASS + height**2 / inertia
+    delassus[:, 0, 1] = delassus[:, 1, 0] = aside * height / inertia
+    speed, way = draws.uniform(*SPEEDS, count), np.radians(draws.uniform(-STEEPEST, STEEPEST, count))
+    return delassus, np.column_stack([-speed * np.cos(way), speed * np.sin(way)])
+
+
+def truth_of(configuration: Mapping[str, Any]) -> dict[str, float | str]:
+    """Return the numbers of a configuration by key, and the names of its law and of the law's parts."""
+    values = flat(configuration)
+    return _names(values) | {
+        key: float(value)
+        for key, value in values.items()
+        if isinstance(value, int | float) and not isinstance(value, bool)
+    }
+
+
+def _names(values: Mapping[str, Any]) -> dict[str, float | str]:
+    """Return the names of a law and of its parts by their keys, "law.name" and "law.normal.name"."""
+    return {key: str(x) for key, x in values.items() if key.startswith("law.") and key.endswith(".name")}
+
+
+def truth_in(
+    measured: MeasuredSeries | MeasuredImpacts, configuration: Mapping[str, Any]
+) -> dict[str, float]:
+    """Return the numbers that made the data, by key.
+
+    Empty where the data are measured, or made by a law other than the configuration's or by other parts.
+    """
+    if isinstance(measured, MeasuredSeries):
+        text = measured.attributes.get(TRUTH, "{}")
+    else:
+        notes = [note.removeprefix(f"{TRUTH}: ") for note in measured.notes if note.startswith(f"{TRUTH}: ")]
+        text = notes[0] if notes else "{}"
+    try:
+        found = json.loads(str(text))
+    # Somebody else's note of that name may be anything.
+    except ValueError:
+        return {}
+    if not isinstance(found, dict) or _names(found) != _names(flat(configuration)):
+        return {}
+    return {str(key): float(x) for key, x in found.items() if isinstance(x, int | float)}
+
+
+def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries | MeasuredImpacts:
+    """Give the data with nothing known of their noise."""
+    if isinstance(measured, MeasuredSeries):
+        return replace(measured, errors={})
+    return replace(measured, covariance=None)
+
+
+def with_noise(measured: MeasuredSeries | MeasuredImpacts, noise: float) -> MeasuredSeries | MeasuredImpacts:
+    """Give the data with this noise, over the root mean square of series, over the approach of impacts."""
+    if isinstance(measured, MeasuredSeries):
+        sizes = {name: noise * (float(np.sqrt(np.mean(x**2))) or 1.0) for name, x in measured.values.items()}
+        return replace(measured, errors={k: np.full(measured.time.size, x) for k, x in sizes.items()})
+    scale = approach_scale(measured.delassus, measured.velocity_before)
+    return replace(measured, covariance=noise**2 * scale[:, None, None] * measured.delassus)

@@ -1,0 +1,11 @@
+"""Studies: questions put to motors, each declared once, with one runner, one page and one path of tables."""
+
+from contactlab.studies.study import (
+    Part as Part,
+    Result as Result,
+    Study as Study,
+    Task as Task,
+    estimates as estimates,
+    option as option,
+)
+from contactlab.studies.tables import table as table, table_of_quantities as table_of_quantities

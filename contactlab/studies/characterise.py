@@ -1,0 +1,216 @@
+"""The study `characterise`: the data sheet of a motor."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final
+
+import numpy as np
+import pandas
+import xarray
+
+from contactlab.config import ConfigurationError, Setup
+from contactlab.datasheet.quantities import MOTOR, POINT
+from contactlab.datasheet.sheet import data_sheet
+from contactlab.laws import ContactLaw
+from contactlab.motor import Motor
+from contactlab.orbits.search import steady_setup
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.runner import finish, run
+from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates
+from contactlab.studies.tables import table_of_quantities
+from contactlab.variables import Variable
+
+BALANCE: Final = (
+    "active_power",
+    "output_power",
+    "damping_power",
+    "friction_power",
+    "contact_power",
+    "dielectric_power",
+    "balance",
+)
+"""Where the electrical input goes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Characterise(Study):
+    """What is the motor's data sheet: speed-torque curve, power, efficiencies, start and stop?
+
+    The sheet is in the motor's own sense of rotation: a load that brakes has a positive torque there, one
+    that drives the motor a negative one. rotor.load_torque is positive against positive rotation of the
+    model. Several laws, law=A,B, share a sheet.
+    """
+
+    name: ClassVar[str] = "characterise"
+    several: ClassVar[bool] = True
+    ignored: ClassVar[tuple[str, ...]] = (
+        *Study.ignored, "solver.duration", "solver.until", "solver.precision", "rotor.load_torque"
+    )  # fmt: skip
+    quantities: ClassVar[tuple[Variable, ...]] = tuple(MOTOR.values())
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return one task a setup.
+
+        Raises:
+            ConfigurationError: a setup has a load, which the sheet itself applies to the motor.
+        """
+        for setup in setups.values():
+            if (load := setup.motor.rotor.load_torque) != 0.0:
+                raise ConfigurationError(
+                    [
+                        f"rotor.load_torque is {load:.12g} N m; it must be 0 N m: the sheet loads the motor "
+                        "itself, from beyond stall to beyond no load. Leave it out."
+                    ]
+                )
+        return [Task(label, _sheet, (setup,)) for label, setup in setups.items()]
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the sheets of all laws over the dimension `law`."""
+        labels = pandas.Index(unique([setup.law.name for setup in setups.values()]), name="law")
+        sheets = [part.to_dataset() for part in parts.values()]
+        # Texts of a point that a law lacks are empty.
+        data = xarray.concat(sheets, labels, join="outer", fill_value={**dict.fromkeys(TEXTS, "")})
+        data.attrs["title"] = f"Data sheet of a standing-wave piezoelectric motor: {', '.join(labels)}"
+        return xarray.DataTree(data)
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the numbers of the motor under the first law."""
+        return estimates(data.to_dataset().isel(law=0), self.quantities)
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return the numbers of the motor, and for each law points and power balance."""
+        every = data.to_dataset()
+        labels = [str(label) for label in every["law"].values]
+        numbers = {label: estimates(every.sel(law=label), self.quantities) for label in labels}
+        tables = {"motor": table_of_quantities(self.quantities, numbers, "Motor")}
+        for label in labels:
+            points = {
+                str(point["role"].item()): estimates(point, POINT.values())
+                for point in map(
+                    every.sel(law=label).isel, ({"point": i} for i in range(every.sizes["point"]))
+                )
+                if point["role"].item()
+            }
+            for name, chosen in (
+                ("points", [q for n, q in POINT.items() if n not in BALANCE]),
+                ("power", [POINT[name] for name in BALANCE]),
+            ):
+                tables[f"{name}_{label}"] = table_of_quantities(
+                    chosen, points, f"{name.capitalize()}, {label}"
+                )
+        return tables
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return sense, loads and limits, once for all laws that share a sentence."""
+        every, laws = data.to_dataset(), dict[str, list[str]]()
+        for label in map(str, every["law"].values):
+            for sentence in _findings(every.sel(law=label)):
+                laws.setdefault(sentence, []).append(label)
+        return [f"{', '.join(labels)}: {sentence}" for sentence, labels in laws.items()]
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return torque, output power and efficiency over velocity, all laws together."""
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.characterise_figure import draw
+
+        return {self.name: draw(data.to_dataset())}
+
+
+TEXTS: Final = ("kind", "role", "load", "reason")
+
+
+def _sheet(setup: Setup) -> Part:
+    return Part(xarray.DataTree(data_sheet(setup)))
+
+
+def unique(names: Sequence[str]) -> list[str]:
+    """Return names of which each that occurs several times has a number."""
+    return [f"{n} ({names[:i].count(n) + 1})" if names.count(n) > 1 else n for i, n in enumerate(names)]
+
+
+def _findings(law: xarray.Dataset) -> Iterator[str]:
+    """Yield the sentences about one law."""
+    if not law["no_load_velocity"] > 0.0:
+        reasons = sorted({str(reason) for reason in law["reason"].values} - {""})
+        if reasons:
+            yield f"the free rotor has no steady state to characterise. {' '.join(reasons)}"
+            return
+        kinds = ", ".join(sorted({str(kind) for kind in law["kind"].values} - {""}))
+        yield f"the free rotor does not turn ({kinds}); there is no curve to draw."
+        return
+    sign, minus = ("positive", "") if law["sense"] > 0.0 else ("negative", "-")
+    yield (
+        f"the motor turns in the {sign} sense of the model. Velocity and torque are given in the motor's "
+        "sense, in which a load that brakes is positive: a load of M here is rotor.load_torque="
+        f"{minus}M in the model, and the other sign drives the motor on."
+    )
+    friction, output = law["friction_power"].values, law["output_power"].values
+    driving = (output > 0.0) & (friction < -law["friction_power_error"].values)
+    if driving.any():
+        worst = int(np.argmin(np.where(driving, friction, np.inf)))
+        yield (
+            f"friction is no loss but gives {-1e3 * friction[worst]:.3g} mW where the output is "
+            f"{1e3 * output[worst]:.3g} mW, at {law['velocity'].values[worst]:.3g} rad/s: the friction "
+            "impulse of this law reverses the slip. No motor does this; power and efficiency owe it to that."
+        )
+    if np.isinf(law["peak_force_error"].values).any():
+        yield (
+            "the peak force has no limit as the step falls: a rigid impact has an impulse and no force, and "
+            "nothing follows for a tip's strength."
+        )
+    for kind in sorted({str(kind) for kind in law["kind"].values} - {"periodic", ""}):
+        where = ", ".join(f"{v:.3g}" for v in law["velocity"].values[law["kind"].values == kind])
+        yield f"the motion is {kind} at {where} rad/s; numbers are means over a long run there."
+    apart = abs(float(law["no_load_velocity"] - law["curve_root"]))
+    free = law.isel(point=int(np.flatnonzero(law["role"].values == "no load")[0]))
+    known = float(free["velocity_ripple"] + law["no_load_velocity_error"] + law["curve_root_error"])
+    if apart > known:
+        yield (
+            f"the free rotor's velocity and the root of the curve differ by {apart:.2g} rad/s, more than "
+            f"ripple and errors, {known:.2g} rad/s: on a belt the motor comes to another motion."
+        )
+    if np.isinf(law["stop_time"]):
+        share = float(law["coasting_velocity"] / law["no_load_velocity"])
+        yield (
+            f"switched off, the tip leaves the rotor, which coasts on at {share:.1%} of its velocity: "
+            "nothing brakes it (rotor.damping is 0)."
+        )
+    if law["holding_torque"] == 0.0:
+        yield "without drive the tip does not press on the rotor: nothing holds it."
+
+
+def characterise(
+    motors: Motor | Setup | Sequence[Motor | Setup],
+    law: ContactLaw | None = None,
+    *,
+    output: str | Path | None = None,
+    **options: Any,
+) -> Result:
+    """Make the data sheet of a motor under one law or several: the study `Characterise`.
+
+        >>> import contactlab as cl
+        >>> sheet = cl.characterise(cl.build(["law=hertz_penalty"]))
+        >>> abs(sheet["velocity"]).max().round(3).item(), sheet["velocity"].attrs["units"]
+        (2.739, 'rad s-1')
+
+    Args:
+        motors: setups, or motors made in Python; duration and record interval have no effect.
+        law: what acts in the motors that are no setups, which have a law of their own.
+        output: folder for the files; None writes none.
+        options: fields of `Characterise`.
+
+    Raises:
+        ConfigurationError: a setup has a load, which the sheet itself applies to the motor.
+        NoPeriodError: the drive does not repeat itself.
+        OSError: the folder cannot be written to.
+    """
+    listed = [motors] if isinstance(motors, Motor | Setup) else list(motors)
+    if not listed:
+        raise ConfigurationError(["There is nothing to characterise; give one setup or more."])
+    setups = {str(number): steady_setup(motor, law) for number, motor in enumerate(listed)}
+    folder = None if output is None else Path(output)
+    result = run(Characterise(**options), setups, folder)
+    if folder is not None:
+        finish(result, folder)
+    return result

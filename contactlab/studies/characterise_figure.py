@@ -1,0 +1,82 @@
+"""The figure of a data sheet: torque, output power and efficiency over velocity, all laws together."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+SIZE: Final = (5.2, 5.4)  # inches; the words are still read where a phone makes it its own width
+DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
+MARKERS: Final = "os^Dv"
+"""Lines and points of the laws in turn, so that a print without colours tells them apart."""
+
+DRAWN: Final = {"torque": 1e3, "output_power": 1e3, "electrical_efficiency": 1e2}
+"""Quantities of the panels, and what they are multiplied by."""
+
+FINE: Final = 400
+"""Velocities at which lines are drawn."""
+
+THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Draw torque, output power and efficiency over the velocity in the motor's sense.
+
+    Belts are points, open where the motion has no orbit, with their errors; a cross is the free rotor.
+    Between belts torque and input are straight lines, and power and efficiency what follows from them.
+    """
+    figure = Figure(figsize=SIZE, layout="constrained")
+    panels = figure.subplots(3, 1, sharex=True)
+    for number, label in enumerate(data["law"].values):
+        _draw_law(panels, data.sel(law=label), number, str(label))
+    torque, power, efficiency = panels
+    torque.set_ylabel("torque (mN m)")
+    power.set_ylabel("output power (mW)")
+    efficiency.set_ylabel("electrical efficiency (%)")
+    efficiency.set_xlabel("velocity in the motor's sense (rad/s)")
+    for axes in panels:
+        axes.axhline(0.0, **THIN)
+        axes.axvline(0.0, **THIN)
+    power.set_ylim(bottom=-0.25 * max(power.get_ylim()[1], 0.0))
+    efficiency.set_ylim(bottom=0.0)
+    note = {"fontsize": 7, "color": "0.35", "textcoords": "offset points"}
+    upper, lower = torque.get_ylim()[1], torque.get_ylim()[0]
+    right = torque.get_xlim()[1]
+    torque.annotate("load brakes", (right, upper), (-2, -2), ha="right", va="top", **note)
+    torque.annotate("load drives the motor on", (0.0, lower), (3, 3), **note)
+    torque.annotate("load turns\nit back", (0.0, lower), (-3, 3), ha="right", **note)
+    figure.align_ylabels()
+    handles, labels = torque.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(max(len(labels), 1), 3))
+    return figure
+
+
+def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: str) -> None:
+    """Draw one law into the panels of torque, power and efficiency."""
+    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    colour, marker = colours[number % len(colours)], MARKERS[number % len(MARKERS)]
+    line = {"color": colour, "linestyle": DASHES[number % len(DASHES)]}
+    on_belt = (law["role"].values != "no load") & np.isfinite(law["torque"].values)
+    velocity = law["velocity"].values
+    if on_belt.any():
+        v, m, p = (law[n].values[on_belt] for n in ("velocity", "torque", "active_power"))
+        fine = np.union1d(v, np.linspace(v[0], v[-1], FINE))
+        torque = np.interp(fine, v, m)
+        power = torque * fine
+        motoring = np.where(power >= 0.0, power, np.nan) / np.interp(fine, v, p)
+        for axes, values in zip(panels, (1e3 * torque, 1e3 * power, 1e2 * motoring), strict=True):
+            axes.plot(fine, values, **line)
+    closed = law["kind"].values == "periodic"
+    for axes, (name, scale) in zip(panels, DRAWN.items(), strict=True):
+        value, error = scale * law[name].values, scale * law[f"{name}_error"].values
+        for which, face in ((on_belt & closed, colour), (on_belt & ~closed, "white")):
+            style = {"linestyle": "", "marker": marker, "color": colour, "markerfacecolor": face}
+            bars = np.where(np.isfinite(error), error, 0.0)[which]
+            axes.errorbar(velocity[which], value[which], bars, elinewidth=0.8, capsize=2.0, **style)
+    free = velocity[law["role"].values == "no load"]
+    panels[0].plot(free, np.zeros_like(free), "x", color=colour, markersize=6.0)
+    panels[0].plot([], [], marker=marker, label=label, **line)

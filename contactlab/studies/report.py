@@ -1,0 +1,96 @@
+"""Files of a result: dataset, figures (PNG and PDF), tables (CSV and LaTeX) and one page that holds them.
+
+The same result leaves the same bytes: no file contains a date or a path.
+"""
+
+from base64 import b64encode
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import yaml
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.style import context
+
+from contactlab.config.studies import question_of
+from contactlab.plot.style import STYLE
+from contactlab.results.files import whole_file
+from contactlab.results.netcdf import write_tree
+from contactlab.results.provenance import checkout_state, versions
+from contactlab.studies.study import Result
+from contactlab.studies.tables import as_csv, as_html, as_latex
+
+PAGE: Final = "report.html"
+
+FORMATS: Final[dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
+"""Formats of figures, each with the metadata that would differ from run to run."""
+
+
+def drawn(result: Result) -> dict[str, Figure]:
+    """Return the figures of a result in the style of the package."""
+    with context(STYLE):
+        return result.study.figures(result.data)
+
+
+def save(result: Result, folder: Path) -> list[str]:
+    """Write the files of a result, each whole or not at all, and return their names.
+
+    Raises:
+        OSError: the folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [f"{result.study.name}.nc"]
+    write_tree(result.data, folder / files[0])
+    figures = drawn(result)
+    for name, figure in figures.items():
+        files += save_figure(figure, folder, name)
+    texts = {PAGE: page(result, {name: (folder / f"{name}.png").read_bytes() for name in figures})}
+    for name, frame in result.tables.items():
+        texts |= {f"{name}.csv": as_csv(frame), f"{name}.tex": as_latex(frame)}
+    for name, text in texts.items():
+        with whole_file(folder / name) as partial:
+            partial.write_text(text, encoding="utf-8")
+    return [*files, *texts]
+
+
+def save_figure(figure: Figure, folder: Path, name: str) -> list[str]:
+    """Write a figure as PNG and PDF, and return the names of the files."""
+    with context(STYLE):
+        for kind, metadata in FORMATS.items():
+            with whole_file(folder / f"{name}.{kind}") as partial:
+                FigureCanvasAgg(figure)
+                figure.savefig(partial, format=kind, metadata=metadata)
+    return [f"{name}.{kind}" for kind in FORMATS]
+
+
+def page(result: Result, pictures: dict[str, bytes]) -> str:
+    """Return a page that holds its pictures, PNG files, and refers to nothing else."""
+    study = result.study
+    question = question_of(study.name)
+    code = {name.removesuffix("_version"): version for name, version in versions().items()}
+    text = _template().render(
+        title=result.data.attrs.get("title") or question,
+        question=question,
+        findings=result.findings,
+        tables=[
+            (frame.attrs.get("caption") or name, as_html(frame)) for name, frame in result.tables.items()
+        ],
+        pictures={name.replace("_", " "): b64encode(data).decode() for name, data in pictures.items()},
+        options=yaml.safe_dump({"study": {"name": study.name, **study.options}}, sort_keys=False),
+        configurations={
+            label or "configuration": yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
+            for label, setup in result.setups.items()
+        },
+        versions="; ".join(f"{name} {version}" for name, version in code.items()),
+        revision=checkout_state()[0],
+    )
+    return str(text)
+
+
+@cache
+def _template() -> Template:
+    loader = PackageLoader("contactlab", "studies")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    return environment.get_template(PAGE)

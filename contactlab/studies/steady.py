@@ -1,0 +1,157 @@
+"""The study `steady`: what a motor does once it has settled."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+import pandas
+import xarray
+
+from contactlab.config import Setup
+from contactlab.laws import ContactLaw
+from contactlab.motor import ModalState, Motor
+from contactlab.orbits.convergence import Converged, converged as find_refined
+from contactlab.orbits.report import NEUTRAL, ROUGH, tree_of
+from contactlab.orbits.search import LONGEST, steady_setup
+from contactlab.orbits.steady_state import Steady as State
+from contactlab.parameter import Parameter
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates, option
+from contactlab.studies.tables import table_of_quantities
+from contactlab.variables import Variable
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steady(Study):
+    """What does the motor do once it has settled: velocity, torque, power, stability?
+
+    The steady state is computed at three steps or tolerances, whose differences give its numerical error.
+    """
+
+    name: ClassVar[str] = "steady"
+    ignored: ClassVar[tuple[str, ...]] = (*Study.ignored, "solver.until", "solver.precision")
+    quantities: ClassVar[tuple[Variable, ...]] = (
+        Variable("rotor_velocity", (), "rad s-1", "Omega", "mean rotor velocity"),
+        Variable("torque", (), "N m", "M", "mean torque of the contact on the rotor"),
+        Variable("normal_impulse", (), "N s", "I_n", "normal impulse of a period"),
+        Variable("peak_normal_force", (), "N", "N_max", "largest normal force"),
+        Variable("contact_share", (), "1", "c", "share of time in contact"),
+        Variable("drive_work_rate", (), "W", "P_d", "mean rate of drive work"),
+        Variable("damping_loss_rate", (), "W", "P_c", "mean rate of damping loss"),
+        Variable("friction_loss_rate", (), "W", "P_f", "mean rate of friction loss"),
+        Variable("contact_loss_rate", (), "W", "P_n", "mean rate of contact loss"),
+        Variable("load_work_rate", (), "W", "P_l", "mean rate of load work"),
+    )
+
+    belt: Annotated[float | None, Parameter("Omega_b", "rad s-1", "prescribed rotor velocity")] = None
+    load: Annotated[
+        float | None, Parameter("tau", "N m", "load torque in place of rotor.load_torque, positive brakes")
+    ] = None
+    brake: Annotated[
+        float | None, Parameter("tau_b", "N m", "load torque against the rotation of either sense", above=0.0)
+    ] = None
+    longest: Annotated[
+        int, option("periods of the drive after which a motion without an orbit has its means", at_least=1)
+    ] = LONGEST
+    refine: Annotated[bool, option("whether finer steps give the numerical error")] = True
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return one task a setup."""
+        return [
+            Task(label, _steady_state, (setup, self.refine, self.given)) for label, setup in setups.items()
+        ]
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The arguments of `contactlab.orbits.search.steady`."""
+        return {name: getattr(self, name) for name in ("belt", "load", "brake", "longest")}
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the quantities; `velocity` is another name of `rotor_velocity`."""
+        every = estimates(data["steady"].to_dataset(), self.quantities)
+        return {"velocity": every["rotor_velocity"], **every}
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the kind of motion, its stability, and what limits the result."""
+        about, group = data["steady"].attrs, data["steady"].to_dataset()
+        several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
+        sentences = [f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods."]
+        if "brake" in about:
+            held = "holds the rotor" if about["kind"] == "standing" else "is overcome"
+            sentences.append(f"A brake of {about['brake']:.6g} N m {held}.")
+        if "multiplier_real" in group:
+            largest = abs(complex(group["multiplier_real"][0], group["multiplier_imag"][0]))
+            sentences.append(
+                f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the largest "
+                f"Floquet multiplier has the modulus {largest:.6g}."
+            )
+            if about["settling_time"] > NEUTRAL * float(np.ptp(data.to_dataset()["time"].values)):
+                sentences.append("A multiplier is one: the velocity is that of the initial conditions.")
+            if about["roughness"] > ROUGH:
+                sentences.append(
+                    "The period map is not smooth here: its derivatives over steps of 1e-6 and 1e-4 differ "
+                    f"by {about['roughness']:.2g}, as where a contact grazes; the multipliers are rough."
+                )
+        elif about["kind"] == "periodic":
+            sentences.append("No Poincare section in free flight has a stable orbit: no multipliers.")
+        return sentences
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return the quantities, a row each."""
+        caption = f"Steady state under {data.attrs['law']}"
+        columns = {"value": self.numbers(data)}
+        return {"quantities": table_of_quantities(self.quantities, columns, caption)}
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return path of the tip, multipliers, velocity, gap and forces."""
+        # Imported here: it brings matplotlib.
+        from contactlab.orbits.figure import draw
+
+        return {self.name: draw(data)}
+
+
+def _steady_state(setup: Setup, refine: bool, given: dict[str, Any]) -> Part:
+    state = find_refined(setup, refine=refine, **given)
+    return Part(tree_of(state), state if refine else state.best)
+
+
+def steady(
+    motor: Motor | Setup,
+    law: ContactLaw | None = None,
+    *,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+    start: "Result | State | tuple[ModalState, float] | None" = None,
+    refine: bool = False,
+    **options: Any,
+) -> Result:
+    """Compute the steady state of a motor: the study `Steady`, by default at one step of the solver.
+
+        >>> import contactlab as cl
+        >>> result = cl.steady(cl.build())
+        >>> result.kind, round(result.velocity.value, 6)
+        ('periodic', -2.191106)
+
+    Args:
+        motor: what moves, or a whole setup.
+        law: what acts between tip and rotor; a setup has its own.
+        contact_step, tolerance: as of `contactlab.simulate`.
+        start: another steady state, or modal state and rotor velocity [rad/s] at the drive's phase 0.
+        refine: whether finer steps give the numerical error too.
+        options: fields of `Steady`.
+
+    Raises:
+        NoPeriodError, NotSettledError, BrokenOffError: there is none, or it is not reached.
+    """
+    study = Steady(refine=refine, **options)
+    setup = steady_setup(motor, law, contact_step, tolerance)
+    begun: Any = start.details if isinstance(start, Result) else start
+    if isinstance(begun, Converged):
+        begun = begun.best
+    part = _steady_state(setup, refine, {**study.given, "start": begun})
+    return Result(study, {"": setup}, part.data, part.details)
+
+
+converged = partial(steady, refine=True)

@@ -1,0 +1,227 @@
+"""A study: one question put to one or more setups, declared once.
+
+From the declaration follow the verb with its help, the options of the Hydra group `study`, sweeps over any
+configuration key, resumption, progress, files, the page and the Python function. A package of one's own
+adds a study by an entry point:
+
+    [project.entry-points."contactlab.studies"]
+    stroke = "their_module:Stroke"
+"""
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
+
+import pandas
+import xarray
+
+from contactlab.config import Setup
+from contactlab.parameter import Parameter
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.tables import as_text
+from contactlab.variables import Variable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Setups = Mapping[str, Setup]
+"""The setups of a study by label: what distinguishes each, as 'law=newton'; empty for a single one."""
+
+
+def option(meaning: str, **limits: Any) -> Parameter:
+    """Return the declaration of an option without unit and symbol."""
+    return Parameter("", "1", meaning, **limits)
+
+
+@final
+@dataclass(frozen=True)
+class Part:
+    """Result of one task.
+
+    Args:
+        data: what is stored and combined.
+        details: the object of the analysis from which the data were made; it is not stored.
+    """
+
+    data: xarray.DataTree
+    details: Any = None
+
+
+@final
+@dataclass(frozen=True)
+class Task:
+    """An independent piece of a study.
+
+    Args:
+        key: unique within the study.
+        function: a function of a module, so that other processes can import it.
+        arguments: of the function, picklable.
+    """
+
+    key: str
+    function: Callable[..., Part]
+    arguments: tuple[Any, ...] = ()
+
+    def __call__(self) -> Part:
+        """Do it."""
+        return self.function(*self.arguments)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study(ABC):
+    """Base class of studies; fields of subclasses are options, annotated with `Parameter`.
+
+    The docstring of a subclass is the help of its verb: the first paragraph states the question.
+    """
+
+    name: ClassVar[str]
+    """Name of the verb, of the option of the group `study` and of the files."""
+
+    quantities: ClassVar[tuple[Variable, ...]] = ()
+    """Numbers of a result, each with its error: what a sweep of the study collects."""
+
+    several: ClassVar[bool] = False
+    """Whether one study takes several setups: `law=newton,poisson`."""
+
+    ignored: ClassVar[tuple[str, ...]] = ("record", "uncertainty", "sweep")
+    """Groups and keys of a configuration on which the study does not depend; they are refused."""
+
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {}
+    """Options that take words of the command line matching a pattern, as KEY=START..END."""
+
+    workers: Annotated[int, option("processes at work", at_least=1)] = 1
+    scheduler: Annotated[str | None, option("address of a Dask scheduler whose workers do the tasks")] = None
+
+    @abstractmethod
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return the independent pieces of the study."""
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the data of the study from those of its tasks by key; a single task's are its own."""
+        del setups
+        (data,) = parts.values()
+        return data
+
+    @abstractmethod
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the values of `quantities` with their errors."""
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the sentences that the result supports."""
+        del data
+        return []
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return tables by name; units of columns are `attrs["units"]`, see `contactlab.studies.tables`."""
+        del data
+        return {}
+
+    def figures(self, data: xarray.DataTree) -> dict[str, "Figure"]:
+        """Return figures by name."""
+        del data
+        return {}
+
+    def result(self, setup: Setup) -> "Result":
+        """Put the study to one setup, in this process."""
+        # Imported here: the runner knows studies.
+        from contactlab.studies.runner import run
+
+        return run(self, {"": setup})
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options on which the result depends, by name."""
+        every = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in every.items() if name not in WITHOUT_EFFECT}
+
+
+def estimates(data: xarray.Dataset, quantities: Iterable[Variable]) -> dict[str, Estimate]:
+    """Return the quantities of a dataset that has NAME and NAME_error of each."""
+    return {q.name: Estimate(float(data[q.name]), float(data[f"{q.name}_error"])) for q in quantities}
+
+
+WITHOUT_EFFECT: Final = frozenset(field.name for field in fields(Study))
+"""Options of every study, on which no number depends."""
+
+
+@final
+@dataclass(frozen=True, repr=False, eq=False)
+class Result:
+    """Result of a study.
+
+        result.data                         an xarray tree with CF attributes
+        result.velocity                     a number and its error, by the name of the quantity
+        result.tables, result.findings      pandas tables, sentences
+        result.save("folder")               dataset, page, figures and tables
+        result.plot()                       the first figure
+
+    Args:
+        study: the question.
+        setups: what it was put to.
+        data: of the study.
+        details: the object of the analysis where the study has one task and it ran in this process: its
+            attributes are attributes of the result too; None where the data were read from a file.
+    """
+
+    study: Study
+    setups: Setups
+    data: xarray.DataTree
+    details: Any = None
+
+    @cached_property
+    def numbers(self) -> dict[str, Estimate]:
+        """The named numbers with their errors."""
+        return self.study.numbers(self.data)
+
+    @cached_property
+    def tables(self) -> dict[str, pandas.DataFrame]:
+        """The tables by name."""
+        return self.study.tables(self.data)
+
+    @cached_property
+    def findings(self) -> list[str]:
+        """The sentences that the result supports."""
+        return self.study.findings(self.data)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name in (numbers := self.numbers):
+            return numbers[name]
+        if self.details is None:
+            raise AttributeError(f"{type(self).__name__} of {self.study.name} has no number {name!r}")
+        return getattr(self.details, name)
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a variable of the data, or a group."""
+        return self.data[name]
+
+    def plot(self) -> "Figure":
+        """Return the first figure.
+
+        Raises:
+            ValueError: the study has none.
+        """
+        from contactlab.studies.report import drawn
+
+        for figure in drawn(self).values():
+            return figure
+        raise ValueError(f"The study {self.study.name} has no figure.")
+
+    def save(self, folder: str | Path) -> None:
+        """Write dataset, figures, tables and the page into a folder, each file whole or not at all.
+
+        Raises:
+            OSError: the folder cannot be written to.
+        """
+        from contactlab.studies.report import save
+
+        save(self, Path(folder))
+
+    def __repr__(self) -> str:
+        blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self.tables.values()]
+        return "\n\n".join([*blocks, "\n".join(self.findings)]).rstrip()

@@ -1,0 +1,139 @@
+"""One path of tables: a pandas frame as text, CSV, LaTeX and HTML, with units and errors.
+
+A cell is a text, a number or an `Estimate`. `frame.attrs["units"]` has the units of columns in the words of
+the CF conventions and `frame.attrs["caption"]` a sentence; both may be missing.
+"""
+
+import io
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Final
+
+import numpy as np
+import pandas
+
+from contactlab.parameter import from_cf
+from contactlab.results.summary import prefixed_unit
+from contactlab.settling.statistics import Estimate
+from contactlab.variables import Variable
+
+UNIT: Final = "unit"
+"""Column of the units of rows, in the words of the CF conventions."""
+
+WITHOUT_PREFIX: Final = ("rad/s", "1", "1/m", "V A")
+"""Units that are read as they are."""
+
+DIGITS: Final = 5
+"""Digits of a number without an error."""
+
+
+def table(rows: Any, *, units: Mapping[str, str] | None = None, caption: str = "") -> pandas.DataFrame:
+    """Return a table from rows (mappings), with units by column and a caption."""
+    frame = pandas.DataFrame(rows)
+    frame.attrs = {"units": dict(units or {}), "caption": caption}
+    return frame
+
+
+def table_of_quantities(
+    quantities: Iterable[Variable], columns: Mapping[str, Mapping[str, Estimate]], caption: str = ""
+) -> pandas.DataFrame:
+    """Return a table with a row for each quantity, in SI, and a column of numbers for each label."""
+    rows = [
+        {"quantity": q.name.replace("_", " "), UNIT: q.units}
+        | {label: numbers[q.name] for label, numbers in columns.items()}
+        for q in quantities
+    ]
+    return table(rows, caption=caption)
+
+
+def shown(cell: object, plus_minus: str = "+-") -> str:
+    """Return a cell as text: an error has two digits, its number as many as the error leaves certain.
+
+    >>> shown(Estimate(-2.19118, 0.00213)), shown(0.1 + 0.2), shown(float("nan"))
+    ('-2.19118 +- 0.0021', '0.3', '')
+    """
+    match cell:
+        case Estimate(_, error) if np.isinf(error):
+            return "no limit"
+        case Estimate(value, error) if np.isfinite(value) and np.isfinite(error) and error > 0.0:
+            digits = int(np.clip(np.ceil(np.log10(max(abs(value), error) / error)) + 2, 2, 9))
+            return f"{value:.{digits}g} {plus_minus} {error:.2g}"
+        case Estimate(value, _):
+            return shown(float(value), plus_minus)
+        case float() | np.floating():
+            return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else f"{cell:.{DIGITS}g}"
+        case None:
+            return ""
+    return str(cell)
+
+
+def heads(frame: pandas.DataFrame) -> list[str]:
+    """Return the heads of columns, units in parentheses."""
+    units = frame.attrs.get("units", {})
+    return [
+        f"{name} ({from_cf(units[name])})" if units.get(name, "1") != "1" else str(name) for name in frame
+    ]
+
+
+def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pandas.DataFrame:
+    """Return a frame of texts; rows with a unit get one of a handy size."""
+    rows = frame.to_dict("records")
+    texts = [[write(cell) for cell in (_prefixed(row) if UNIT in row else row).values()] for row in rows]
+    return pandas.DataFrame(texts, columns=heads(frame), dtype=object)
+
+
+def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Return a row with the prefix of its unit that suits its largest number."""
+    unit, scale = from_cf(row[UNIT]), 1.0
+    sizes = [
+        abs(cell.value) for cell in row.values() if isinstance(cell, Estimate) and np.isfinite(cell.value)
+    ]
+    if unit not in WITHOUT_PREFIX and max(sizes, default=0.0) > 0.0:
+        unit, scale = prefixed_unit(max(sizes), unit)
+    cells = {
+        name: Estimate(cell.value / scale, cell.error / scale) if isinstance(cell, Estimate) else cell
+        for name, cell in row.items()
+    }
+    return cells | {UNIT: "" if unit == "1" else unit.replace("\u00b5", "u")}
+
+
+def as_text(frame: pandas.DataFrame) -> str:
+    """Return a table for a terminal."""
+    written = _as_written(frame, shown)
+    return str(written.to_string(index=False))
+
+
+def as_csv(frame: pandas.DataFrame) -> str:
+    """Return a table as CSV with all digits; an error is a column of its own behind its number's."""
+    columns: dict[str, list[Any]] = {}
+    for name, head in zip(frame, heads(frame), strict=True):
+        cells = [*frame[name]]
+        if any(isinstance(cell, Estimate) for cell in cells):
+            columns[head] = [cell.value if isinstance(cell, Estimate) else cell for cell in cells]
+            columns[f"error of {head}"] = [
+                cell.error if isinstance(cell, Estimate) else np.nan for cell in cells
+            ]
+        else:
+            columns[head] = cells
+    return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
+
+
+def as_latex(frame: pandas.DataFrame) -> str:
+    """Return a table as a LaTeX tabular with booktabs rules."""
+    special = str.maketrans({**{sign: f"\\{sign}" for sign in "&%$#_{}"}, "^": r"\^{}", "~": r"\~{}"})
+
+    def write(cell: object) -> str:
+        return shown(cell, "\0").translate(special).replace("\0", r"$\pm$")
+
+    written = _as_written(frame, write)
+    lines = [" & ".join(row) + r" \\" for row in written.itertuples(index=False, name=None)]
+    head = " & ".join(head.translate(special) for head in written)
+    rules = [rf"\begin{{tabular}}{{{'l' * len(written.columns)}}}", r"\toprule", rf"{head} \\", r"\midrule"]
+    return "\n".join([*rules, *lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def as_html(frame: pandas.DataFrame) -> str:
+    """Return a table as HTML."""
+    written = _as_written(frame, lambda cell: shown(cell, "\u00b1"))
+    stream = io.StringIO()
+    written.to_html(stream, index=False, border=0)
+    return stream.getvalue()

@@ -1,0 +1,170 @@
+"""The pictures of a study: errors beside floors, who beats whom, residuals, and a map of the impacts."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+from matplotlib.style import context
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from contactlab.comparison.canvas import THIN, WIDTH, drawing, legend_above, style
+from contactlab.comparison.figures import METADATA
+from contactlab.inference.cross_validation_data import floors_in, laws_in
+from contactlab.inference.outcome import BASELINE, COMPLIANT, FLOOR, RIGID
+from contactlab.inference.residuals import abscissas, binned, residuals_of
+from contactlab.plot.style import COLOURS, STYLE
+from contactlab.results.files import whole_file
+
+MOST_NUMBERED: Final = 12
+"""Impacts that are named in the map."""
+
+NEGLIGIBLE: Final = 1e-3
+"""Share of the least error of a law below which a floor is none, and not drawn."""
+
+MARKS: Final = {RIGID: ("o", "C0"), COMPLIANT: ("s", "C1"), BASELINE: ("x", "0.3")}
+"""Mark and colour of a kind."""
+
+
+def draw_all(data: xarray.Dataset, folder: Path) -> list[Path]:
+    """Write every figure as PNG and PDF; gives the PNGs."""
+    figures: dict[str, Callable[[xarray.Dataset], Figure]] = {
+        "prediction_error": draw_errors,
+        "paired_differences": draw_differences,
+        "residuals": draw_residuals,
+        "impacts": draw_impacts,
+    }
+    written = []
+    for name, draw in figures.items():
+        with context(STYLE):
+            figure = draw(data)
+            for kind, metadata in METADATA.items():
+                with whole_file(folder / f"{name}.{kind}") as partial:
+                    figure.savefig(partial, format=kind, metadata=metadata)
+        written.append(folder / f"{name}.png")
+    return written
+
+
+def draw_errors(data: xarray.Dataset) -> Figure:
+    """Draw the held-out error of every law with its interval, beside baselines and floors."""
+    shown = data.isel(law=data["kind"].values != FLOOR)
+    labels = [str(label) for label in shown["law"].values]
+    figure, (axes,) = drawing(1, 1, 0.9 + 0.19 * len(labels))
+    for kind, (mark, colour) in MARKS.items():
+        places = np.flatnonzero(shown["kind"].values == kind)
+        errors = shown["prediction_error"].values[places]
+        low, high = shown["prediction_error_interval"].values[places].T
+        reach = np.abs([errors - low, high - errors])
+        bars = {"linestyle": "", "marker": mark, "color": colour, "label": kind, "capsize": 2.0}
+        if places.size:
+            axes.errorbar(errors, places, xerr=reach, markersize=2.5, elinewidth=0.9, **bars)
+    floors = floors_in(data)
+    # Where velocities of the contact are all that was measured, an impulse makes any of them.
+    least = NEGLIGIBLE * float(shown["prediction_error"].min())
+    for floor in floors["law"].values[floors["prediction_error"].values > least]:
+        here = data.sel(law=floor)
+        axes.axvspan(*here["prediction_error_interval"].values, color="0.85", zorder=0)
+        axes.axvline(float(here["prediction_error"]), **THIN)
+        at = (float(here["prediction_error"]), len(labels) - 0.5)
+        if floor == floors["law"].values[0]:
+            words = "floor: best admissible impulse of each impact "
+            axes.annotate(words, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
+    axes.set_yticks(range(len(labels)), labels)
+    axes.set_ylim(len(labels), -0.7)
+    axes.set(xscale="log", xlabel="held-out prediction error")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:.2g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    return legend_above(figure, axes)
+
+
+def draw_differences(data: xarray.Dataset) -> Figure:
+    """Draw by how much the law of a row is worse than that of a column; white where the data cannot tell.
+
+    What is above the diagonal is the same with the other sign, and left out.
+    """
+    laws = laws_in(data)
+    labels = [str(label) for label in laws["law"].values]
+    apart = laws["difference"].sel(other=labels).values
+    low, high = np.moveaxis(laws["difference_interval"].sel(other=labels).values, -1, 0)
+    parted = (low > 0.0) | (high < 0.0)
+    size = max(1.9, 0.21 * len(labels))
+    figure = Figure(figsize=(WIDTH, size + 1.3), layout="constrained")
+    axes = figure.subplots()
+    below = np.tri(len(labels), k=-1, dtype=bool)
+    scale = np.max(np.abs(apart[below & parted]), initial=1e-9)
+    # Of differences that span decades all are to be seen.
+    colour = np.where(below & parted, np.sqrt(np.abs(apart) / scale), np.nan)
+    axes.imshow(colour, cmap="Reds", vmin=0.0, vmax=1.6, aspect="auto")
+    for i, j in zip(*np.nonzero(below), strict=True):
+        text = f"{1e3 * apart[i, j]:.0f}" if apart[i, j] >= 0.01 else f"{1e3 * apart[i, j]:.1f}"
+        shade = "black" if parted[i, j] else "0.6"
+        axes.text(j, i, text, ha="center", va="center", fontsize=5, color=shade)
+    axes.set_xticks(range(len(labels)), labels, rotation=90)
+    axes.set_yticks(range(len(labels)), labels)
+    axes.tick_params(length=0.0)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    axes.set_title("error of the row less that of the column, in thousandths; grey: cannot tell", loc="right")
+    return figure
+
+
+def draw_residuals(data: xarray.Dataset) -> Figure:
+    """Draw medians and quartiles of what laws miss, over incidence, approach speed and slip."""
+    chosen = _compared(data)
+    across = abscissas(data)
+    figure, panels = drawing(3, 3, 5.2, sharex="col", sharey="row")
+    for number, law in enumerate(chosen):
+        for row, (words, missed) in enumerate(residuals_of(data, law).items()):
+            for column, (axis, x) in enumerate(across.items()):
+                axes = panels[3 * row + column]
+                found = binned(x, missed)
+                axes.plot(found.at, found.median, label=law, **style(number))
+                if number == 0:
+                    band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
+                    axes.fill_between(found.at, found.low, found.high, **band)
+                if column == 0:
+                    axes.set_ylabel(words)
+                if row == 2:
+                    axes.set_xlabel(axis)
+                if row:
+                    axes.axhline(0.0, **THIN)
+    return legend_above(figure, panels[0])
+
+
+def draw_impacts(data: xarray.Dataset) -> Figure:
+    """Draw the impacts over slip and approach, with the least error under any law, the unexplained named."""
+    laws = laws_in(data)
+    least = laws["error"].values.min(axis=0)
+    rate, slip = data["velocity_before"].values.T
+    figure, (axes,) = drawing(1, 1, 3.6)
+    top = float(np.quantile(least, 0.99))
+    dots = axes.scatter(slip, -rate, c=least, s=7.0, cmap="viridis", vmin=0.0, vmax=top, linewidth=0.0)
+    figure.colorbar(dots, ax=axes, label="least error under any law", extend="max")
+    odd = np.flatnonzero(data["unexplained"].values)
+    if odd.size:
+        words = f"no law explains: {odd.size} of {rate.size}"
+        ring = {"s": 26.0, "facecolor": "none", "edgecolor": COLOURS["fault"], "linewidth": 0.9}
+        axes.scatter(slip[odd], -rate[odd], label=words, **ring)
+        named: list[tuple[float, float]] = []
+        spread = np.ptp(slip), np.ptp(rate)
+        for place in odd[np.argsort(-least[odd])][:MOST_NUMBERED]:
+            at = float(slip[place]), float(-rate[place])
+            # Numbers that would lie on each other are none.
+            if any(abs(at[0] - x) < 0.08 * spread[0] and abs(at[1] - y) < 0.04 * spread[1] for x, y in named):
+                continue
+            named.append(at)
+            text = str(data["impact"].values[place])
+            axes.annotate(text, at, (3, 3), textcoords="offset points", fontsize=6)
+        legend_above(figure, axes)
+    axes.set(xlabel="slip before the impact (m/s)", ylabel="approach (m/s)")
+    return figure
+
+
+def _compared(data: xarray.Dataset) -> list[str]:
+    """Give the laws whose residuals are drawn: the best of the first four groups."""
+    laws = laws_in(data)
+    _, firsts = np.unique(laws["group"].values, return_index=True)
+    return [str(laws["law"].values[place]) for place in firsts[:4]]

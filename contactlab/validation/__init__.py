@@ -1,1 +1,0 @@
-"""Laws against measured impacts: fitted on one part of them, judged on another."""

@@ -1,0 +1,109 @@
+"""The pictures of README, the home page and the paper: the motor in slow motion, and laws compared.
+
+`python docs/tools/readme_pictures.py` leaves `motor.gif` and `laws.png` in `docs/static`, or in the folder
+that is given, and prints what pages quote of them.
+"""
+
+import sys
+from pathlib import Path
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+import contactlab as cl
+from contactlab.plot.animation import Animation
+from contactlab.plot.animation_files import write_gif
+from contactlab.plot.film import film_of
+from contactlab.plot.recording import recording_of
+from contactlab.plot.style import STYLE
+from contactlab.results.files import whole_file
+
+STATIC: Final = Path(__file__).resolve().parents[1] / "static"
+
+SETTLED: Final = 0.4
+"""Time after which the motor repeats itself, more than twenty times that in which it settles by e [s]."""
+
+PERIODS, FRAMES, FPS = 2, 96, 24.0
+"""Of the drive that are shown, frames of all of them, and frames a second."""
+
+LAWS: Final = {
+    "Hertz, Coulomb": ["law=hertz_penalty"],
+    "Hertz, Mindlin": ["law=composed", "law/damping=none", "law/friction=mindlin"],
+    "rigid, sticks": ["law=lagrange_stick"],
+    "rigid, slips": ["law=lagrange_slip"],
+    "restitution 0.5": ["law=newton"],
+}
+"""Laws by what the figure calls them."""
+
+BASES: Final = {"ritz": "Four beam shapes (2001)", "finite_element": "Converged beam"}
+
+SHOWN: Final = 0.2
+"""Time that the transients are shown for [s]."""
+
+APART: Final = 0.17
+"""Least distance of two labels [rad/s]."""
+
+
+def main(folder: Path = STATIC) -> None:
+    """Make both pictures."""
+    draw_motor(folder / "motor.gif")
+    draw_laws(folder / "laws.png")
+
+
+def draw_motor(path: Path) -> None:
+    """Film the default motor once it has settled: the last frame leads to the first."""
+    setup = cl.build()
+    settled = cl.simulate(setup, duration=SETTLED)
+    period = recording_of(settled.tree).period
+    run = recording_of(cl.simulate(start=settled, duration=PERIODS * period, record_interval=1e-6).tree)
+    film = film_of(run, run.start, run.end, FRAMES)
+    write_gif(Animation(film, FRAMES / FPS), FPS, path)
+
+
+def draw_laws(path: Path) -> None:
+    """Draw the same motor's way to its speed under every law, on both beams."""
+    with plt.rc_context(STYLE | {"font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9}):
+        figure, both = plt.subplots(1, 2, figsize=(7.4, 3.3), sharey=True, layout="constrained")
+        for axes, (basis, words) in zip(both, BASES.items(), strict=True):
+            speeds = _draw_beam(axes, basis)
+            spread = np.ptp(speeds) / np.mean(speeds)
+            axes.set_title(f"{words}: laws {spread:.0%} apart", fontweight="bold", loc="left")
+        both[0].set_ylabel("rotor speed (rad/s)")
+        with whole_file(path) as partial:
+            figure.savefig(partial, format="png", pad_inches=0.12, metadata={"Software": None})
+        plt.close(figure)
+
+
+def _draw_beam(axes: Axes, basis: str) -> list[float]:
+    """Draw the transients on one beam, in the motor's own sense, and give the settled speeds [rad/s]."""
+    speeds, colours, end = [], [], 1.03e3 * SHOWN
+    for words, law in LAWS.items():
+        setup = cl.build([*law, f"resonator={basis}", f"solver.duration={SHOWN}", "record.interval=1e-4"])
+        run, (velocity, error) = cl.simulate(setup), cl.steady(setup).velocity
+        (line,) = axes.plot(1e3 * run["time"], -run["rotor_velocity"], linewidth=1.6)
+        colours.append(line.get_color())
+        axes.errorbar(end, -velocity, error, fmt="o", color=colours[-1], markersize=5, clip_on=False)
+        speeds.append(-velocity)
+        print(f"{basis}, {words}: {velocity:.5f} +- {error:.1g} rad/s")
+    for place, k in zip(_spread(np.sort(speeds)), np.argsort(speeds), strict=True):
+        axes.annotate(
+            f"{list(LAWS)[k]}  {speeds[k]:.2f}", (end, speeds[k]), (1.09 * end, place),
+            va="center", color="0.15", fontsize=9, annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": colours[k], "shrinkA": 1, "shrinkB": 0,
+                        "relpos": (0.0, 0.5)},
+        )  # fmt: skip
+    axes.set(xlabel="time (ms)", xlim=(0.0, 1e3 * SHOWN), ylim=(0.0, 3.3))
+    return speeds
+
+
+def _spread(wanted: np.ndarray) -> np.ndarray:
+    """Place ascending labels at least `APART` from each other, about where they belong."""
+    steps = APART * np.arange(wanted.size)
+    places = np.maximum.accumulate(wanted - steps) + steps
+    return np.asarray(places - np.mean(places - wanted))
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:2]))

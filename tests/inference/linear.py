@@ -1,0 +1,56 @@
+"""A linear model with flat priors, whose posterior and evidence can be written down."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.inference.free_parameters import Free
+from contactlab.inference.likelihood import series_terms
+from contactlab.inference.problem import Measured
+from contactlab.parameter import Parameter
+
+ANY = Parameter("x", "1", "any number")
+SIGMA = 0.1
+
+
+@dataclass
+class Linear:
+    """y = a + b t with noise of a known size; a third number, where it is asked for, changes nothing."""
+
+    idle: bool = False
+    law: str = "linear"
+    physical: int = 2
+
+    def __post_init__(self):
+        draws = np.random.default_rng(7)
+        self.time = np.linspace(0.0, 1.0, 12)
+        self.values = 0.3 + 0.5 * self.time + SIGMA * draws.standard_normal(12)
+        names = ["a", "b", "idle"][: 2 + self.idle]
+        self.free = tuple(Free(name, -2.0, 2.0, False, ANY) for name in names)
+        self.data = (Measured("y", ("time",), self.values, "1"),)
+        self.coordinates = {"time": self.time}
+
+    @property
+    def design(self):
+        return np.column_stack([np.ones(12), self.time])
+
+    def predicted(self, values):
+        return {"y": values[0] + values[1] * self.time}
+
+    def residuals(self, values):
+        return (self.values - self.predicted(values)["y"]) / SIGMA
+
+    def terms(self, predicted, _values):
+        return {"y": series_terms(self.values - predicted["y"], self.time, np.full(12, SIGMA))}
+
+    def replicated(self, predicted, _values, draws):
+        return {"y": predicted["y"] + SIGMA * draws.standard_normal(12)}
+
+    def closed_form(self):
+        """Mean, covariance and log evidence, the prior being far wider than the likelihood."""
+        covariance = np.linalg.inv(self.design.T @ self.design) * SIGMA**2
+        mean = covariance @ self.design.T @ self.values / SIGMA**2
+        missed = self.values - self.design @ mean
+        largest = -0.5 * missed @ missed / SIGMA**2 - 12 * np.log(np.sqrt(2 * np.pi) * SIGMA)
+        volume = np.log(2 * np.pi) + 0.5 * np.linalg.slogdet(covariance)[1]
+        return mean, covariance, largest + volume - 2 * np.log(4.0)

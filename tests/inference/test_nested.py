@@ -1,0 +1,186 @@
+"""Claims on nested sampling: closed forms, quadrature, and the same bits however it is run."""
+
+import pickle
+from hashlib import sha256
+from io import BytesIO
+
+import numpy as np
+import pytest
+from inference.linear import Linear
+from scipy.special import logsumexp
+from scipy.stats import kstest
+
+import contactlab as cl
+from contactlab.inference import nested_sampling as nested
+from contactlab.inference.evidence import Evidence, sentences, told
+from contactlab.inference.free_parameters import free_parameters, from_cube
+from contactlab.inference.impact_problem import ImpactModel
+from contactlab.inference.nested_sampling import sample
+from contactlab.inference.problem import log_likelihood
+from contactlab.inference.synthetic import made_impacts, without_errors
+
+pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
+
+
+class Stop:
+    """Ctrl-C at the end of so many iterations."""
+
+    def __init__(self, after):
+        self.left = after
+
+    def __call__(self, _share):
+        self.left -= 1
+        if self.left == 0:
+            raise KeyboardInterrupt
+
+
+def test_evidence_mean_and_deviation_of_a_linear_model_are_its_closed_form():
+    model = Linear()
+    mean, covariance, log_evidence = model.closed_form()
+
+    found = sample(model, points=200, seed=3)
+
+    assert found.error < 0.25
+    assert found.log_evidence == pytest.approx(log_evidence, abs=3.0 * found.error)
+    own, spread = found.moments()
+    # So far off is a mean of so many effective samples.
+    assert np.abs(own - mean).max() < 4.0 * np.sqrt(covariance.max() / found.effective)
+    np.testing.assert_allclose(np.sqrt(np.diag(spread)), np.sqrt(np.diag(covariance)), rtol=0.12)
+    inside = found.quantiles((0.05, 0.95))
+    width = 2.0 * 1.6449 * np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(inside[:, 1] - inside[:, 0], width, rtol=0.12)
+
+
+def test_a_number_that_the_data_do_not_know_keeps_its_prior():
+    found = sample(Linear(idle=True), points=100, seed=4)
+    draws = found.draws(int(found.effective))[:, 2]
+
+    assert kstest(draws, "uniform", args=(-2.0, 4.0)).pvalue > 0.01
+    assert kstest(found.draws(200)[:, 1], "uniform", args=(-2.0, 4.0)).pvalue < 1e-6
+
+
+def test_evidence_of_impacts_is_that_of_quadrature():
+    law = cl.law("newton", restitution=0.6, friction_coefficient=0.2)
+    data = made_impacts(law, 5, 0.1, 2)
+    free = free_parameters(law, {"restitution": (0.2, 0.9), "friction_coefficient": (0.05, 0.5)})
+    model = ImpactModel(data, law, free, free, spread=False)
+    middles = (np.arange(40) + 0.5) / 40
+    grid = [log_likelihood(model, from_cube(free, (x, y))) for x in middles for y in middles]
+
+    found = sample(model, points=100, seed=1)
+
+    assert found.log_evidence == pytest.approx(logsumexp(grid) - np.log(1600), abs=3.0 * found.error)
+
+
+def test_a_number_that_fills_its_range_beside_one_that_is_well_known_costs_few_evaluations():
+    # With so much friction every contact sticks: ellipsoids that hold all of it reach far out of the prior.
+    law = cl.law("newton", restitution=0.86, friction_coefficient=0.54)
+    data = without_errors(made_impacts(law, 60, 0.05, 63))
+    free = free_parameters(law, {"restitution": (0.0, 1.0), "friction_coefficient": (0.02, 0.8)})
+
+    found = sample(ImpactModel(data, law, free, free, spread=True), points=50, seed=63)
+
+    low, high = found.quantiles((0.05, 0.95))[0]
+    assert high - low > 0.2
+    assert found.calls < 5000
+
+
+def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_a_stop(tmp_path, monkeypatch):
+    whole = sample(Linear(), points=25, seed=9, workers=1)
+    others = sample(Linear(), points=25, seed=9, workers=2)
+    monkeypatch.setattr(nested, "EVERY", -1.0)
+    checkpoint = tmp_path / "checkpoint"
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            sample(Linear(), points=25, seed=9, checkpoint=checkpoint, advance=Stop(60))
+    resumed = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
+    asked = []
+    monkeypatch.setattr(nested, "log_likelihood", lambda _model, values: asked.append(values))
+    again = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, workers=1)
+    monkeypatch.undo()
+    # All but the two of the clock were in the checkpoint.
+    assert len(asked) == 2
+
+    for other in (others, resumed, again):
+        assert other.samples.tobytes() == whole.samples.tobytes()
+        assert other.log_evidence == whole.log_evidence
+        assert other.draws(100).tobytes() == whole.draws(100).tobytes()
+    assert sample(Linear(), points=25, seed=10).samples.tobytes() != whole.samples.tobytes()
+
+
+class Crafted:
+    """Creates a file when it is unpickled."""
+
+    def __init__(self, place):
+        self.place = place
+
+    def __reduce__(self):
+        return open, (str(self.place), "w")
+
+
+def test_a_checkpoint_is_never_unpickled(tmp_path):
+    checkpoint, trace = tmp_path / "checkpoint", tmp_path / "trace"
+    crafted = np.array([Crafted(trace)], dtype=object)
+    stream = BytesIO()
+    np.savez(stream, values=crafted, log_likelihood=crafted)
+    digest = sha256(checkpoint.name.encode() + stream.getvalue()).digest()
+    whole = sample(Linear(), points=25, seed=9)
+    for content in (pickle.dumps(Crafted(trace)), stream.getvalue(), stream.getvalue() + digest):
+        checkpoint.write_bytes(content)
+        announced = []
+
+        found = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, announce=announced.append)
+
+        assert found.samples.tobytes() == whole.samples.tobytes()
+        assert len(announced) == 1
+        assert not trace.exists()
+
+
+def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
+    checkpoint = tmp_path / "checkpoint"
+    whole = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
+    content, draws = checkpoint.read_bytes(), np.random.default_rng(1)
+    damaged = [b"", b"half of a file", content[: len(content) // 2], content[:-1], content + b"x"]
+    for place in draws.integers(len(content), size=8):
+        damaged.append(
+            content[:place] + bytes([content[place] ^ 1 << draws.integers(8)]) + content[place + 1 :]
+        )
+    other = tmp_path / "other"
+    for each in [*damaged, content]:
+        # The last is that of another fit.
+        path = checkpoint if each is not content else other
+        path.write_bytes(each)
+        announced = []
+
+        found = sample(Linear(), points=25, seed=9, checkpoint=path, announce=announced.append)
+
+        assert found.samples.tobytes() == whole.samples.tobytes()
+        assert len(announced) == 1
+
+
+@pytest.mark.parametrize(
+    ("difference", "error", "word"),
+    [(9.0, 0.3, "decisive"), (-4.0, 0.3, "very strong"), (2.5, 0.3, "strong"), (1.5, 0.3, "substantial"),
+     (1.0, 0.01, ""), (5.0, 2.0, "")],
+)  # fmt: skip
+def test_a_bayes_factor_is_told_above_three_and_above_three_of_its_errors(difference, error, word):
+    assert told(difference, error) == word
+
+
+def test_laws_that_are_too_close_are_said_to_be():
+    near, far = Evidence("a", 10.0, 0.3), Evidence("b", 10.4, 0.3)
+
+    assert sentences([near, far, Evidence("c", 0.0, 0.3)]) == [
+        "b or a: cannot tell (ln B = 0.4 +- 0.4).",
+        "The evidence for b against c is decisive: odds of 3.29e+04 to 1 (ln B = 10.4 +- 0.4).",
+    ]
+
+
+@pytest.mark.parametrize("share", [0.82, 0.996])
+def test_evidence_of_laws_that_miss_the_data_comes_with_their_shares_and_no_verdict(share):
+    first, second = Evidence("a", 500.0, 0.3, False, share), Evidence("b", 0.0, 0.3, False, 0.6)
+    (said,) = sentences([first, second])
+    assert f"{share:.1%}" in said
+    assert "60.0%" in said
+    assert "decisive" not in said
+    assert "10^" not in said

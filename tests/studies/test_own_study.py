@@ -1,0 +1,140 @@
+"""A study in a package of its own: verb, help, sweep, page and table; killed, spread and resumed."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray
+from support.command_line import Elsewhere
+
+STUDY = Path(__file__).parents[1] / "example_study"
+SHORT = ("solver.duration=2e-3", "law=newton")
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
+    """A folder with the package of the study installed."""
+    here = Elsewhere(tmp_path_factory.mktemp("packages"), tmp_path_factory.mktemp("here"))
+    groups = {"contactlab.studies": {"gain": "gain:Gain"}}
+    here.install(here.wheel("example-study", "1.0", {}, {"gain": (STUDY / "gain.py").read_text()}, groups))
+    return here
+
+
+@pytest.fixture(scope="module")
+def whole(elsewhere: Elsewhere) -> Path:
+    """The files of a study that nothing interrupted."""
+    status, _, err = elsewhere.command("gain", *SHORT, "points=6", "output=whole")
+    assert status == 0, err
+    return elsewhere.folder / "whole"
+
+
+def bytes_of(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+
+
+def test_the_verb_leaves_dataset_page_figure_and_table(whole: Path) -> None:
+    assert {*bytes_of(whole)} == {
+        "gain.nc", "gain.png", "gain.pdf", "report.html", "velocities.csv", "velocities.tex"
+    }  # fmt: skip
+    with xarray.open_dataset(whole / "gain.nc") as data:
+        assert data.sizes == {"share": 6}
+    assert (whole / "velocities.csv").read_text().splitlines()[0] == "share,velocity (rad/s)"
+
+
+def test_help_lists_the_options_with_their_defaults(elsewhere: Elsewhere) -> None:
+    status, out, _ = elsewhere.command("gain", "--help")
+    assert status == 0
+    assert "points" in out
+    assert "number of voltages" in out
+
+
+@pytest.mark.parametrize(("word", "key"), [("points=1", "study.points"), ("pionts=3", "pionts")])
+def test_a_faulty_option_is_refused_by_its_key(elsewhere: Elsewhere, word: str, key: str) -> None:
+    status, out, err = elsewhere.command("gain", word, "output=refused")
+    assert (status, out) == (2, "")
+    assert key in err
+    assert not (elsewhere.folder / "refused").exists()
+
+
+def test_it_can_be_swept_over_configuration_and_its_own_options(elsewhere: Elsewhere) -> None:
+    words = ("gain", *SHORT, "drive.phase=linspace(-1,1,2)", "points=2,3", "output=swept")
+    status, _, err = elsewhere.command("-m", *words)
+    assert status == 0, err
+    with xarray.open_dataset(elsewhere.folder / "swept" / "sweep.nc") as data:
+        assert dict(data.sizes) == {"phase": 2, "points": 2}
+        assert data["slope"].attrs["units"] == "rad s-1"
+        assert data["slope"].notnull().all()
+        assert data["slope_error"].notnull().all()
+
+
+def test_workers_leave_the_same_bytes(elsewhere: Elsewhere, whole: Path) -> None:
+    assert elsewhere.command("gain", *SHORT, "points=6", "workers=2", "output=spread")[0] == 0
+    assert bytes_of(elsewhere.folder / "spread") == bytes_of(whole)
+
+
+def killed_and_resumed(elsewhere: Elsewhere, name: str, seconds: float) -> dict[str, bytes]:
+    """Bytes of a study that was killed after some seconds and then continued."""
+    script = "from contactlab.cli.main import main; import sys; sys.exit(main())"
+    paths = os.pathsep.join([str(elsewhere.packages), str(Path(__file__).parents[2])])
+    words = ["gain", *SHORT, "points=6", f"output={name}"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, *words],
+        cwd=elsewhere.folder,
+        env=os.environ | {"PYTHONPATH": paths},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    time.sleep(seconds)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    status, _, err = elsewhere.command(*words)
+    assert status == 0, err
+    return bytes_of(elsewhere.folder / name)
+
+
+@pytest.mark.parametrize(
+    "seconds", [4.0, *(pytest.param(2.0 + 0.2 * n, marks=pytest.mark.long) for n in range(20))]
+)
+def test_a_killed_study_continues_to_the_same_bytes(
+    elsewhere: Elsewhere, whole: Path, seconds: float
+) -> None:
+    assert killed_and_resumed(elsewhere, f"killed-{seconds}", seconds) == bytes_of(whole)
+
+
+def test_finished_tasks_are_not_done_again_and_damaged_ones_are(elsewhere: Elsewhere, whole: Path) -> None:
+    script = """
+import json, sys
+from pathlib import Path
+import contactlab as cl
+from contactlab.studies.runner import run, finish
+from gain import Gain
+
+calls = []
+setup = cl.build(json.loads(sys.argv[1]))
+folder = Path("resumed")
+done = []
+first = run(Gain(points=6), {"": setup}, folder, lambda n, of: done.append(n))
+files = sorted(folder.glob("tasks/*.nc"))
+files[0].write_bytes(files[0].read_bytes()[:-1] + b"?")
+files[1].unlink()
+again = []
+second = run(Gain(points=6), {"": setup}, folder, lambda n, of: again.append(n))
+assert done == [0, 1, 2, 3, 4, 5, 6], done
+assert again == [4, 5, 6], again
+assert second.data.identical(first.data)
+other = []
+another = cl.build([*json.loads(sys.argv[1]), "drive.phase=0.1"])
+run(Gain(points=6), {"": another}, folder, lambda n, of: other.append(n))
+assert other[0] == 0
+finish(second, folder)
+"""
+    status, _, err = elsewhere.python("-c", script, json.dumps(SHORT))
+    assert status == 0, err
+    assert bytes_of(elsewhere.folder / "resumed") == bytes_of(whole)
