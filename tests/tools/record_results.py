@@ -197,7 +197,7 @@ def steady_values(item: Item) -> Values:
     """Settle a motor at three steps, with the error of the step."""
     import contactlab as cl
 
-    found = cl.converged(cl.build(item["overrides"]), **item["options"])
+    found = cl.converged(cl.build(item["overrides"]), **item["options"]).details
     values: Values = {"converged/values": found.values}
     for name in ("velocity", "torque"):
         values |= _of_estimate(getattr(found, name), f"converged/{name}")
@@ -249,12 +249,12 @@ def branches_values(item: Item) -> Values:
 
     setup, options = cl.build(item["overrides"]), item["options"]
     if item["study"] == "branch":
-        data = cl.branch(setup, **options).to_xarray()
+        data = cl.branch(setup, **options).data.to_dataset()
         data["multiplier_imaginary"] = abs(data["multiplier_imaginary"])
         return _of_dataset(data, "branch")
     if item["study"] == "basins":
         axes = {name: np.asarray(values) for name, values in item["axes"].items()}
-        return _of_dataset(cl.basins(setup, axes, **options).to_xarray(), "basins")
+        return _of_dataset(cl.basins(setup, axes, **options).data.to_dataset(), "basins")
     values: Values = {}
     for at, each in enumerate(cl.attractors(setup, **options)):
         values |= {f"attractor/share[{at}]": each.share} | _of_steady(each.steady, str(at))
@@ -263,8 +263,8 @@ def branches_values(item: Item) -> Values:
 
 def fit_values(item: Item) -> Values:
     """Fit laws by least squares and nested sampling."""
-    from contactlab.fitting.fit import fit, pose, read
-    from contactlab.fitting.words import sorted_words
+    from contactlab.inference.fit import fit, pose, read
+    from contactlab.inference.law_choice import sorted_words
 
     data = _made(item["made"]) if "made" in item else read(data_file(item["data"]))
     tails = item.get("degrees_of_freedom", np.inf)
@@ -307,7 +307,7 @@ def fit_values(item: Item) -> Values:
 def _made(how: Mapping[str, Any]) -> Any:
     """Make measurements by a known law."""
     import contactlab as cl
-    from contactlab.fitting.synthetic import made_impacts, made_series
+    from contactlab.inference.synthetic import made_impacts, made_series
 
     setup = cl.build(how["overrides"])
     if "impacts" in how:
@@ -321,8 +321,8 @@ def validate_values(item: Item) -> Values:
         from oblique_spheres import study as spheres
 
         return _of_dataset(spheres(data_file(item["data"])), "spheres")
+    from contactlab.inference.study import study
     from contactlab.measured.files import read_impacts
-    from contactlab.validation.study import study
 
     data = study(read_impacts(data_file(item["data"])), workers=1, **item["options"])
     return _of_dataset(data, "validate")
@@ -342,7 +342,7 @@ def characterise_values(item: Item) -> Values:
     """Make the data sheet of a motor."""
     import contactlab as cl
 
-    data = cl.characterise(cl.build(item["overrides"])).isel(law=0, drop=True)
+    data = cl.characterise(cl.build(item["overrides"])).data.to_dataset().isel(law=0, drop=True)
     return _of_dataset(data.drop_vars("reason"), "sheet")
 
 
