@@ -141,7 +141,7 @@ def test_a_dashpot_is_left_where_its_force_ends() -> None:
     assert first(made, "duration") == pytest.approx(duration, rel=1e-6)
     assert first(made, "separation_velocity") == pytest.approx(speed * exp(-b * duration), rel=1e-6)
     lost = 0.5 * mass * speed**2 * (1.0 - exp(-2.0 * b * duration))
-    assert first(made, "energy_loss") == pytest.approx(lost, rel=1e-6)
+    assert first(made, "energy_loss") == pytest.approx(lost, rel=1e-5)
 
 
 @dataclass(frozen=True)
@@ -198,14 +198,14 @@ class KuwabaraKono(Damping):
 
 
 def test_restitution_of_viscoelastic_spheres_is_the_published_series() -> None:
-    """e = 1 - 1.153 x + 0.798 x^2 + 0.267 x^(5/2), x = A (K/m)^(2/5) v^(1/5), released at N = 0.
+    """e = 1 - 1.153 x + 0.798 x^2 + 0.267 x^(5/2), x = 3/2 A (K/m)^(2/5) v^(1/5), released at N = 0.
 
     Source: Schwager and Poeschel (2008), Phys. Rev. E 78, 051304.
     """
     mass, stiffness, speed, viscous = 2e-3, 1e10, 0.1, 2e3
     law = cl.Composed(cl.HertzPoint(stiffness), KuwabaraKono(viscous), cl.Coulomb(0.0))
     made = run(block(mass, height=1e-6, gap_rate=-speed), law, 1e-3)
-    x = viscous / stiffness * (stiffness / mass) ** 0.4 * speed**0.2
+    x = 1.5 * viscous / stiffness * (stiffness / mass) ** 0.4 * speed**0.2
     assert 0.005 < x < 0.05
     expected = 1.0 - 1.153449 * x + 0.798267 * x * x + 0.266666 * x**2.5
     assert first(made, "separation_velocity") == pytest.approx(expected * speed, rel=x**3)
