@@ -17,6 +17,7 @@ from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
     CONE,
     GUARD,
+    NOTHING,
     PRESSED,
     RELEASE,
     RELEASED,
@@ -35,18 +36,28 @@ TOUCH_REFINEMENT = 6
 
 @merged_kernel
 def run_law(
-    run: Run, states: Any, motions: Array, records: Records, law: Law, solve: Any, budget: int
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    law: Law,
+    compliant: int | None,
+    solve: Any,
+    budget: int,
 ) -> None:
-    """Run a law from starts, see `contactlab.engine.loop.advance`; compliant where `solve` is None."""
+    """Run a law from starts, see `contactlab.engine.loop.advance`."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         _begin_at(each, motions[i])
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law):
+            event = NOTHING
             if each.state.phase != TOUCHING:
                 event = step_flight(each, law)
             elif solve is None:
-                event = step_compliant(each, law)
+                # The compiler leaves out what asks whether None is None, and nothing else.
+                if compliant is not None:
+                    event = step_compliant(each, law)
             else:
                 event = step_rigid(each, law)
             commit(each, law, records.series, records.traces)

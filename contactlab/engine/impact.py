@@ -99,7 +99,14 @@ def _give_up(outcome: Any, ending: int) -> None:
 
 @merged_kernel
 def integrate_impacts(
-    run: Run, states: Any, motions: Array, records: Records, impacts: Impacts, law: Law, solve: Any
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    impacts: Impacts,
+    law: Law,
+    compliant: int,
+    solve: Any,
 ) -> None:
     """Integrate every impact of a compliant law.
 
@@ -120,7 +127,7 @@ def integrate_impacts(
             written = Records(impacts.silent, records.traces, records.ends)
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, solve, NO_END)
+            run_law(run, states[1:], motions, written, law, compliant, solve, NO_END)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

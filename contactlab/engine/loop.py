@@ -52,11 +52,13 @@ def prepare_loop(bound: Bound, *given: Any) -> None:
         for each, signature in zip(bound.kernels, SIGNATURES.values(), strict=True)
     ]
     row = SIGNATURES["force"].args[-1]
-    rows = row, row.copy(readonly=False), numba.types.int64
+    rows = row, row.copy(readonly=False)
+    whole, none = numba.types.int64, numba.types.none
+    marks = whole if impacts is None else none, whole if bound.kernels[2] is None else none
     loop: Any = advance
     with telling(kind, SECONDS[kind]):
         loop.disable_compile(False)
-        loop.compile((*map(numba.typeof, given), *rows, *kernels))
+        loop.compile((*map(numba.typeof, given), *rows, *marks, *kernels))
         loop.disable_compile()
     _compiled.add(room)
 
@@ -70,7 +72,8 @@ def advance(
     impacts: Impacts | None,
     parameters: Array,
     row: Array,
-    budget: int,
+    budget: int | None,
+    compliant: int | None,
     force: Any,
     friction: Any,
     solve: Any,
@@ -86,14 +89,16 @@ def advance(
     Call it again to go on: they and the records hold all that there is, however often a run is cut. With
     impacts these are integrated, see `contactlab.engine.impact`.
 
-    It is compiled once for each combination of kernels that are None: `solve` of compliant laws, `force` and
-    `friction` of rigid ones, and the last five of laws without internal variables, limits and moments.
+    It is compiled once for each combination of arguments that are None: impacts or budget, `solve` of
+    compliant laws or `compliant` of rigid ones, and the last five kernels of laws that are plain.
     """
     law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:
-        run_law(run, states, motions, records, law, solve, budget)
+        if budget is not None:
+            run_law(run, states, motions, records, law, compliant, solve, budget)
     elif solve is None:
-        integrate_impacts(run, states, motions, records, impacts, law, solve)
+        if compliant is not None:
+            integrate_impacts(run, states, motions, records, impacts, law, compliant, solve)
     else:
         evaluate_impacts(run, states[0], impacts, law, solve)
 

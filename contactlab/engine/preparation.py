@@ -94,7 +94,8 @@ class Prepared(NamedTuple):
         self.prepare_loop(run, impacts)
         with self.errors():
             rows = self.parameters, self.row
-            advance(run, states, motions, records, impacts, *rows, budget, *self.bound.kernels)
+            marks = budget if impacts is None else None, 1 if self.bound.kernels[2] is None else None
+            advance(run, states, motions, records, impacts, *rows, *marks, *self.bound.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Return the ending of a run that stopped by itself, and a sentence on it."""

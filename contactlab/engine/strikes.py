@@ -108,8 +108,10 @@ class _Striking:
         count = histories.shape[1]
         records = ready.records(count + 2 if count else 0, run)
         silent = records.series[:0]
-        for i in range(0, len(contacts), PIECE):
-            some = slice(i, i + PIECE)
+        # The impulses of a rigid law take no time.
+        size = len(contacts) if isinstance(ready.law, MultiplierLaw) else PIECE
+        for i in range(0, len(contacts), size):
+            some = slice(i, i + size)
             impacts = Impacts(contacts[some], outcomes[some], histories[some], silent)
             ready.advance(run, states, motions, records, 0, impacts)
         return run
