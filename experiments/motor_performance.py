@@ -21,8 +21,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from harness import tip_phasors
 from scipy.optimize import brentq
+from variations import tip_phasors
 
 import contactlab as cl
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
@@ -80,20 +80,14 @@ def refuse_unfit(setup: cl.Setup) -> None:
         ConfigurationError: a load, a start in motion, or a drive without a short period.
     """
     settings = setup.configuration
-    faults = [
-        f"rotor.{key} is {settings['rotor'][key]:.12g} {unit}; it must be 0: the motor is judged by its "
-        "velocity without load and by its torque at rest. Leave it out."
-        for key, unit in (("load_torque", "N m"), ("initial_velocity", "rad/s"))
-        if settings["rotor"][key] != 0.0
-    ]
+    for key, unit in (("load_torque", "N m"), ("initial_velocity", "rad/s")):
+        if settings["rotor"][key] != 0.0:
+            raise cl.ConfigurationError(
+                [f"rotor.{key} is {settings['rotor'][key]:.12g} {unit}; it must be 0."]
+            )
     ratio = settings["drive"]["frequency_ratio"]
     if ratio != round(ratio):
-        faults.append(
-            f"drive.frequency_ratio is {ratio:.12g}; it must be a whole number, so that the drive repeats "
-            "itself with its first tone and means over a period are means for ever. The paper takes 2."
-        )
-    if faults:
-        raise cl.ConfigurationError(faults)
+        raise cl.ConfigurationError([f"drive.frequency_ratio is {ratio:.12g}; it must be a whole number."])
 
 
 def on_belt(setup: cl.Setup, velocity: float) -> OnBelt:
