@@ -462,6 +462,8 @@ def record(options: argparse.Namespace) -> int:
         last = None if options.motors is None else options.first + options.motors
         chosen = items[options.first : last]
         picks = np.random.default_rng(0).random(len(chosen)) < options.share
+        # One at the least.
+        picks[:1] |= not picks.any()
         left = []
         for item, pick in zip(chosen, picks, strict=True):
             needed = [*item.get("measured", []), *([item["data"]] if "data" in item else [])]
