@@ -594,10 +594,8 @@ class Comparison:
         for item, found in sorted(self.beyond.items(), key=lambda pair: -max(pair[1].values())):
             own = alone(item)
             worst = sorted(found, key=lambda name: -found[name])[:4]
-            names = ", ".join(
-                f"{name} {found[name]:.1e}" + f" (round-off {own[name]:.1e})" * (name in own)
-                for name in worst
-            )
+            known = {name: f" (round-off {size:.1e})" for name, size in own.items()}
+            names = ", ".join(f"{name} {found[name]:.1e}{known.get(name, '')}" for name in worst)
             print(f"  beyond: {item}, {len(found)} arrays: {names}")
         for said, items in self.changed.items():
             names = ", ".join(items[:8]) + ", ..." * (len(items) > 8)
