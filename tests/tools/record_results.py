@@ -21,10 +21,10 @@ every tip longer by 4 eps, to see what round-off becomes in runs and studies of 
     compare        comparisons with all causes
     characterise   data sheets
 
-`compare` prints how many arrays have the same bits and how many deviate by more than 1e-9 of their quantity's
-scale, for every quantity beyond it the largest deviation; then the items beyond, each with the deviation by round-off
-where a record by `--nudge` is given, and the texts, shapes and exceptions that changed. The exit status is 1
-if there is any of these. Items that AFTER lacks are counted; `--all` makes them a failure.
+`compare` prints how many arrays have the same bits, how many deviate by more than 1e-9 of their quantity's
+scale, and the quantities that do; then the items beyond, each with the deviation by round-off if a record by
+`--nudge` is given, and the texts, shapes and exceptions that changed. The exit status is 1 if there is any of
+these. Items that AFTER lacks are counted; `--all` makes them a failure.
 
 After a change of the package's interface only the section "Adapters" needs an edit: each of its functions
 computes one item and returns its flat results.
@@ -95,7 +95,7 @@ LEAST_SCALES = {
     r".*max_penetration.*": 1e-6,
     r"(contacts/|motion/|state/contact\.)energy_loss.*": 1e-9,
 }
-"""Least scales where there may be round-off alone: what is of the order of 1, torques, depths, losses [SI]."""
+"""Least scales where there may be round-off alone: numbers near 1, torques, depths, losses [SI]."""
 
 # ------------------------------------------------------------------------------------------------------------
 # Adapters: the only functions that call the package.
