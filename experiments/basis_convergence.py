@@ -45,18 +45,18 @@ class BasisConvergence(Experiment):
         """Return every basis at the converged first natural frequency and its double."""
         shapes = SHAPES[1:4] if self.short else SHAPES
         kept = 6 if self.short else CONVERGED
-        given = {k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")}
+        options = {k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")}
         elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
         bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
         bases[f"finite_element {kept}"] = elements
         modes = {
-            name: cl.build({**setup.configuration, "resonator": given | basis}).motor.modes
+            name: cl.build({**setup.configuration, "resonator": options | basis}).motor.modes
             for name, basis in bases.items()
         }
         *_, reference = modes.values()
         tones = reference.natural_frequency[0] * np.array([1.0, 2.0])
         motor = replace(setup.motor, drive=replace(setup.motor.drive, frequency=tones))
-        found = cl.sweep(
+        result = cl.sweep(
             {"basis": [*bases]},
             motor=lambda basis: replace(motor, modes=modes[basis]),
             law=laws_of(setup)["hertz_penalty"],
@@ -65,13 +65,13 @@ class BasisConvergence(Experiment):
         )
         numbers = [
             [
-                *one.natural_frequency[:2],
-                np.sum(one.tip_displacement**2 / one.stiffness),
-                1.0 / np.sum(one.tip_displacement**2),
+                *item.natural_frequency[:2],
+                np.sum(item.tip_displacement**2 / item.stiffness),
+                1.0 / np.sum(item.tip_displacement**2),
             ]
-            for one in modes.values()
+            for item in modes.values()
         ]
-        columns = (*np.transpose(numbers), found.peak_force, found.final_rotor_velocity)
+        columns = (*np.transpose(numbers), result.peak_force, result.final_rotor_velocity)
         return xarray.Dataset(
             {
                 name: ("basis", np.array(column), {"units": units})

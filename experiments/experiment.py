@@ -125,13 +125,13 @@ def part_of(data: xarray.Dataset) -> Part:
 def class_of(name: str) -> type[Experiment]:
     """Return the experiment of a module and add it to the studies of this process."""
     module = import_module(name)
-    (found,) = (
+    (experiment,) = (
         item
         for item in vars(module).values()
         if isinstance(item, type) and issubclass(item, Experiment) and item.__module__ == name
     )
-    register(name, f"{name}:{found.__name__}")
-    return found
+    register(name, f"{name}:{experiment.__name__}")
+    return experiment
 
 
 def setup_of(name: str, overrides: Sequence[str] = ()) -> cl.Setup:
@@ -155,15 +155,15 @@ def main(file: str) -> int:
     """Run the experiment of a file with the arguments of the command line and return the exit status."""
     name = Path(file).stem
     class_of(name)
-    words, folder = [f"workers={processors()}", *sys.argv[1:]], OUTPUTS / name
-    for word in [word for word in words if word.startswith("output=")]:
+    arguments, folder = [f"workers={processors()}", *sys.argv[1:]], OUTPUTS / name
+    for word in [word for word in arguments if word.startswith("output=")]:
         folder = Path(word.removeprefix("output="))
-        words.remove(word)
+        arguments.remove(word)
     own = [f"experiment={name}"] if (CONF / f"{name}.yaml").is_file() else []
-    sys.argv[1:] = [name, *own, *words, f"output={folder}"]
+    sys.argv[1:] = [name, *own, *arguments, f"output={folder}"]
     status = command()
     data = folder / f"{name}.nc"
-    if status == DONE and data.is_file() and not {"--help", "-h"} & {*words}:
-        with xarray.open_dataset(data, engine="netcdf4") as found:
-            return DONE if found.attrs["holds"] else CONTRADICTED
+    if status == DONE and data.is_file() and not {"--help", "-h"} & {*arguments}:
+        with xarray.open_dataset(data, engine="netcdf4") as collected:
+            return DONE if collected.attrs["holds"] else CONTRADICTED
     return status

@@ -63,7 +63,7 @@ class Fig10Sticking(Experiment):
     )
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
-        """The same run under the slip law at two steps and under the law with stick."""
+        """Return a run under the slip law at two steps and under the law with stick."""
         laws = laws_of(setup)
         cases = {
             "lagrange_slip, coarse": (laws["lagrange_slip"], COARSE),
@@ -81,14 +81,14 @@ class Fig10Sticking(Experiment):
             for law, step in cases.values()
         ]
         names = ["rotor_velocity", "slip_velocity", "contact_mode"]
-        found = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
-        rim = setup.motor.geometry.rotor_radius * found.rotor_velocity
+        result = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
+        rim = setup.motor.geometry.rotor_radius * result.rotor_velocity
         speed = {"units": "m s-1"}
         return xarray.Dataset(
             {
                 "rim_velocity": rim.drop_attrs(deep=False).assign_attrs(speed),
-                "tip_velocity": (rim + found.slip_velocity).drop_attrs(deep=False).assign_attrs(speed),
-                "contact_mode": found.contact_mode,
+                "tip_velocity": (rim + result.slip_velocity).drop_attrs(deep=False).assign_attrs(speed),
+                "contact_mode": result.contact_mode,
             },
             coords={"case": [*cases]},
         )

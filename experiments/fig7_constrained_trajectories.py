@@ -39,7 +39,7 @@ class Fig7ConstrainedTrajectories(Experiment):
         """The last periods of a run from rest, under the paper's law and under Hertz."""
         kept = int(2.0 / setup.configuration["drive"]["frequency"] / setup.record_interval)
         columns = ("tip_tangential_displacement", "tip_normal_displacement", "gap")
-        found = swept(
+        result = swept(
             setup,
             {"clearance": [FREE, *CLEARANCES]},
             motor=partial(with_clearance, setup.motor),
@@ -49,7 +49,7 @@ class Fig7ConstrainedTrajectories(Experiment):
             duration=2e-3 if self.short else setup.duration,
             record_interval=setup.record_interval,
         )
-        late = found.isel(time=slice(-kept, None)).drop_vars("time")
+        late = result.isel(time=slice(-kept, None)).drop_vars("time")
         late = late.rename({"time": "record", **{f"{name}_series": name for name in columns}})
         return late.assign_coords(clearance=("clearance", [np.inf, *CLEARANCES], {"units": "m"}))
 

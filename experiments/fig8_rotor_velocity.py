@@ -60,11 +60,11 @@ def loaded(setup: cl.Setup, basis: str, laws: Sequence[str]) -> xarray.Dataset:
 
 def settled(setup: cl.Setup, basis: str, law: str) -> cl.Setup:
     """The motor on a basis, driven at its first natural frequency, under a law with its own steps."""
-    given = setup.configuration
+    options = setup.configuration
     chosen = cl.build([f"resonator={basis}", f"law={law}"]).configuration
-    own = {"drive": {**given["drive"], "frequency": None}}
-    own["solver"] = {**given["solver"], "contact_step": None, "tolerance": None}
-    return cl.build({**given, **own, "resonator": chosen["resonator"], "law": chosen["law"]})
+    own = {"drive": {**options["drive"], "frequency": None}}
+    own["solver"] = {**options["solver"], "contact_step": None, "tolerance": None}
+    return cl.build({**options, **own, "resonator": chosen["resonator"], "law": chosen["law"]})
 
 
 def with_rotor(motor: cl.Motor, **changes: float) -> cl.Motor:
@@ -92,12 +92,12 @@ class Fig8RotorVelocity(Experiment):
             motor: Callable[..., cl.Motor],
             duration: float,
             records: int,
-            **asked: Any,
+            **wanted: Any,
         ) -> xarray.DataArray:
             """Rotor velocity at so many equal intervals."""
-            asked |= {"metrics": (), "series": ("rotor_velocity",), "rigid_step": RIGID_STEP}
-            asked |= {"duration": duration, "record_interval": duration / records}
-            return swept(setup, over, motor=motor, **asked).rotor_velocity_series
+            wanted |= {"metrics": (), "series": ("rotor_velocity",), "rigid_step": RIGID_STEP}
+            wanted |= {"duration": duration, "record_interval": duration / records}
+            return swept(setup, over, motor=motor, **wanted).rotor_velocity_series
 
         rotor = partial(with_rotor, setup.motor)
         clearance = partial(with_clearance, setup.motor)
@@ -176,18 +176,18 @@ class Fig8RotorVelocity(Experiment):
             f"{1e6 * CLEARANCES[int(np.argmax(row))]:.0f} um under {n}"
             for n, row in zip(names, speeds, strict=True)
         ]
-        words = (
+        texts = (
             "as the paper has it, under " + ", ".join(ordered) if ordered else "under no law as in the paper"
         )
         stalls = []
         for basis, torques in zip(data.basis.values, 1e3 * data.stall_torque.values, strict=True):
             carried = int(np.isfinite(data.under_load.sel(basis=basis)).all("loaded_law").sum())
-            told = f"{torques.min():.2f} to {torques.max():.2f} mN m on the {BASES[str(basis)]}"
+            text = f"{torques.min():.2f} to {torques.max():.2f} mN m on the {BASES[str(basis)]}"
             stalls.append(
-                f"{told}, which carries {carried} of the paper's {len(LOADS)} loads under every law"
+                f"{text}, which carries {carried} of the paper's {len(LOADS)} loads under every law"
             )
         return (
-            f"After 5 ms the clearances are ordered {words}; the fastest is {', '.join(best)}. From "
+            f"After 5 ms the clearances are ordered {texts}; the fastest is {', '.join(best)}. From "
             f"-0.9 rad/s the velocity settles within {100 * drift:.1f} % over the last fifth of the "
             f"run. The settled speed falls or stays with every braking torque: {'yes' if falls else 'no'}. "
             f"Stall torques: {'; '.join(stalls)}.",

@@ -48,15 +48,15 @@ class FrictionSweep(SettledMap):
 
     def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
         """Return velocity and settling time, and the shares of stick and of contact losses."""
-        found = SettledMap.join(self, setup, parts)
-        lost = (found.friction_share + found.normal_loss_share).assign_attrs(units="1")
+        result = SettledMap.join(self, setup, parts)
+        lost = (result.friction_share + result.normal_loss_share).assign_attrs(units="1")
         return xarray.Dataset(
             {
-                "rotor_velocity": found.rotor_velocity.assign_attrs(units="rad s-1"),
-                "error": found.error.assign_attrs(units="rad s-1"),
-                "settling_time": found.settling_time.assign_attrs(units="s"),
-                "periods": found.periods.assign_attrs(units="1"),
-                "stick_share": found.stick_share.assign_attrs(units="1"),
+                "rotor_velocity": result.rotor_velocity.assign_attrs(units="rad s-1"),
+                "error": result.error.assign_attrs(units="rad s-1"),
+                "settling_time": result.settling_time.assign_attrs(units="s"),
+                "periods": result.periods.assign_attrs(units="1"),
+                "stick_share": result.stick_share.assign_attrs(units="1"),
                 "contact_loss_share": lost,
             }
         )
@@ -87,14 +87,14 @@ class FrictionSweep(SettledMap):
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
         """Return how velocity and settling time depend on the coefficient."""
         mu, velocity = data.friction_coefficient.values, np.abs(data.rotor_velocity)
-        said = ", ".join(
+        text = ", ".join(
             f"{law} from {float(velocity.sel(law=law)[0]):.3g} to {float(velocity.sel(law=law)[-1]):.3g}"
             for law in data.law.values
         )
         time = data.settling_time.sel(law="hertz_penalty").values
         exponent = float(np.polyfit(np.log(mu), np.log(time), 1)[0])
         sentence = (
-            f"Between coefficients of {mu[0]:.2g} and {mu[-1]:.2g} the settled speed goes, in rad/s, {said}: "
+            f"Between coefficients of {mu[0]:.2g} and {mu[-1]:.2g} the settled speed goes, in rad/s, {text}: "
             "it is not friction that makes a settled motor fast. What friction buys is time: with Hertz "
             f"contact the motor settles in {1e3 * time[0]:.3g} ms at the lowest and {1e3 * time[-1]:.3g} ms "
             f"at the highest coefficient, as the coefficient to the power {exponent:.2g}."

@@ -66,12 +66,12 @@ def followed(family: Family, start: float, end: float, step: float) -> Followed:
 
 def doubled(start: float, end: float) -> Followed:
     """The branch of motions of two periods, from the one that the oscillator settles in."""
-    found = cl.steady(swept(start).setup(-0.1), belt=0.0)
-    if found.orbit is None or found.periods != 2:
+    result = cl.steady(swept(start).setup(-0.1), belt=0.0)
+    if result.orbit is None or result.periods != 2:
         raise RuntimeError(
-            f"At {start:g} the oscillator settles in a motion of {found.periods} periods, not 2."
+            f"At {start:g} the oscillator settles in a motion of {result.periods} periods, not 2."
         )
-    return follow(lambda value: PeriodMap(swept(value).setup(), belt=0.0), found.orbit, start, end)
+    return follow(lambda value: PeriodMap(swept(value).setup(), belt=0.0), result.orbit, start, end)
 
 
 def speeds(branch: Followed) -> np.ndarray:
@@ -86,13 +86,13 @@ def at_mark(branch: Followed, mark: Mark) -> float:
 
 def settled(frequencies: Sequence[float] | np.ndarray, before: int, kept: int) -> np.ndarray:
     """The speeds of the last impacts after many periods, by no method but running on; NaN after chatter."""
-    found = np.full((len(frequencies), kept), np.nan)
-    for row, frequency in zip(found, frequencies, strict=True):
+    result = np.full((len(frequencies), kept), np.nan)
+    for row, frequency in zip(result, frequencies, strict=True):
         section = PeriodMap(swept(float(frequency)).setup(), belt=0.0)
         with suppress(BrokenOffError):
             run = section.run(np.array([-0.1, 0.0]), before)
             row[:] = -run.contacts["approach_velocity"][-kept:]
-    return found
+    return result
 
 
 def _published() -> list[float]:
@@ -103,8 +103,8 @@ def _published() -> list[float]:
 
 def _grazing_of(branch: Followed) -> float:
     """Where the branch says that its impact would be without speed."""
-    told = re.search(r"without speed at ([\d.e-]+):", branch.end)
-    return float(told[1]) if told else np.nan
+    stated = re.search(r"without speed at ([\d.e-]+):", branch.end)
+    return float(stated[1]) if stated else np.nan
 
 
 def _draw_branch(ax: Axes, data: xarray.Dataset, name: str, colour: str, label: str) -> None:
@@ -131,7 +131,7 @@ class ImpactOscillatorBranches(Experiment):
         """Return branches, long runs (few of them in the short form) and bifurcations."""
         del setup
         step = 0.1 if self.short else 0.02
-        one = followed(swept, SLOWEST, 2.7 if self.short else FASTEST, step)
+        item = followed(swept, SLOWEST, 2.7 if self.short else FASTEST, step)
         grazing = followed(moved, 0.1, 0.16, step)
         bouncing = followed(ball, 1.9, 1.0, step)
         frequencies = np.linspace(SLOWEST, FASTEST, 3 if self.short else 161)
@@ -146,7 +146,7 @@ class ImpactOscillatorBranches(Experiment):
                 "found": (
                     "event",
                     [
-                        at_mark(one, Mark.PERIOD_DOUBLING),
+                        at_mark(item, Mark.PERIOD_DOUBLING),
                         at_mark(bouncing, Mark.PERIOD_DOUBLING),
                         at_mark(bouncing, Mark.FOLD),
                         _grazing_of(grazing),
@@ -159,7 +159,7 @@ class ImpactOscillatorBranches(Experiment):
                 "event": ["period doubling", "period doubling of the ball", "fold of the ball", "grazing"],
             },
         )
-        branches = {"one": one, "grazing": grazing}
+        branches = {"one": item, "grazing": grazing}
         if not self.short:
             branches["two"] = doubled(DOUBLED, SLOWEST)
             branches["two_on"] = doubled(DOUBLED, FASTEST)

@@ -51,12 +51,12 @@ class ImpactStepStudy(Experiment):
             )
             for step in steps
         ]
-        found = xarray.concat(runs, "contact_step").transpose("law", ...)
-        exponents = _exponents(np.array(steps), found.peak_force.values)
+        result = xarray.concat(runs, "contact_step").transpose("law", ...)
+        exponents = _exponents(np.array(steps), result.peak_force.values)
         return xarray.Dataset(
             {
-                "peak_normal_force": found.peak_force,
-                "normal_impulse": found.total_impulse,
+                "peak_normal_force": result.peak_force,
+                "normal_impulse": result.total_impulse,
                 "peak_exponent": ("law", exponents, {"units": "1"}),
             },
             coords={"contact_step": ("contact_step", list(steps), {"units": "s"})},

@@ -74,8 +74,8 @@ def laws_with(setup: cl.Setup, others: Sequence[str]) -> dict[str, cl.ContactLaw
         names = ", ".join(cl.law_names())
         raise ValueError(f"others is {', '.join(sorted(unknown))}; it must be among {names}.")
     solver = {**setup.configuration["solver"], "contact_step": None, "tolerance": None}
-    given = {**setup.configuration, "solver": solver}
-    own = {name: cl.build({**given, "law": section(name)}).law for name in others if name not in PAPER}
+    options = {**setup.configuration, "solver": solver}
+    own = {name: cl.build({**options, "law": section(name)}).law for name in others if name not in PAPER}
     return laws_of(setup) | own
 
 
@@ -126,9 +126,9 @@ def at_point(setup: cl.Setup, names: Sequence[str], others: Sequence[str], key: 
     """Compute every law at one point."""
     there = changed(setup, {key: value})
     laws = laws_with(there, others)
-    found = [measured(there, laws[name]) for name in names]
-    numbers = dict(zip(NUMBERS, np.array([law[:4] for law in found]).T, strict=True))
-    fails = np.array([[metric in law[4] for metric in JUDGED] for law in found], dtype=np.int8)
+    result = [measured(there, laws[name]) for name in names]
+    numbers = dict(zip(NUMBERS, np.array([law[:4] for law in result]).T, strict=True))
+    fails = np.array([[metric in law[4] for metric in JUDGED] for law in result], dtype=np.int8)
     return part_of(
         xarray.Dataset(
             {name: ("law", column, NUMBERS[name]) for name, column in numbers.items()}
@@ -186,7 +186,7 @@ class LawComparison(Experiment):
         )
         spread, error, basis = apart(data)
         for column, key in enumerate(SWEEPS):
-            words, scale = AXES[key]
+            texts, scale = AXES[key]
             here = data.key.values == key
             x = data.value.values[here] * scale
             above, below = panels[:, column]
@@ -196,7 +196,7 @@ class LawComparison(Experiment):
             below.semilogy(x, spread[here], "o-", color="black", label="range of the laws")
             below.semilogy(x, basis[here], "^:", color="#a33c00", label="change by the basis")
             below.semilogy(x, error[here], "s--", color="0.5", label="numerical errors")
-            below.set_xlabel(words)
+            below.set_xlabel(texts)
         panels[0, 0].set_ylabel("settled velocity (rad/s)")
         panels[1, 0].set_ylabel("difference (rad/s)")
         handles = [*panels[0, 0].get_lines(), *panels[1, 0].get_lines()]
@@ -226,8 +226,8 @@ class LawComparison(Experiment):
         for law in data.law.values:
             counts = data.fails.sel(law=law).sum("point")
             broken = [f"{m} at {int(n)}" for m, n in zip(data.metric.values, counts, strict=True) if n]
-            said = f"fails {', '.join(broken)}" if broken else "fails no threshold at any"
-            parts.append(f"{law} {said}.")
+            text = f"fails {', '.join(broken)}" if broken else "fails no threshold at any"
+            parts.append(f"{law} {text}.")
         return " ".join(parts), bool(2 * np.count_nonzero(clear) > data.sizes["point"])
 
 

@@ -132,12 +132,12 @@ def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = No
         NoMotorError: there is nothing to measure.
         KeyboardInterrupt: as it comes.
     """
-    held = on_belt(setup, 0.0)
-    if held.torque == 0.0:
+    fixed = on_belt(setup, 0.0)
+    if fixed.torque == 0.0:
         raise NoMotorError("The contact does not turn the rotor.")
-    forward = float(np.sign(held.torque))
+    forward = float(np.sign(fixed.torque))
     damping = setup.motor.rotor.damping
-    pushes = {0.0: abs(held.torque)}
+    pushes = {0.0: abs(fixed.torque)}
 
     def push(speed: float) -> float:
         """Mean torque in the direction of motion [N m]."""
@@ -154,7 +154,7 @@ def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = No
             raise NoMotorError(f"The contact still pushes the rotor at {fast:.3g} rad/s.")
         fast *= 2.0
     root = brentq(push, 0.0, fast, xtol=CLOSE * fast, rtol=CLOSE)
-    return Performance(float(root), abs(held.torque), held.peak_force, len(pushes))
+    return Performance(float(root), abs(fixed.torque), fixed.peak_force, len(pushes))
 
 
 def _estimate(pushes: dict[float, float]) -> float:

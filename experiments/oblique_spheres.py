@@ -53,7 +53,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "elasto_plastic": {"color": COLOURS[4], "linestyle": "--", "label": "elasto_plastic"},
     "lugre": {"color": COLOURS[5], "linestyle": "--", "label": "lugre, dahl"},
     "rate_and_state": {"color": COLOURS[6], "linestyle": ":", "label": "rate_and_state"},
-    "newton": {"color": COLOURS[7], "linestyle": "-", "label": "exact stick, rigid"},
+    "newton": {"color": COLOURS[7], "linestyle": "-", "label": "rigid stick"},
 }
 """Of the curves; those that no print could tell apart share one."""
 
@@ -78,7 +78,7 @@ def misfit_rows(data: xarray.Dataset) -> list[dict[str, object]]:
     for name in data.law.values:
         law = data.sel(law=name)
         each = {
-            words: spheres.rms(law.misfit.values[data.quantity.values == key]) for words, key in NAMES.items()
+            texts: spheres.rms(law.misfit.values[data.quantity.values == key]) for texts, key in NAMES.items()
         }
         rows.append(
             {
@@ -123,10 +123,10 @@ class ObliqueSpheres(Experiment):
             ValueError: the file cannot be read or is no such table.
         """
         rebounds = spheres.read_rebounds(self.path)
-        found = [*candidates(rebounds, ALUMINA_ON_GLASS)]
-        off = [spheres.misfits(rebounds, each.predicted) for each in found]
-        averaged = [each.averaged and spheres.misfits(rebounds, each.averaged)[0] for each in found]
-        curves = [each.predicted(GRID) for each in found]
+        result = [*candidates(rebounds, ALUMINA_ON_GLASS)]
+        off = [spheres.misfits(rebounds, each.predicted) for each in result]
+        averaged = [each.averaged and spheres.misfits(rebounds, each.averaged)[0] for each in result]
+        curves = [each.predicted(GRID) for each in result]
         unit = {"units": "1", "long_name": "misfit in errors of digitisation"}
         floors = {
             f"floor_{name}": spheres.rms(
@@ -144,9 +144,9 @@ class ObliqueSpheres(Experiment):
                 **{name: (("law", "grid"), [c[key] for c in curves]) for name, key in NAMES.items()},
             },
             coords={
-                "law": [each.name for each in found],
-                "kind": ("law", [each.kind for each in found]),
-                "free": ("law", [each.free for each in found]),
+                "law": [each.name for each in result],
+                "kind": ("law", [each.kind for each in result]),
+                "free": ("law", [each.free for each in result]),
                 "quantity": ("point", rebounds.quantity),
                 "incidence": ("point", rebounds.incidence, {"units": "degree"}),
                 "grid": ("grid", GRID, {"units": "degree"}),
@@ -184,8 +184,8 @@ class ObliqueSpheres(Experiment):
         with context(STYLE):
             figure = Figure(figsize=(7.2, 6.4), layout="constrained")
             panels = figure.subplots(2, 2).ravel()
-            words = ("tangential restitution", "rebound angle (degrees)", "spin (rad/s)")
-            for ax, (name, key), label in zip(panels, NAMES.items(), words, strict=False):
+            texts = ("tangential restitution", "rebound angle (degrees)", "spin (rad/s)")
+            for ax, (name, key), label in zip(panels, NAMES.items(), texts, strict=False):
                 for law, look in LOOKS.items():
                     ax.plot(data.grid, data[name].sel(law=law), **look)
                 here = data.quantity.values == key

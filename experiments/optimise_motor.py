@@ -89,7 +89,7 @@ FEW = 10
 FORCE = ("peak normal force", "peak impulse over contact step")
 
 
-def ranges_of(setup: cl.Setup, held: Sequence[str] = ()) -> dict[str, tuple[float, float]]:
+def ranges_of(setup: cl.Setup, blocked: Sequence[str] = ()) -> dict[str, tuple[float, float]]:
     """Return least and largest value of every variable that is not held.
 
     phase               of the first tone [rad]. Half a period of the second tone later, pi/ratio in the
@@ -113,9 +113,11 @@ def ranges_of(setup: cl.Setup, held: Sequence[str] = ()) -> dict[str, tuple[floa
         "patch_share": (0.0, 1.0),
         "clearance": CLEARANCE,
     }
-    kept = {name for key in held for name in KEYS[key]}
+    kept = {name for key in blocked for name in KEYS[key]}
     if kept == set(every):
-        raise ValueError(f"held is {', '.join(held)}; at least one of {', '.join(KEYS)} must be searched.")
+        raise ValueError(
+            f"fixed is {', '.join(blocked)}; at least one of {', '.join(KEYS)} must be searched."
+        )
     return {name: bounds for name, bounds in every.items() if name not in kept}
 
 
@@ -189,14 +191,14 @@ def attempt(study: optuna.Study, trial: Trial, setup: cl.Setup) -> None:
                 raise optuna.TrialPruned(f"Slower than most after {runs} runs.")
 
     try:
-        found = performance(designed(setup, trial.params), watch)
+        result = performance(designed(setup, trial.params), watch)
     except (NoMotorError, optuna.TrialPruned) as reason:
         trial.set_user_attr("measured", {"reason": str(reason), "runs": runs})
         study.tell(trial, state=TrialState.PRUNED)
         return
-    trial.set_user_attr("measured", vars(found))
+    trial.set_user_attr("measured", vars(result))
     names = OBJECTIVES["velocity" if single else "all"]
-    study.tell(trial, [getattr(found, name) for name in names])
+    study.tell(trial, [getattr(result, name) for name in names])
 
 
 def _velocity(setup: cl.Setup) -> float:
@@ -225,40 +227,40 @@ def among_the_best(goals: np.ndarray, objective: str) -> np.ndarray:
     return best
 
 
-def _gains(configured: xarray.Dataset, found: xarray.Dataset) -> str:
-    fastest = found.isel(motor=int(found.velocity.argmax("motor")))
-    words = (
+def _gains(configured: xarray.Dataset, result: xarray.Dataset) -> str:
+    fastest = result.isel(motor=int(result.velocity.argmax("motor")))
+    texts = (
         f"The fastest motor makes {float(fastest.velocity):.2f} rad/s, "
         f"{float(fastest.velocity / configured.velocity):.2f} times the configured one, with patches from "
         f"{1e3 * float(fastest.patch_start):.2f} to {1e3 * float(fastest.patch_end):.2f} mm, at "
         f"{float(fastest.relative_frequency):.2f} times the first natural frequency and a clearance of "
         f"{1e6 * float(fastest.clearance):.2f} um"
     )
-    if found.sizes["motor"] == 1:
-        return f"{words}."
-    strongest = found.isel(motor=int(found.stall_torque.argmax("motor")))
+    if result.sizes["motor"] == 1:
+        return f"{texts}."
+    strongest = result.isel(motor=int(result.stall_torque.argmax("motor")))
     return (
-        f"{words}; the strongest holds {1e3 * float(strongest.stall_torque):.2f} mN m, "
+        f"{texts}; the strongest holds {1e3 * float(strongest.stall_torque):.2f} mN m, "
         f"{float(strongest.stall_torque / configured.stall_torque):.2f} times, with patches from "
         f"{1e3 * float(strongest.patch_start):.2f} to {1e3 * float(strongest.patch_end):.2f} mm."
     )
 
 
-def _trade(found: xarray.Dataset) -> str:
+def _trade(result: xarray.Dataset) -> str:
     """What goes with what along the front, by rank."""
-    if found.sizes["motor"] < FEW:
+    if result.sizes["motor"] < FEW:
         return ""
     ranks = {
-        pair: float(spearmanr(found[pair[0]], found[pair[1]]).statistic)
+        pair: float(spearmanr(result[pair[0]], result[pair[1]]).statistic)
         for pair in (("velocity", "stall_torque"), ("velocity", "peak_force"), ("stall_torque", "peak_force"))
     }
-    told = [f"{a.replace('_', ' ')} and {b.replace('_', ' ')} {rho:.2f}" for (a, b), rho in ranks.items()]
-    return f"Rank correlations along the front: {', '.join(told)}."
+    text = [f"{a.replace('_', ' ')} and {b.replace('_', ' ')} {rho:.2f}" for (a, b), rho in ranks.items()]
+    return f"Rank correlations along the front: {', '.join(text)}."
 
 
-def _rival(data: xarray.Dataset, found: xarray.Dataset) -> str:
+def _rival(data: xarray.Dataset, result: xarray.Dataset) -> str:
     """Whether the other law would have chosen so."""
-    both = found.where(np.isfinite(found.velocity_under_rival), drop=True)
+    both = result.where(np.isfinite(result.velocity_under_rival), drop=True)
     if both.sizes["motor"] == 0:
         return f"Under {data.rival} none of them turns."
     change = both.velocity_under_rival / both.velocity
@@ -299,21 +301,21 @@ class OptimiseMotor(Experiment):
     trials: Annotated[int, option("motors to try, those of earlier runs included", at_least=1)] = 600
     seed: Annotated[int, option("seed of the search", at_least=0)] = 0
     objective: Annotated[Literal["all", "velocity"], option("all three quantities or one")] = "all"
-    held: Annotated[list[str] | None, option("keys that stay as configured")] = None
+    fixed: Annotated[list[str] | None, option("keys that stay as configured")] = None
     file: Annotated[str | None, option("database of the trials")] = None
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
         """Search, and measure the best once more under another law."""
         refuse_unfit(setup)
-        bounds = ranges_of(setup, self.held or [])
+        bounds = ranges_of(setup, self.fixed or [])
         try:
             configured = performance(setup)
         except NoMotorError as error:
             raise ValueError(f"The configured motor cannot be compared with: {error}") from error
         trials = self.searched(setup, bounds)
         motors = [setup, *(designed(setup, trial.params) for trial in trials)]
-        found = [vars(configured), *(trial.user_attrs["measured"] for trial in trials)]
-        goals = np.array([[float(one.get(name, np.nan)) for name in GOALS] for one in found])
+        result = [vars(configured), *(trial.user_attrs["measured"] for trial in trials)]
+        goals = np.array([[float(item.get(name, np.nan)) for name in GOALS] for item in result])
         best = among_the_best(goals, self.objective)
         rival, law = next(
             (name, law)
@@ -341,8 +343,8 @@ class OptimiseMotor(Experiment):
                     for name, column, unit in zip(GOALS, goals.T, UNITS, strict=True)
                 },
                 "velocity_under_rival": ("motor", under_rival, {"units": "rad s-1"}),
-                "runs": ("motor", [int(one["runs"]) for one in found], {"units": "1"}),
-                "pruned_for": ("motor", [str(one.get("reason", "")) for one in found]),
+                "runs": ("motor", [int(item["runs"]) for item in result], {"units": "1"}),
+                "pruned_for": ("motor", [str(item.get("reason", "")) for item in result]),
                 "best": ("motor", best.astype(np.int8), {"units": "1"}),
             },
             coords={"motor": [CONFIGURED, *range(len(trials))]},
@@ -404,9 +406,9 @@ class OptimiseMotor(Experiment):
     def draw(self, data: xarray.Dataset) -> Figure:
         """What the motors can do, and where their patches lie; the best have an edge."""
         figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.1), layout="constrained")
-        found = data.isel(motor=slice(1, None))
-        trials = found.where(np.isfinite(found.velocity), drop=True).sortby("velocity")
-        for ax, x, y, colour, words in (
+        result = data.isel(motor=slice(1, None))
+        trials = result.where(np.isfinite(result.velocity), drop=True).sortby("velocity")
+        for ax, x, y, colour, texts in (
             (panels[0], 1e3 * data.stall_torque, data.velocity, "peak_force", f"{data.force} (N)"),
             (panels[1], 1e3 * data.patch_start, 1e3 * data.patch_end, "velocity", "velocity (rad/s)"),
         ):
@@ -416,7 +418,7 @@ class OptimiseMotor(Experiment):
                 at = (x.sel(motor=drawn.motor), y.sel(motor=drawn.motor))
                 dots = ax.scatter(*at, size, drawn[colour], edgecolors=edge, label=label, **scale)
             ax.plot(x[0], y[0], "r*", label="configured")
-            figure.colorbar(dots, ax=ax, label=words)
+            figure.colorbar(dots, ax=ax, label=texts)
         panels[0].set(xlabel="stall torque (mN m)", ylabel="velocity without load (rad/s)")
         panels[0].set(xlim=(0.0, None), ylim=(0.0, None))
         panels[0].legend()
@@ -425,36 +427,36 @@ class OptimiseMotor(Experiment):
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
         """How much better than the configured motor, at what price, and whether another law agrees."""
-        configured, found = data.isel(motor=0), data.where(data.best == 1, drop=True)
-        if found.sizes["motor"] == 0:
+        configured, result = data.isel(motor=0), data.where(data.best == 1, drop=True)
+        if result.sizes["motor"] == 0:
             return f"None of {data.sizes['motor'] - 1} trials is a motor.", False
-        parts = [_gains(configured, found)]
-        holds = float(found.velocity.max()) > float(configured.velocity)
+        parts = [_gains(configured, result)]
+        holds = float(result.velocity.max()) > float(configured.velocity)
         if data.objective == "all":
             better = (
-                (found.velocity > configured.velocity)
-                & (found.stall_torque > configured.stall_torque)
-                & (found.peak_force < configured.peak_force)
+                (result.velocity > configured.velocity)
+                & (result.stall_torque > configured.stall_torque)
+                & (result.peak_force < configured.peak_force)
             )
             holds = bool(better.any())
             parts.append(
                 f"Better than the configured motor in all three: {int(better.sum())} of "
-                f"{found.sizes['motor']} on the front."
+                f"{result.sizes['motor']} on the front."
             )
-        parts += [_trade(found), _rival(data, found), _pruned(data)]
+        parts += [_trade(result), _rival(data, result), _pruned(data)]
         return " ".join(part for part in parts if part), holds
 
 
-def held_by(words: Sequence[str]) -> list[str]:
+def fixed_by(texts: Sequence[str]) -> list[str]:
     """Return the keys of `KEYS` that arguments set."""
-    given = dict(word.split("=", 1) for word in words if "=" in word)
-    groups = {key.split(".")[0] if key.startswith("placement.") else key for key in given}
+    options = dict(word.split("=", 1) for word in texts if "=" in word)
+    groups = {key.split(".")[0] if key.startswith("placement.") else key for key in options}
     # Without a number, a frequency is that of the resonance, about which is searched anyhow.
-    return [key for key in KEYS if key in groups and (key != "drive.frequency" or given[key] != "null")]
+    return [key for key in KEYS if key in groups and (key != "drive.frequency" or options[key] != "null")]
 
 
 if __name__ == "__main__":
     folders = [word.removeprefix("output=") for word in sys.argv if word.startswith("output=")]
     database = Path([str(OUTPUTS / OptimiseMotor.name), *folders][-1]) / "study.db"
-    sys.argv[1:1] = [f"file={database}", f"held=[{','.join(held_by(sys.argv[1:]))}]"]
+    sys.argv[1:1] = [f"file={database}", f"fixed=[{','.join(fixed_by(sys.argv[1:]))}]"]
     sys.exit(main(__file__))

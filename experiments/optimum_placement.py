@@ -32,15 +32,15 @@ def _numbers(setup: cl.Setup, start: float, end: float) -> tuple[float, np.ndarr
 
 def _curve(setup: cl.Setup, places: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     """Placements (start, end) of ratio two, every crossing of every row of the map refined."""
-    found = []
+    result = []
     for i, start in enumerate(places):
         for j in np.flatnonzero((ratio[i, :-1] - 2.0) * (ratio[i, 1:] - 2.0) < 0.0):
 
             def miss(end: float, start: float = start) -> float:
                 return _numbers(setup, start, end)[0] - 2.0
 
-            found.append((start, brentq(miss, places[j], places[j + 1], xtol=1e-9)))
-    return np.array(found).reshape(-1, 2)
+            result.append((start, brentq(miss, places[j], places[j + 1], xtol=1e-9)))
+    return np.array(result).reshape(-1, 2)
 
 
 def best(data: xarray.Dataset) -> xarray.Dataset:

@@ -73,13 +73,13 @@ class OrbitsOverClearance(Experiment):
             # In smaller steps, from where it has come to.
             orbit = branch.points[-1].orbit
             late = follow(family(own, "contact.clearance"), orbit, LATE, END, step=STEP)
-            found = replace(branch, points=branch.points + late.points[1:], end=late.end)
-            folds = [p.value for p in found.events if p.mark is Mark.FOLD]
-            data = found.to_xarray()[list(KEPT)]
+            result = replace(branch, points=branch.points + late.points[1:], end=late.end)
+            folds = [p.value for p in result.events if p.mark is Mark.FOLD]
+            data = result.to_xarray()[list(KEPT)]
             data = data.assign_coords(point=np.arange(data.sizes["point"]))
             data["fold"] = folds[0] if folds else np.nan
-            data["last"] = found.points[-1].value
-            data["end"] = found.end
+            data["last"] = result.points[-1].value
+            data["end"] = result.end
             parts.append(data.expand_dims(law=[name]))
         every = xarray.concat(
             parts,
@@ -113,8 +113,10 @@ class OrbitsOverClearance(Experiment):
             colours = ("#0072B2", "#D55E00", "#009E73")
             for ax in (whole, near):
                 for name, colour in zip(data.law.values, colours, strict=False):
-                    one = data.sel(law=name)
-                    draw_curve(ax, one.dropna("point", subset=["value"]), "rotor_velocity", str(name), colour)
+                    item = data.sel(law=name)
+                    draw_curve(
+                        ax, item.dropna("point", subset=["value"]), "rotor_velocity", str(name), colour
+                    )
                 ax.axvline(1e6 * edge, color="0.5", linewidth=0.6, zorder=0)
                 ax.set_xlabel("clearance (µm)")
             whole.set_ylabel("mean rotor velocity (rad/s)")
@@ -133,11 +135,11 @@ class OrbitsOverClearance(Experiment):
         apart = np.abs(data["last"] / edge - 1.0)
         folds = {str(name): float(f) for name, f in zip(data.law.values, data.fold.values, strict=True)}
         folded = {name: value for name, value in folds.items() if np.isfinite(value)}
-        words = ", ".join(f"{1e6 * value:.4f} µm ({name})" for name, value in folded.items())
+        texts = ", ".join(f"{1e6 * value:.4f} µm ({name})" for name, value in folded.items())
         sentence = (
             f"Without contact the tip bridges {1e6 * edge:.4f} µm, and there the last contact grazes under "
             f"every law, within {float(apart.max()):.1e} of it. Under a rigid law the orbits fold beyond, at "
-            f"{words}: between grazing and fold a motion with contact and one without are both stable."
+            f"{texts}: between grazing and fold a motion with contact and one without are both stable."
         )
         rigid = [folds[str(name)] > edge for name in data.law.values if name != "hertz_penalty"]
         return sentence, bool((apart <= AGREE).all() and all(rigid))

@@ -77,7 +77,7 @@ ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
-class Found:
+class Velocity:
     """Velocity [rad/s], its error, and processor time [s]."""
 
     velocity: float
@@ -103,16 +103,16 @@ def under(setup: cl.Setup, law: str) -> cl.Setup:
     return cl.build({**setup.configuration, "solver": solver, "law": compose(LAWS[law])["law"]})
 
 
-def by_shooting(setup: cl.Setup) -> tuple[cl.Steady, Found]:
+def by_shooting(setup: cl.Setup) -> tuple[cl.Steady, Velocity]:
     """The steady state."""
     began = process_time()
-    found = cl.steady(setup).details
+    result = cl.steady(setup).details
     cost = process_time() - began
-    velocity, error = found.velocity
-    return found, Found(velocity, error + ROUND_OFF * abs(velocity), cost)
+    velocity, error = result.velocity
+    return result, Velocity(velocity, error + ROUND_OFF * abs(velocity), cost)
 
 
-def by_belts(setup: cl.Setup, ripple: float) -> Found:
+def by_belts(setup: cl.Setup, ripple: float) -> Velocity:
     """The root of the mean torque next to rest, on the side to which the motor turns."""
     began = process_time()
     errors: list[float] = []
@@ -129,10 +129,10 @@ def by_belts(setup: cl.Setup, ripple: float) -> Found:
     root = brentq(torque, inner, outer, xtol=BELTS, rtol=BELTS) if sense else 0.0
     slope = (torque(1.001 * root) - torque(0.999 * root)) / (0.002 * root) if root else np.inf
     error = ripple + BELTS * (1.0 + abs(root)) + max(errors) / abs(slope)
-    return Found(float(root), float(error), process_time() - began)
+    return Velocity(float(root), float(error), process_time() - began)
 
 
-def by_run(setup: cl.Setup, settles: bool) -> tuple[Found, float]:
+def by_run(setup: cl.Setup, settles: bool) -> tuple[Velocity, float]:
     """The run's last velocity, and the part of the run after which it stays there.
 
     Of a motor without an orbit, the mean over the second half.
@@ -146,12 +146,12 @@ def by_run(setup: cl.Setup, settles: bool) -> tuple[Found, float]:
         raise BrokenOffError(run.message)
     velocity = np.diff(run.series["rotor_angle"]) / np.diff(run.time)
     if not settles:
-        return Found(*mean_with_error(velocity[count // 2 :]), cost), 1.0
+        return Velocity(*mean_with_error(velocity[count // 2 :]), cost), 1.0
     tenth = count // 10
     last = float(velocity[-1])
     error = float(richardson(velocity[[-1 - 2 * tenth, -1 - tenth, -1]], 1.0, 0.0))
     away = np.flatnonzero(np.abs(velocity - last) > SETTLED * abs(last))
-    return Found(last, error + ROUND_OFF * abs(last), cost), float((away.max(initial=0) + 1) / count)
+    return Velocity(last, error + ROUND_OFF * abs(last), cost), float((away.max(initial=0) + 1) / count)
 
 
 def judged(data: xarray.Dataset) -> xarray.Dataset:
@@ -185,12 +185,12 @@ def three_ways(setup: cl.Setup, label: str) -> Part:
         kind, periods = steady.kind, steady.periods
         if steady.kind != "without contact":
             curve = steady.curves().series["rotor_velocity"]
-            found = [shot, by_belts(setup, float(np.abs(curve - shot.velocity).max()))]
+            result = [shot, by_belts(setup, float(np.abs(curve - shot.velocity).max()))]
             ran, part = by_run(setup, steady.orbit is not None)
-            found.append(ran)
+            result.append(ran)
             if steady.orbit is not None:
                 settling, multiplier = steady.orbit.settling_time, abs(steady.orbit.multipliers[0])
-            numbers = {name: np.array([getattr(way, name) for way in found]) for name in UNITS}
+            numbers = {name: np.array([getattr(way, name) for way in result]) for name in UNITS}
     except (BrokenOffError, NotSettledError) as error:
         print(f"{label}: {error}", file=sys.stderr)
     return part_of(

@@ -126,9 +126,9 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
     ],
 )
 def test_the_exit_status_is_that_of_the_finding_or_of_a_refusal(
-    words: list[str], status: int, key: str, tmp_path: Path
+    label: list[str], status: int, key: str, tmp_path: Path
 ) -> None:
-    command = [sys.executable, str(SCRIPTS / "table1_placement.py"), "output=out", *words]
+    command = [sys.executable, str(SCRIPTS / "table1_placement.py"), "output=out", *label]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == status, done.stderr
     if status == 2:

@@ -13,7 +13,7 @@ import optimise_motor
 import optuna
 import pytest
 import xarray
-from optimise_motor import OBJECTIVES, OptimiseMotor, among_the_best, designed, held_by, ranges_of, study_in
+from optimise_motor import OBJECTIVES, OptimiseMotor, among_the_best, designed, fixed_by, ranges_of, study_in
 
 from contactlab.config import Setup
 
@@ -40,13 +40,13 @@ def test_every_variable_in_its_range_is_a_motor() -> None:
         )
 
 
-def test_a_key_that_is_set_is_held() -> None:
-    assert held_by(["placement=placement_1", "drive.frequency=null", "drive.phase=-1"]) == [
+def test_a_key_that_is_set_is_fixed() -> None:
+    assert fixed_by(["placement=placement_1", "drive.frequency=null", "drive.phase=-1"]) == [
         "drive.phase",
         "placement",
     ]
     assert {*ranges_of(setup_of(), ["placement"])} == {"phase", "relative_frequency", "clearance"}
-    with pytest.raises(ValueError, match="held"):
+    with pytest.raises(ValueError, match="fixed"):
         ranges_of(setup_of(), [*optimise_motor.KEYS])
 
 
@@ -66,24 +66,24 @@ def test_trials_of_other_settings_are_refused(tmp_path: Path) -> None:
         pass
 
 
-def arguments(folder: Path, words: Sequence[str]) -> list[str]:
-    return [sys.executable, str(SCRIPT), f"output={folder}", f"trials={TRIALS}", *words]
+def arguments(folder: Path, text: Sequence[str]) -> list[str]:
+    return [sys.executable, str(SCRIPT), f"output={folder}", f"trials={TRIALS}", *text]
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("words", [["objective=all"], ["objective=velocity", "law=lagrange_stick"]])
-def test_killed_and_started_again_it_has_the_same_numbers(tmp_path: Path, words: list[str]) -> None:
-    subprocess.run(arguments(tmp_path / "whole", words), cwd=tmp_path, capture_output=True, check=False)
+def test_killed_and_started_again_it_has_the_same_numbers(tmp_path: Path, text: list[str]) -> None:
+    subprocess.run(arguments(tmp_path / "whole", text), cwd=tmp_path, capture_output=True, check=False)
     cut = tmp_path / "cut"
     for count in (2, 5):
-        with subprocess.Popen(arguments(cut, words), cwd=tmp_path, stderr=subprocess.DEVNULL) as running:
+        with subprocess.Popen(arguments(cut, text), cwd=tmp_path, stderr=subprocess.DEVNULL) as running:
             began = monotonic()
             while (
                 finished(cut / "study.db") < count and running.poll() is None and monotonic() - began < 300.0
             ):
                 sleep(0.05)
             running.send_signal(signal.SIGKILL)
-    subprocess.run(arguments(cut, words), cwd=tmp_path, capture_output=True, check=False)
+    subprocess.run(arguments(cut, text), cwd=tmp_path, capture_output=True, check=False)
     whole, resumed = (
         xarray.load_dataset(folder / f"{OptimiseMotor.name}.nc") for folder in (tmp_path / "whole", cut)
     )

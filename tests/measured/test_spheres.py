@@ -28,7 +28,7 @@ def law(friction: cl.Friction) -> cl.Composed:
 
 
 def answers(chosen: cl.ContactLaw, incidence: np.ndarray) -> dict[str, np.ndarray]:
-    return spheres.law_answers(lambda _: chosen)(incidence)
+    return spheres.law_predictions(lambda _: chosen)(incidence)
 
 
 @pytest.fixture(scope="module")
@@ -113,8 +113,8 @@ def test_the_more_of_the_contact_may_slip_by_itself_the_less_is_left_of_the_misf
     """None of it, all at once on a spring, each place by itself; and no law is below what the data allow."""
     kappa = ALUMINA_ON_GLASS.stiffness_ratio
     models = (
-        spheres.law_answers(lambda _: law(cl.Coulomb(spheres.FRICTION))),
-        spheres.law_answers(lambda _: law(cl.Mindlin(spheres.FRICTION, kappa))),
+        spheres.law_predictions(lambda _: law(cl.Coulomb(spheres.FRICTION))),
+        spheres.law_predictions(lambda _: law(cl.Mindlin(spheres.FRICTION, kappa))),
         spheres.microslip(ALUMINA_ON_GLASS.effective, kappa),
         spheres.floor(rebounds),
     )
