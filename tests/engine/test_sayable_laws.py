@@ -91,8 +91,8 @@ def foundation(depth: float, tilt: float, law: Pad) -> tuple[float, float]:
 def test_a_pad_rocks_over_its_edges_as_its_foundation_does(lift: float) -> None:
     """From rest with an edge in the air, or altogether above the flat."""
     law, angle, duration = Pad(), 2e-3, 1.5e-3
-    made = run(rocker(lift, angle), law, duration, 1e-5)
-    assert np.abs(made.series["energy_residual"]).max() < 1e-8 * 0.5 * law.stiffness * 1e-12
+    made = run(rocker(lift, angle), law, duration, record_interval=1e-5)
+    assert np.abs(made.series["energy_residual"]).max() < 1e-5 * made.series["contact_energy"].max()
 
     def motion(_: float, y: np.ndarray) -> list[float]:
         normal, moment = foundation(y[0] - 0.5 * LENGTH * y[1] ** 2, y[1], law)
@@ -102,8 +102,8 @@ def test_a_pad_rocks_over_its_edges_as_its_foundation_does(lift: float) -> None:
     found = solve_ivp(motion, (0.0, duration), start, rtol=1e-9, atol=1e-13, t_eval=made.time)
     assert_allclose(made.series["tip_slope"], found.y[1], atol=2e-3 * angle)
     touches = made.contact_mode != 0
-    # It is in contact while its middle is above the flat.
-    assert (touches & (made.series["gap"] > 1e-7)).any()
+    # From above it touches with its edge, while its middle is still in the air.
+    assert (touches & (made.series["gap"] > 1e-7)).any() == (lift > 0.0)
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def test_a_film_stops_a_body_before_it_touches() -> None:
     """m v = C/2 (1/g^2 - 1/h^2) at the gap g where it stops."""
     mass, speed, film = 1e-2, 0.1, Film()
     law = cl.Composed(film, friction=cl.Coulomb(0.0))
-    made = run(block(mass, height=2e-5, gap_rate=-speed), law, 5e-3, 1e-5)
+    made = run(block(mass, height=2e-5, gap_rate=-speed), law, 5e-3, record_interval=1e-5)
     expected = (1.0 / film.thickness**2 + 2.0 * mass * speed / film.viscosity) ** -0.5
     assert last(made, "gap") == pytest.approx(expected, rel=1e-5)
     assert made.series["contact_loss"][-1] == pytest.approx(0.5 * mass * speed**2, rel=1e-6)
@@ -240,7 +240,7 @@ def test_friction_that_differs_in_both_directions_sticks_between_its_bounds(
 ) -> None:
     """Over 10 N: it slides from 1.5 N on in one direction, from 3 N in the other."""
     law = cl.Composed(cl.Linear(1e7), friction=Fur(0.15, 2.0))
-    made = run(block(1.0, height=-1e-6, weight=10.0, push=push), law, 0.01, 1e-3)
+    made = run(block(1.0, height=-1e-6, weight=10.0, push=push), law, 0.01, record_interval=1e-3)
     assert last(made, "friction_force") == pytest.approx(force, rel=1e-6)
     assert last(made, "slip_velocity") == pytest.approx((push + force) * 0.01, abs=1e-9)
 
@@ -248,5 +248,5 @@ def test_friction_that_differs_in_both_directions_sticks_between_its_bounds(
 @pytest.mark.parametrize(("velocity", "drag"), [(0.01, -1.5), (-0.01, 3.0)])
 def test_slip_that_ends_over_fur_sticks(velocity: float, drag: float) -> None:
     law = cl.Composed(cl.Linear(1e7), friction=Fur(0.15, 2.0))
-    made = run(block(1.0, height=-1e-6, weight=10.0, velocity=velocity), law, 0.02, 1e-3)
+    made = run(block(1.0, height=-1e-6, weight=10.0, velocity=velocity), law, 0.02, record_interval=1e-3)
     assert 0.02 - first(made, "stick_duration") == pytest.approx(-velocity / drag, rel=1e-6)
