@@ -14,13 +14,13 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.orbits.continuation import follow
-from contactlab.orbits.curve import BranchPoint, MapAt, Mark
-from contactlab.orbits.dataset import attributes_of, flags
-from contactlab.orbits.period_map import PeriodMap
-from contactlab.orbits.search import steady, steady_setup
 from contactlab.parameter import from_cf
 from contactlab.simulation import variable_numbers, with_number
+from contactlab.steady_state.continuation import follow
+from contactlab.steady_state.curve import BranchPoint, MapAt, Mark
+from contactlab.steady_state.dataset import attributes_of, flags
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.search import steady, steady_setup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,8 +11,8 @@ from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.motor import Motor
-from contactlab.orbits.search import Steady, steady, steady_setup
 from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.search import Steady, steady, steady_setup
 
 
 @final

@@ -6,11 +6,11 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from contactlab.orbits.report import with_error
 from contactlab.plot.overview import explain_shades, shade
 from contactlab.plot.recording import recording_of, steps
 from contactlab.plot.style import COLOURS
 from contactlab.results.summary import prefixed_unit
+from contactlab.studies.steady_dataset import with_error
 
 
 def draw(tree: xarray.DataTree) -> Figure:

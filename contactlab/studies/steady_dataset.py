@@ -7,11 +7,11 @@ from typing import Any, Final
 import numpy as np
 import xarray
 
-from contactlab.orbits.convergence import Converged
-from contactlab.orbits.steady_state import CUMULATIVE, Steady
 from contactlab.results.netcdf import TITLE, to_datatree
 from contactlab.results.summary import prefixed
 from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.convergence import Converged
+from contactlab.steady_state.state import CUMULATIVE, Steady
 
 ROUGH: Final = 1e-2
 """Roughness from which on multipliers are told as rough ones."""
