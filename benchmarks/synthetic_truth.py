@@ -9,8 +9,8 @@ binomial error of the count.
 
 Laws: each of ten makes data, and the evidence of all ten is computed from them. "Right" is the true law with
 the largest evidence and a Bayes factor over the second that is significant (above 3 and above three of its
-errors), "wrong" another law so; all else is "inconclusive". A law whose largest likelihood is below the largest
-evidence by `MARGIN` and more is not sampled: its evidence is smaller than its likelihood.
+errors), "wrong" another law so; all else is "inconclusive". A law whose largest likelihood is below the
+largest evidence by `MARGIN` and more is not sampled: its evidence is smaller than its likelihood.
 """
 
 import argparse

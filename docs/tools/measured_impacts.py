@@ -1,6 +1,6 @@
 """All laws against the published impacts of an ellipse, over several seeds: does their order hold?
 
-    python experiments/measured_impacts.py PATH [--output DIR] [--seeds N] [--docs]
+    python docs/tools/measured_impacts.py PATH [--output DIR] [--seeds N] [--docs]
 
 PATH is `ellipse_impacts.mat`; docs/measurements.md says where it is from. Every seed deals the impacts into
 other folds, starts the fits elsewhere and draws other resamples. Leaves a study for each seed and a table;
@@ -28,10 +28,10 @@ from contactlab.results.files import whole_file
 from contactlab.studies import validate_tables as tables
 from contactlab.studies.validate_page import write
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "measurements.md"
-BEGIN = "<!-- Made by experiments/measured_impacts.py: begin. Do not edit. -->"
-END = "<!-- Made by experiments/measured_impacts.py: end. -->"
+BEGIN = "<!-- Made by docs/tools/measured_impacts.py: begin. Do not edit. -->"
+END = "<!-- Made by docs/tools/measured_impacts.py: end. -->"
 FIGURES = ("prediction_error", "paired_differences", "residuals", "impacts")
 PREFIX = "ellipses_"
 
