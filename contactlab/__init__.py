@@ -12,6 +12,7 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 
 from contactlab.comparison import ComparisonError as ComparisonError, compare as compare
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
+from contactlab.estimate import Estimate as Estimate
 from contactlab.impact import impact as impact
 from contactlab.laws import (
     AgeingStick as AgeingStick,
@@ -84,7 +85,6 @@ from contactlab.motor import (
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
-from contactlab.settling.statistics import Estimate as Estimate
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
 from contactlab.steady_state import (
     Attractor as Attractor,

@@ -8,8 +8,9 @@ import pandas
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
+from contactlab.estimate import Estimate
 from contactlab.motor import ModalState
-from contactlab.settling.statistics import Estimate, mean_with_error
+from contactlab.settling.statistics import mean_with_error
 from contactlab.steady_state.period_map import PeriodMap, memory_at_end, period_of
 from contactlab.steady_state.shooting import CLOSED, Orbit
 from contactlab.trajectory import Trajectory

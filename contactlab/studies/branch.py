@@ -10,10 +10,10 @@ import xarray
 
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.quantity import UnitError, to_si
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import Parameter
-from contactlab.settling.statistics import Estimate
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option

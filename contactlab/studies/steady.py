@@ -10,10 +10,10 @@ import pandas
 import xarray
 
 from contactlab.config import Setup
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.parameter import Parameter
-from contactlab.settling.statistics import Estimate
 from contactlab.steady_state.convergence import Converged, converged as find_refined
 from contactlab.steady_state.search import LONGEST, steady_setup
 from contactlab.steady_state.state import Steady as State
