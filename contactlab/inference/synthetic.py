@@ -10,12 +10,12 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
-from contactlab.datasheet.electrodes import currents
 from contactlab.impact import velocities_after
 from contactlab.inference.likelihood import approach_scale
+from contactlab.inference.series_problem import series_of
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.series import CURRENTS, MeasuredSeries
+from contactlab.measured.series import MeasuredSeries
 
 TRUTH: Final = "truth"
 """Attribute that holds the numbers that made the data, by key, as JSON; of impacts a note begins so."""
@@ -41,9 +41,7 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
     run = setup.run()
     if not run.ending.reached_end:
         raise ValueError(f"The truth cannot be run to its end: {run.message}")
-    series = dict(run.series)
-    if any(one.name in names for one in CURRENTS):
-        series |= dict(zip((one.name for one in CURRENTS), currents(run), strict=True))
+    series = series_of(run, names)
     draws = np.random.default_rng(seed)
     values, errors = {}, {}
     for name in names:

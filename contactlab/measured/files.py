@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import xarray
 
 from contactlab.measured import columns
 from contactlab.measured.assembly import assemble
@@ -16,6 +17,7 @@ from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.faults import MeasurementError as MeasurementError
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
 from contactlab.measured.netcdf_files import read_netcdf, write_netcdf
+from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series, text_names
 from contactlab.parameter import from_cf
 from contactlab.results.files import whole_file, whole_netcdf
 
@@ -40,6 +42,26 @@ def read_impacts(path: Path) -> MeasuredImpacts:
         return assemble(table, path.stem)
     except MeasurementError as error:
         raise MeasurementError(f"'{path}': {error}") from error
+
+
+def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries:
+    """Read measured impacts or series, by the names of the file's columns.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it contains neither.
+    """
+    try:
+        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as data:
+            names = {str(name) for name in data.variables}
+    # The file may be text.
+    except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
+            raise
+        names = text_names(path)
+        if any(name.startswith(("before_", "after_")) for name in names):
+            return read_impacts(path)
+    return read_series(path) if names & {"time", *MEASURABLE} else read_impacts(path)
 
 
 def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:

@@ -1,0 +1,313 @@
+"""The study `validate`: contact laws against measured impacts to which they were not fitted."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from itertools import combinations
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Final
+
+import numpy as np
+import pandas
+import xarray
+
+from contactlab.inference.assessment import PLUS_MINUS, assessed, comparisons, laws_in
+from contactlab.inference.candidates import usual_law
+from contactlab.inference.cross_validation import FOLDS, cross_validated, digest_of, predictors_of
+from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
+from contactlab.inference.law_choice import law_predictors
+from contactlab.laws import ContactLaw
+from contactlab.measured.files import read_impacts
+from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.results.provenance import code_digest
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.runner import run
+from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.tables import UNIT, table
+
+SHOWN: Final = 40
+"""Largest number of unexplained impacts in a sentence; the dataset has all of them."""
+
+Laws = Sequence[str | ContactLaw | LawPredictor]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validate(Study):
+    """How well do contact laws predict measured impacts to which they were not fitted?
+
+    Every impact is held out once, equal rows and repeats of one measurement together; a law is fitted to the
+    others and predicts it. Errors and their differences have bootstrap intervals, and stand beside those of
+    the frictionless law, of the best constant impulse and of the best impulse of each impact, which no law
+    can surpass. All numbers of a law without a value are free.
+    """
+
+    name: ClassVar[str] = "validate"
+
+    data: Annotated[str | MeasuredImpacts, option("file of measured impacts")]
+    choice: Annotated[Sequence[str], option("laws, free numbers and values")] = ()
+    laws: Annotated[Laws, option("laws as objects, instead")] = ()
+    folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
+    seeds: Annotated[Sequence[int], option("seeds of folds, searches and resamples")] = (0,)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """See `Study.options`; the impacts are identified by their digest."""
+        every = {name: value for name, value in super().options.items() if name not in ("data", "laws")}
+        return every | {"data": digest_of(self.impacts)}
+
+    @cached_property
+    def impacts(self) -> MeasuredImpacts:
+        """The measured impacts.
+
+        Raises:
+            OSError, MeasurementError: the file cannot be read.
+        """
+        return read_impacts(Path(self.data)) if isinstance(self.data, str) else self.data
+
+    @cached_property
+    def predictors(self) -> list[ImpactPredictor]:
+        """Laws and baselines.
+
+        Raises:
+            ConfigurationError, ValidationError: laws or impacts cannot be used.
+        """
+        chosen = [
+            LawPredictor.of(one) if isinstance(one, ContactLaw) else usual_law(one) if isinstance(one, str) else one
+            for one in self.laws
+        ]
+        return predictors_of(self.impacts, chosen or law_predictors(self.choice), self.folds)
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return one task for each law and seed, the slow ones first."""
+        del setups
+        return [
+            Task(self._key(one, seed), _cross_validated, (one, self.impacts, self.folds, seed))
+            for seed in self.seeds
+            for one in sorted(self.predictors, key=lambda each: not each.integrated)
+        ]
+
+    def _key(self, predictor: ImpactPredictor, seed: int) -> str:
+        depends = (predictor, self.folds, digest_of(self.impacts), code_digest())
+        return f"{seed} {sha256(repr(depends).encode()).hexdigest()[:16]}"
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the assessment, see `contactlab.inference.assessment`; further seeds are groups seed_N."""
+        del setups
+        trees = [
+            assessed(
+                [parts[self._key(one, seed)].to_dataset() for one in self.predictors],
+                self.impacts,
+                self.folds,
+                seed,
+            )
+            for seed in self.seeds
+        ]
+        first, *others = trees
+        groups = {f"seed_{seed}": data for seed, data in zip(self.seeds[1:], others, strict=True)}
+        return xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the mean held-out error of each law, with half its interval."""
+        every = data.to_dataset()
+        halves = 0.5 * np.diff(every["prediction_error_interval"].values, axis=1)[:, 0]
+        return {
+            str(label): Estimate(float(error), float(half))
+            for label, error, half in zip(
+                every["law"].values, every["prediction_error"].values, halves, strict=True
+            )
+        }
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the order of the laws, what limits it, and which impacts no law explains."""
+        every = data.to_dataset()
+        trees = [every, *(child.to_dataset() for child in data.children.values())]
+        return [
+            headline(every),
+            *comparisons(every),
+            *(agreement(trees) if len(trees) > 1 else []),
+            *limits(every),
+            unexplained(every),
+        ]
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return errors and fitted parameters."""
+        every = data.to_dataset()
+        rows = []
+        for label, number in self.numbers(data).items():
+            here = every.sel(law=label)
+            low, high = here["prediction_error_interval"].values
+            group, size = (int(here[name]) or "" for name in ("group", "fitted_on"))
+            kind = str(here["kind"].item())
+            ends = {"low": float(low), "high": float(high)}
+            rows.append(
+                {"law": label, "kind": kind, "held-out error": number.value, **ends, "group": group, "fitted on": size}
+            )
+        caption = (
+            "Mean error ||v+ - v+ predicted|| / ||v-|| in the norm of the kinetic energy, with its 95 % interval. "
+            "Laws of one group are not distinguishable from the first of them. A compliant law is fitted to a "
+            "sample of the other folds."
+        )
+        return {
+            "errors": table(rows, caption=caption),
+            "parameters": table(
+                [*parameters(every)],
+                caption="Fitted parameters: median of the folds, least and greatest",
+            ),
+        }
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return errors, paired differences, residuals, and a map of the impacts."""
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.validate_figures import (
+            draw_differences,
+            draw_errors,
+            draw_impacts,
+            draw_residuals,
+        )
+
+        every = data.to_dataset()
+        return {
+            "prediction_error": draw_errors(every),
+            "paired_differences": draw_differences(every),
+            "residuals": draw_residuals(every),
+            "impacts": draw_impacts(every),
+        }
+
+
+def _cross_validated(predictor: ImpactPredictor, impacts: MeasuredImpacts, folds: int, seed: int) -> Part:
+    return Part(xarray.DataTree(cross_validated(predictor, impacts, folds, seed)))
+
+
+def headline(data: xarray.Dataset) -> str:
+    """Return a sentence on the best law and its distance from the best impulse."""
+    laws = laws_in(data)
+    best, floor = laws.isel(law=0), data.isel(law=-1)
+    first = laws["law"].values[laws["group"].values == 1]
+    low, high = best["prediction_error_interval"].values
+    error = f"{float(best['prediction_error']):.4f} {PLUS_MINUS} {0.5 * (high - low):.4f}"
+    others = f", not distinguishable from {', '.join(map(str, first[1:]))}" if len(first) > 1 else ""
+    return (
+        f"{best['law'].item()} predicts best: {error}{others}. The best impulse of each impact leaves "
+        f"{float(floor['prediction_error']):.4f}."
+    )
+
+
+def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
+    """Return sentences on whether laws have the same order under all seeds."""
+    pairs = [*combinations(map(str, laws_in(seeds[0])["law"].values), 2)]
+    ends = [[one["difference_interval"].sel(law=a, other=b).values for one in seeds] for a, b in pairs]
+    better = np.array([[high < 0.0 for _, high in each] for each in ends]).reshape(len(pairs), -1)
+    worse = np.array([[low > 0.0 for low, _ in each] for each in ends]).reshape(len(pairs), -1)
+    settled = int((better.all(axis=1) | worse.all(axis=1)).sum())
+    opposite = better.any(axis=1) & worse.any(axis=1)
+    odd = [set(one["impact"].values[one["unexplained"].values != 0].tolist()) for one in seeds]
+    return [
+        f"Of {len(pairs)} pairs of laws {settled} are distinct in the same order under all {len(seeds)} seeds, "
+        f"{int((~better & ~worse).all(axis=1).sum())} under none; {int(opposite.sum())} are in opposite orders.",
+        *(f"{a} and {b} predict better than each other under different seeds."
+          for (a, b), contradicts in zip(pairs, opposite, strict=True) if contradicts),
+        f"No law explains {len(set.intersection(*odd))} impacts under any seed, and "
+        f"{len(set.union(*odd))} under at least one.",
+    ]  # fmt: skip
+
+
+def limits(data: xarray.Dataset) -> list[str]:
+    """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
+    found = [copies] if (copies := data.attrs.get("copies")) else []
+    for label in map(str, data["law"].values):
+        here = data.sel(law=label)
+        if names := here["cannot_tell"].item():
+            found.append(f"{label}: {names} not determined.")
+        if names := here["at_end"].item():
+            found.append(f"{label}: {names} on an end of the range; the optimum may lie beyond.")
+        if names := here["unmoved"].item():
+            found.append(f"{label}: {names} have no effect on the impacts and are fixed.")
+        if count := int(here["unanswered"]):
+            found.append(
+                f"{label}: no prediction for {count} of {data.sizes['impact']} impacts; no change is assumed."
+            )
+    return found
+
+
+def unexplained(data: xarray.Dataset) -> str:
+    """Return a sentence on the impacts whose error is above noise under every law."""
+    noise = data.attrs["noise"]
+    if not isfinite(float(data["noise_bound"].max())):
+        return f"Unexplained impacts cannot be identified, as the noise is {noise}."
+    numbers = data["impact"].values[data["unexplained"].values != 0]
+    if not numbers.size:
+        return f"Every impact is explained by some law: its error is below that of noise, {noise}."
+    least = laws_in(data)["error"].min("law").sel(impact=numbers).values
+    worst = numbers[np.argsort(-least, kind="stable")]
+    rest = f" and {numbers.size - SHOWN} more, in the dataset" if numbers.size > SHOWN else ""
+    return (
+        f"No law explains {numbers.size} of {data.sizes['impact']} impacts: under every law their error "
+        f"is above that of noise, {noise}; by number in their file, the worst first: "
+        f"{', '.join(map(str, worst[:SHOWN]))}{rest}."
+    )
+
+
+def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
+    """Yield a row for each fitted parameter: median of the folds, least, greatest and a remark."""
+    for label in data["law"].values:
+        here = data.sel(law=label)
+        at_end, undetermined = (here[name].item().split(", ") for name in ("at_end", "cannot_tell"))
+        for name in map(str, data["parameter"].values):
+            values = here["value"].sel(parameter=name).values
+            if np.isfinite(values).any():
+                remark = "on an end of its range" if name in at_end else ""
+                yield {
+                    "law": str(label),
+                    "parameter": name,
+                    UNIT: str(here["units"].sel(parameter=name).item()),
+                    "median": float(np.median(values)),
+                    "least": float(values.min()),
+                    "greatest": float(values.max()),
+                    "remark": "not determined" if name in undetermined else remark,
+                }
+
+
+def validate(
+    data: str | Path | MeasuredImpacts,
+    laws: str | ContactLaw | Laws = (),
+    *,
+    free: Mapping[str, tuple[float | str, float | str]] | None = None,
+    fixed: Mapping[str, Any] | None = None,
+    folder: str | Path | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Result:
+    """Cross-validate laws by measured impacts: the study `Validate`.
+
+        >>> import contactlab as cl
+        >>> cl.validate("impacts.csv", ["newton", "poisson"], folds=3)  # doctest: +SKIP
+
+    Args:
+        data: impacts, or their file.
+        laws: names or laws; none are all rigid laws and some compliant ones.
+        free: ranges by key, of laws chosen by name.
+        fixed: values by key, parts of a composed law as "law/normal".
+        folder: where finished laws are kept, so that an interrupted study resumes.
+        progress: receives the number of finished pieces and that of all.
+        options: fields of `Validate`.
+
+    Raises:
+        OSError, MeasurementError: the file cannot be read.
+        ConfigurationError, ValidationError: laws or impacts cannot be used.
+    """
+    every = [laws] if isinstance(laws, str | ContactLaw) else [*laws]
+    changes = [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
+    changes += [f"{key}={value}" for key, value in (fixed or {}).items()]
+    objects: Laws = ()
+    if all(isinstance(one, str) for one in every):
+        changes = ([f"law={','.join(map(str, every))}"] if every else []) + changes
+    elif changes:
+        raise ValueError("free and fixed are for laws chosen by name; set the numbers of the laws instead.")
+    else:
+        objects = tuple(every)
+    study = Validate(
+        data=str(data) if isinstance(data, Path) else data, choice=tuple(changes), laws=objects, **options
+    )
+    return run(study, {}, None if folder is None else Path(folder), progress)
