@@ -84,8 +84,6 @@ from contactlab.motor import (
 )
 from contactlab.orbits import (
     Attractor as Attractor,
-    Basins as Basins,
-    Branch as Branch,
     BrokenOffError as BrokenOffError,
     Converged as Converged,
     NoBranchError as NoBranchError,
@@ -93,13 +91,13 @@ from contactlab.orbits import (
     NotSettledError as NotSettledError,
     UnboundedError as UnboundedError,
     attractors as attractors,
-    basins as basins,
-    branch as branch,
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.results.provenance import versions
 from contactlab.settling.statistics import Estimate as Estimate
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
+from contactlab.studies.basins import Basins as Basins, basins as basins
+from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study

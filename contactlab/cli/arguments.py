@@ -12,8 +12,6 @@ from contactlab.suggestion import suggestion
 
 VERBS = {
     "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
-    "basins": "map which of its steady states a motor comes to from where it starts",
-    "branch": "follow the periodic orbits of a motor over one number, stable and unstable",
     "collect": "put the runs of a sweep into one dataset over their parameters",
     "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
     "example": "copy a script, measured impacts or the package of a law to begin from",

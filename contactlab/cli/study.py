@@ -5,6 +5,7 @@ contactlab steady law=newton brake="2 mN m"     is     contactlab study=steady l
 
 import re
 import sys
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING
@@ -43,6 +44,7 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     options = declared_fields(study)
     sweeps = not {"-m", "--multirun"}.isdisjoint(words)
     lines, rest, several = [f"study={verb}"], list(words), list[str]()
+    given: dict[str, list[str]] = defaultdict(list)
     place = FOLDER[sweeps]
     while rest:
         word = rest.pop(0)
@@ -57,7 +59,13 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
             lines.append(f"study.{word}")
         else:
             taken = next((key for key, form in study.words.items() if form.fullmatch(word)), None)
-            lines.append(f"study.{taken}={quoted(word)}" if taken else word)
+            (lines if taken is None else given[taken]).append(word)
+    for name, values in given.items():
+        several_values = list[str] in options[name].kinds
+        if len(values) > 1 and not several_values:
+            raise RefusalError(f"{', '.join(values)} are given; it must be one of them.")
+        text = ",".join(map(quoted, values))
+        lines.append(f"study.{name}=[{text}]" if several_values else f"study.{name}={text}")
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     if sweeps:

@@ -18,6 +18,8 @@ RUN: Final = "simulate"
 
 OWN: Final = {
     RUN: "contactlab.studies.simulate:Simulate",
+    "basins": "contactlab.studies.basins:Basins",
+    "branch": "contactlab.studies.branch:Branch",
     "characterise": "contactlab.studies.characterise:Characterise",
     "steady": "contactlab.studies.steady:Steady",
 }

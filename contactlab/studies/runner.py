@@ -143,6 +143,6 @@ def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
 
     with Client(address, set_as_default=False) as client:
         futures = [client.submit(_done, task, pure=False) for task in tasks]
-        for future in as_completed(futures):
+        for future in as_completed(futures, loop=client.loop):
             yield future.result()
             future.release()

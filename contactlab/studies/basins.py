@@ -1,0 +1,150 @@
+"""The study `basins`: to which of its steady states a motor comes from where it starts."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Final
+
+import numpy as np
+import pandas
+import xarray
+
+from contactlab.arrays import Array
+from contactlab.config import ConfigurationError, Setup
+from contactlab.config.quantity import UnitError, to_si
+from contactlab.laws import ContactLaw
+from contactlab.motor import Motor
+from contactlab.orbits.basins import COORDINATES, basins as mapped, default_axes
+from contactlab.orbits.search import steady_setup
+from contactlab.parameter import from_cf
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.tables import table
+from contactlab.variables import Variable
+
+RANGE: Final = re.compile(rf"(?P<name>{'|'.join(COORDINATES)})=(?P<start>.+?)\.\.(?P<end>.+)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Basins(Study):
+    """To which of its steady states does the motor come from where it starts?
+
+    Two coordinates of the start are varied, by default the rotor velocity and the phase of the drive; others
+    are tip_displacement and tip_velocity, in the first mode: contactlab basins rotor_velocity=-3..3
+    'tip_displacement=0..1 um'. A start is assigned as soon as the motor is in a neighbourhood of an orbit
+    that it does not leave.
+    """
+
+    name: ClassVar[str] = "basins"
+    ignored: ClassVar[tuple[str, ...]] = (
+        *Study.ignored,
+        "solver.duration",
+        "solver.until",
+        "solver.precision",
+    )
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
+    quantities: ClassVar[tuple[Variable, ...]] = (
+        Variable("attractors", (), "1", "n", "number of attractors"),
+        Variable("largest_share", (), "1", "s", "share of the starts in the largest basin"),
+    )
+
+    over: Annotated[list[str] | None, option("two coordinates, NAME=START..END")] = None
+    count: Annotated[int, option("starts along each coordinate", at_least=2, at_most=1000)] = 12
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return the one task of the map: a start may end near an orbit that an earlier one has found.
+
+        Raises:
+            ConfigurationError: the coordinates are not two, or their ranges have other units.
+        """
+        (setup,) = setups.values()
+        return [Task("", _map, (setup, self._axes(setup)))]
+
+    def _axes(self, setup: Setup) -> dict[str, Array]:
+        """Return the values of both coordinates."""
+        if self.over is None:
+            return default_axes(setup, self.count)
+        spans = [RANGE.fullmatch(word) for word in self.over]
+        if len({span["name"] for span in spans if span}) != 2 or len(spans) != 2:
+            raise ConfigurationError(
+                [
+                    f"study.over is {', '.join(self.over)}; it must be ranges NAME=START..END of two of "
+                    f"{', '.join(COORDINATES)}."
+                ]
+            )
+        axes = {}
+        for span in filter(None, spans):
+            unit = from_cf(COORDINATES[span["name"]][0])
+            try:
+                start, end = (to_si(span[side].strip(), unit) for side in ("start", "end"))
+            except UnitError as error:
+                raise ConfigurationError([f"study.over has {span.string}, {error}."]) from error
+            # The end of a period is its start.
+            whole = span["name"] == "drive_phase" and end - start == 1.0
+            axes[span["name"]] = np.linspace(start, end, self.count, endpoint=not whole)
+        return axes
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the number of attractors and the share of the largest basin."""
+        shares = data.to_dataset()["share"].values
+        return {
+            "attractors": Estimate(float(shares.size), 0.0),
+            "largest_share": Estimate(float(shares.max(initial=0.0)), 0.0),
+        }
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return how many starts were assigned."""
+        return [
+            f"{data.to_dataset()['label'].size} starts, {int(data.attrs['unresolved'])} of them not assigned."
+        ]
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return the attractors, a row each."""
+        every = data.to_dataset()
+        rows = [
+            {
+                "share": float(one["share"]),
+                "motion": str(one["kind"].item()),
+                "velocity": Estimate(float(one["velocity"]), float(one["velocity_error"])),
+            }
+            for one in (every.isel(attractor=i) for i in range(every.sizes["attractor"]))
+        ]
+        return {"attractors": table(rows, units={"velocity": "rad s-1"}, caption="Attractors")}
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return the map of the starts."""
+        # Imported here: it brings matplotlib.
+        from contactlab.plot.orbits import draw_basins
+
+        return {self.name: draw_basins(data.to_dataset())}
+
+
+def _map(setup: Setup, axes: Mapping[str, Array] | None, **options: Any) -> Part:
+    details = mapped(setup, axes, **options)
+    return Part(xarray.DataTree(details.to_xarray()), details)
+
+
+def basins(
+    motor: Motor | Setup,
+    axes: Mapping[str, Array] | None = None,
+    *,
+    law: ContactLaw | None = None,
+    **options: Any,
+) -> Result:
+    """Map which of its steady states a motor comes to: the study `Basins`.
+
+    Args:
+        motor: what moves, or a whole setup.
+        axes: values of two coordinates of the start, keys of `contactlab.orbits.basins.COORDINATES`; None
+            takes the default ones.
+        law: what acts between tip and rotor; a setup has its own.
+        options: further ones of `contactlab.orbits.basins.basins`.
+
+    Raises:
+        ValueError: the axes are not two coordinates.
+        NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value.
+    """
+    setup = steady_setup(motor, law)
+    part = _map(setup, axes, **options)
+    return Result(Basins(), {"": setup}, part.data, part.details)

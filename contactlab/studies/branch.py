@@ -1,0 +1,156 @@
+"""The study `branch`: periodic orbits over one number, stable and unstable."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Final
+
+import pandas
+import xarray
+
+from contactlab.config import ConfigurationError, Setup
+from contactlab.config.quantity import UnitError, to_si
+from contactlab.laws import ContactLaw
+from contactlab.motor import Motor
+from contactlab.orbits.branches import branch as followed, unit_of
+from contactlab.orbits.search import steady_setup
+from contactlab.parameter import Parameter
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.tables import table
+from contactlab.variables import Variable
+
+RANGE: Final = re.compile(r"(?P<key>[\w.]+)=(?P<start>.+?)\.\.(?P<end>.+)")
+"""A parameter and its range; no number ends in a point."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch(Study):
+    """Which periodic orbits has the motor over one number, KEY=START..END, stable and unstable?
+
+    The branch begins with the orbit in which the motor settles at START and continues through folds and
+    along unstable orbits. KEY is a configuration key that holds a number, or belt, the velocity at which the
+    rotor is held: contactlab branch 'contact.clearance=1 um..4 um'.
+    """
+
+    name: ClassVar[str] = "branch"
+    ignored: ClassVar[tuple[str, ...]] = (
+        *Study.ignored,
+        "solver.duration",
+        "solver.until",
+        "solver.precision",
+    )
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
+    quantities: ClassVar[tuple[Variable, ...]] = (
+        Variable("orbits", (), "1", "n", "number of orbits computed"),
+        Variable("events", (), "1", "m", "number of folds, bifurcations and grazings"),
+        Variable("last_value", (), "1", "p", "value of the parameter where the branch ends"),
+    )
+
+    over: Annotated[str | None, option("the number and its range, KEY=START..END")] = None
+    belt: Annotated[float | None, Parameter("Omega_b", "rad s-1", "prescribed rotor velocity")] = None
+    step: Annotated[
+        float, Parameter("h", "1", "first step, in parts of the range", above=0.0, at_most=1.0)
+    ] = 0.02
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return the one task of following the branch.
+
+        Raises:
+            ConfigurationError: there is no such number, or its range has other units.
+        """
+        (setup,) = setups.values()
+        span = RANGE.fullmatch(self.over or "")
+        if span is None:
+            words = "study.over must be one range KEY=START..END, as in 'contact.clearance=1 um..4 um'."
+            raise ConfigurationError([words])
+        if span["key"] == "belt" and self.belt is not None:
+            raise ConfigurationError(
+                [f"study.belt is {self.belt:g} and {self.over} varies it. Leave one out."]
+            )
+        unit, ends = unit_of(setup, span["key"]), []
+        for side in ("start", "end"):
+            try:
+                ends.append(to_si(span[side].strip(), unit))
+            except UnitError as error:
+                words = f"The {side} of {span['key']} is '{span[side]}', {error}."
+                raise ConfigurationError([words]) from error
+        return [Task("", _branch, (setup, span["key"], *ends, self.belt, self.step))]
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return how many orbits and events there are, and where the branch ends."""
+        every = data.to_dataset()
+        counts = (every.sizes["point"], int((every["mark"] > 0).sum()), float(every["value"][-1]))
+        return {q.name: Estimate(float(n), 0.0) for q, n in zip(self.quantities, counts, strict=True)}
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the number of orbits, stable ones among them, and why the branch ends."""
+        stable = int(data["stable"].sum())
+        return [f"{data.sizes['point']} orbits, {stable} of them stable. {data.attrs['end']}"]
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return both ends and the events."""
+        every, parameter = data.to_dataset(), data.attrs["parameter"]
+        names = every["mark"].attrs["flag_meanings"].split()
+        last = every.sizes["point"] - 1
+        rows = [
+            {
+                parameter: float(point["value"]),
+                "rotor velocity": float(point["rotor_velocity"]),
+                "largest multiplier": float(point["largest_multiplier"]),
+                "event": names[mark].replace("_", " ") if mark else "end" if i else "start",
+            }
+            for i, point in ((i, every.isel(point=i)) for i in range(last + 1))
+            if (mark := int(point["mark"])) or i in (0, last)
+        ]
+        units = {parameter: every["value"].attrs["units"], "rotor velocity": "rad s-1"}
+        return {"events": table(rows, units=units, caption=f"Ends and events over {parameter}")}
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return velocity or torque and largest multiplier over the number."""
+        # Imported here: it brings matplotlib.
+        from contactlab.plot.orbits import draw_branch
+
+        return {self.name: draw_branch(data.to_dataset())}
+
+
+def _branch(setup: Setup, key: str, start: float, end: float, belt: float | None, step: float) -> Part:
+    details = followed(setup, key, start, end, belt=belt, step=step)
+    return Part(xarray.DataTree(details.to_xarray()), details)
+
+
+def branch(
+    motor: Motor | Setup,
+    parameter: str,
+    start: float,
+    end: float,
+    *,
+    law: ContactLaw | None = None,
+    belt: float | None = None,
+    step: float = 0.02,
+) -> Result:
+    """Follow the periodic orbits of a motor while one number changes: the study `Branch`.
+
+        >>> import contactlab as cl
+        >>> result = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6)
+        >>> result["rotor_velocity"].values[[0, -1]].round(3)
+        array([-2.191, -2.142])
+
+    Args:
+        motor: what moves, or a whole setup.
+        parameter: a key that holds a number, 'contact.clearance', or 'belt', the velocity at which the
+            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and law.
+        start, end: of the range, in SI.
+        law: what acts between tip and rotor; a setup has its own.
+        belt: velocity at which the rotor is held while another number changes [rad/s]; None is free.
+        step: first step, in parts of the range and of the state; the longest is twice that.
+
+    Raises:
+        ConfigurationError: there is no such key, or it does not take one of the values.
+        NoBranchError: the motor settles in no periodic orbit at the start, or there is no range.
+        NoPeriodError, BrokenOffError: as of `contactlab.steady`.
+    """
+    setup = steady_setup(motor, law)
+    study = Branch(over=f"{parameter}={start!r}..{end!r}", belt=belt, step=step)
+    part = _branch(setup, parameter, start, end, belt, step)
+    return Result(study, {"": setup}, part.data, part.details)

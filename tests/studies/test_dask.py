@@ -1,0 +1,72 @@
+"""A study on the workers of a Dask scheduler: real processes, one of them killed on the way."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import contactlab as cl
+from contactlab.studies.runner import run
+
+distributed = pytest.importorskip("distributed")
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """The address of a scheduler and its two workers."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+    file = tmp_path / "scheduler.json"
+    options = ["--no-dashboard", "--scheduler-file", str(file)]
+
+    def begin(name: str, *more: str) -> "subprocess.Popen[bytes]":
+        module = f"distributed.cli.dask_{name}"
+        return subprocess.Popen(
+            [sys.executable, "-m", module, *options, *more],
+            env=environment,
+            cwd=tmp_path,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    every = [begin("scheduler", "--port", "0")]
+    try:
+        deadline = time.monotonic() + 60.0
+        while not file.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        every += [begin("worker", "--nthreads", "1", "--no-nanny") for _ in range(2)]
+        with distributed.Client(scheduler_file=str(file), set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=90)
+            yield client.scheduler.address, every[1:]
+    finally:
+        for process in every:
+            process.kill()
+            process.wait()
+
+
+@pytest.mark.long
+def test_a_worker_that_dies_loses_nothing_and_changes_no_bit(
+    cluster: tuple[str, list["subprocess.Popen[bytes]"]], tmp_path: Path
+) -> None:
+    address, workers = cluster
+    setups = {"": cl.build(["law=newton", "solver.duration=5e-3"])}
+    from support.slow_study import Slow
+
+    here = run(Slow(), setups)
+    counts: list[int] = []
+
+    def kill_one(done: int, total: int) -> None:
+        counts.append(done)
+        if done == 3:
+            workers[0].send_signal(signal.SIGKILL)
+
+    there = run(Slow(scheduler=address), setups, tmp_path / "there", kill_one)
+    assert counts == [*range(13)]
+    assert there.data.identical(here.data)
