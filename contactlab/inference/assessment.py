@@ -69,7 +69,9 @@ def assessed(
     labels = [one.attrs["label"] for one in every]
     errors = np.column_stack([one["error"].values for one in every])
     means = mean_intervals(errors, seed)
-    data = xarray.Dataset(coords={"law": labels, "end": ["low", "high"], "direction": ["normal", "tangential"]})
+    data = xarray.Dataset(
+        coords={"law": labels, "end": ["low", "high"], "direction": ["normal", "tangential"]}
+    )
     data["error"] = ("law", "impact"), errors.T, {"units": "1", "long_name": "held-out prediction error"}
     predicted = np.stack([one["predicted_velocity"].values for one in every])
     data["predicted_velocity"] = ("law", "impact", "direction"), predicted, {"units": "m s-1"}
@@ -245,7 +247,7 @@ def abscissas(data: xarray.Dataset) -> dict[str, Array]:
 
 
 def residuals_of(data: xarray.Dataset, law: str) -> dict[str, Array]:
-    """Return error and residuals (measured less predicted) of a law, shape (impact,), by the label of an axis.
+    """Return error and residuals (measured less predicted), shape (impact,), by the label of an axis.
 
     The residual of the slip velocity is positive along the slip before the impact.
     """

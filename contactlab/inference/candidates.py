@@ -35,7 +35,7 @@ SHARES: Final = (0.1, 0.5, 0.9)
 """Places in its range at which a number is tested."""
 
 POINTS: Final = 8
-"""Latin-hypercube samples of the other numbers while one is tested: under large friction all contacts stick."""
+"""Latin-hypercube samples of the other numbers: under large friction all contacts stick."""
 
 EXACT: Final = 1e-9
 """Relative change of a velocity under a rigid law above round-off."""

@@ -33,8 +33,7 @@ INTEGRATED_STARTS: Final = 8
 """Starts of a fit; those under a law that integrates every impact."""
 
 LOOKS: Final = 2
-"""Candidate points for each start. Where most points lie on a plateau, as where all contacts stick, more starts
-from fewer candidates find more optima."""
+"""Candidate points for each start. Where most lie on a plateau, more starts from fewer find more optima."""
 
 ACCURACY: Final = 1e-5
 ROUGH: Final = 1e-2
@@ -90,7 +89,9 @@ def least_error_fit(problem: ImpactProblem, seed: int) -> Optimum:
     """
     free, step = problem.parameters, problem.step
     if not problem.predictor.integrated:
-        return best_fit(problem.error_residuals, free, STARTS, seed, looks=LOOKS, step=step, accuracy=ACCURACY)
+        return best_fit(
+            problem.error_residuals, free, STARTS, seed, looks=LOOKS, step=step, accuracy=ACCURACY
+        )
     few = problem.part(np.arange(min(SEARCH, len(problem.measured))))
     rough = best_fit(
         few.error_residuals, free, INTEGRATED_STARTS, seed, looks=LOOKS, step=step, accuracy=ROUGH
@@ -104,7 +105,9 @@ def least_error_fit(problem: ImpactProblem, seed: int) -> Optimum:
     return replace(best, hits=rough.hits)
 
 
-def predictors_of(impacts: MeasuredImpacts, laws: Sequence[LawPredictor], folds: int) -> list[ImpactPredictor]:
+def predictors_of(
+    impacts: MeasuredImpacts, laws: Sequence[LawPredictor], folds: int
+) -> list[ImpactPredictor]:
     """Return laws and baselines; numbers that have no effect on the impacts are fixed.
 
     Raises:
@@ -153,7 +156,7 @@ def cross_validated(
         fits.append(least_error_fit(problem.part(others), seed))
         sizes.append(others.size)
         after = problem.part(held_out).velocities_after(fits[-1].values)
-        missing = np.isnan(after).any(axis=1)
+        missing = np.asarray(np.isnan(after).any(axis=1))
         lost += int(missing.sum())
         predicted[held_out] = np.where(missing[:, None], impacts.velocity_before[held_out], after)
     names = [one.name for one in predictor.free]
@@ -211,7 +214,9 @@ def _predictions(impacts: MeasuredImpacts, predicted: Any) -> xarray.Dataset:
     )
 
 
-def _attributes(label: str, kind: str, unanswered: int = 0, unmoved: str = "", held: str = "") -> Mapping[str, Any]:
+def _attributes(
+    label: str, kind: str, unanswered: int = 0, unmoved: str = "", held: str = ""
+) -> Mapping[str, Any]:
     return {"label": label, "kind": kind, "unanswered": unanswered, "unmoved": unmoved, "held": held}
 
 

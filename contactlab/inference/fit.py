@@ -102,10 +102,9 @@ def candidates_of(
     Raises:
         ConfigurationError: with every fault.
     """
-    of_impacts = isinstance(data, MeasuredImpacts)
-    if of_impacts:
+    if isinstance(data, MeasuredImpacts):
         _check_impacts(data, choice, discrepancy)
-    setups = setups_of(choice, {} if of_impacts else data.configuration)
+    setups = setups_of(choice, data.configuration if isinstance(data, MeasuredSeries) else {})
     found, faults = list[Candidate](), list[str]()
     for setup in setups:
         for may_err in {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]:
@@ -118,7 +117,7 @@ def candidates_of(
             configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
             origin = {"data": name, "digest": digest, "configuration": configuration}
             origin["likelihood"] = _likelihood(degrees_of_freedom)
-            if of_impacts and (copies := copies_warning(data)):
+            if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
                 origin["duplicates"] = copies
             label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
             known = truth_in(data, setup.configuration)
@@ -141,11 +140,7 @@ def _problem(
     problem: Problem
     if isinstance(data, MeasuredSeries):
         problem = series_problem(
-            data,
-            setup.configuration,
-            keys,
-            discrepancy=discrepancy,
-            degrees_of_freedom=degrees_of_freedom,
+            data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )
     else:
         if others := [one.name for one in keys if not one.field]:
@@ -250,8 +245,8 @@ def fitted(
         known |= {name: values for name, values in coordinates.items() if name in made.dims}
         tree[group] = xarray.DataTree(made.assign_coords(known))
     tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
-    tree.attrs = _attributes(candidate, best, posterior)
-    tree.attrs |= _coverage(problem, groups["posterior_predictive"])
+    coverage = _coverage(problem, groups["posterior_predictive"])
+    tree.attrs = {**_attributes(candidate, best, posterior), **coverage}
     tree.attrs["findings"] = "\n".join(_findings(candidate, best, posterior, tree))
     tree["posterior"].attrs |= tree.attrs
     return tree
@@ -337,7 +332,9 @@ def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior
     priors = {
         one.name: {"low": one.low, "high": one.high, "logarithmic": one.logarithmic} for one in problem.free
     }
-    optimum = {} if best is None else {one.name: float(x) for one, x in zip(best.free, best.values, strict=True)}
+    optimum = (
+        {} if best is None else {one.name: float(x) for one, x in zip(best.free, best.values, strict=True)}
+    )
     return {
         "title": f"Posterior of {candidate.label}",
         "law": problem.law,
@@ -372,7 +369,7 @@ def _findings(
     )
     about = tree.attrs
     found.append(
-        f"{about['coverage']:.1%} of the data lie within the 90 % intervals of their predictions, noise included."
+        f"{about['coverage']:.1%} of the data lie in the 90 % intervals of their predictions, noise included."
     )
     if about["coverage"] < ENDS[1] - ENDS[0] - ERRORS * about["coverage_error"]:
         found.append(

@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.laws import Composed, ContactLaw
 from contactlab.laws.declaration import Declared
-from contactlab.parameter import DeclaredField, Parameter, declared_fields
+from contactlab.parameter import Parameter, declared_fields
 from contactlab.suggestion import suggestion
 
 WIDE: Final = 100.0
@@ -93,7 +93,9 @@ def free_parameters(
             hint = suggestion(name, known, f"It has {', '.join(known) or 'none'}.")
             raise ValueError(f"{law.name} has no number {name!r} that could be free. {hint}")
     return tuple(
-        _declared_range(name, value, declared) if (span := chosen[name]) is None else _chosen_range(law.name, name, span, declared)
+        _declared_range(name, value, declared)
+        if (span := chosen[name]) is None
+        else _chosen_range(law.name, name, span, declared)
         for name, (value, declared) in known.items()
         if name in chosen
     )
@@ -105,7 +107,9 @@ def with_values(law: _Law, free: Sequence[FreeParameter], values: Sequence[float
     Raises:
         ValueError: the law does not admit them together.
     """
-    return _replaced(law, {one.field or one.name: float(value) for one, value in zip(free, values, strict=True)})
+    return _replaced(
+        law, {one.field or one.name: float(value) for one, value in zip(free, values, strict=True)}
+    )
 
 
 def label_of(law: ContactLaw) -> str:
@@ -175,7 +179,7 @@ def _chosen_range(law: str, name: str, span: tuple[float, float], declared: Para
 
 
 def _replaced(owner: _Law, values: Mapping[str, float]) -> _Law:
-    """Return a law or part with other values; those of a part are changed together, as bounds may couple them."""
+    """Return a law or part with other values; those of a part together, as bounds may couple them."""
     own: Any = owner
     changed: dict[str, Any] = {name: value for name, value in values.items() if "." not in name}
     for part in dict.fromkeys(name.partition(".")[0] for name in values if "." in name):

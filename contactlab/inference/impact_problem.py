@@ -156,7 +156,9 @@ class ConstantImpulse(ImpactPredictor):
         largest = np.abs(best_impulses(impacts)).max(axis=0)
         lowest = 0.0, -float(largest[1])
         free = tuple(
-            FreeParameter(f"{name}_impulse", low, float(high), False, Parameter(symbol, "N s", f"{name} impulse"))
+            FreeParameter(
+                f"{name}_impulse", low, float(high), False, Parameter(symbol, "N s", f"{name} impulse")
+            )
             for name, symbol, low, high in zip(
                 ("normal", "tangential"), ("p_n", "p_t"), lowest, largest, strict=True
             )

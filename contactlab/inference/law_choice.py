@@ -110,9 +110,7 @@ def setups_of(choice: LawChoice, configuration: Mapping[str, Any]) -> list[Setup
     applied = [[*overrides] for _ in lines]
     if len(lines) > 1:
         known = [flat(compose([*law])) for law in lines]
-        applied = [
-            [word for word in overrides if _applies(word, keys)] for keys in known
-        ]
+        applied = [[word for word in overrides if _applies(word, keys)] for keys in known]
         # The first law reports an override that applies to none.
         applied[0] += [word for word in overrides if not any(word in own for own in applied)]
     setups, faults = [], []
@@ -127,7 +125,7 @@ def setups_of(choice: LawChoice, configuration: Mapping[str, Any]) -> list[Setup
     if len(setups) > 1 and (unknown := [key for key in choice.ranges if key not in every]):
         raise ConfigurationError(
             [
-                f"There is no number {key} under any of these laws. {suggestion(key, sorted(every), 'Leave it out.')}"
+                f"No law here has a number {key}. {suggestion(key, sorted(every), 'Leave it out.')}"
                 for key in unknown
             ]
         )
@@ -233,14 +231,7 @@ def law_predictors(words: Sequence[str]) -> list[LawPredictor]:
     Raises:
         ConfigurationError: an override of another form, or an unknown name.
     """
-    for word in words:
-        key, _, value = word.partition("=")
-        if not value or not (key in ("law", FRICTION) or key.startswith((LAW, PART))):
-            hint = suggestion(key, ["law", *(f"{PART}{family}" for family in PARTS)])
-            raise ConfigurationError([f"{word} does not choose a law; it must have the form {FORMS}. {hint}".rstrip()])
-        if key.startswith(PART) and key.removeprefix(PART) not in PARTS:
-            hint = suggestion(key.removeprefix(PART), PARTS)
-            raise ConfigurationError([f"{key} is no part of a law; it must be one of {', '.join(PARTS)}. {hint}".rstrip()])
+    _check_forms(words)
     choice = LawChoice.of(words)
     if choice.parts and Composed.name not in choice.laws:
         choice = replace(choice, laws=(*choice.laws, Composed.name))
@@ -265,6 +256,22 @@ def law_predictors(words: Sequence[str]) -> list[LawPredictor]:
             raise ConfigurationError([f"None of these laws has a number {key}. {hint}"])
         found = changed
     return found
+
+
+def _check_forms(words: Sequence[str]) -> None:
+    """Raise a ConfigurationError if an override does not choose a law or a number of it."""
+    for word in words:
+        key, _, value = word.partition("=")
+        if not value or not (key in ("law", FRICTION) or key.startswith((LAW, PART))):
+            hint = suggestion(key, ["law", *(f"{PART}{family}" for family in PARTS)])
+            raise ConfigurationError(
+                [f"{word} does not choose a law; it must have the form {FORMS}. {hint}".rstrip()]
+            )
+        if key.startswith(PART) and key.removeprefix(PART) not in PARTS:
+            hint = suggestion(key.removeprefix(PART), PARTS)
+            raise ConfigurationError(
+                [f"{key} is no part of a law; it must be one of {', '.join(PARTS)}. {hint}".rstrip()]
+            )
 
 
 def _changed(predictor: LawPredictor, key: str, ends: Sequence[str]) -> LawPredictor:

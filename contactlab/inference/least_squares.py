@@ -1,4 +1,4 @@
-"""Multi-start least squares in the unit cube of the free parameters, and which parameters are undetermined."""
+"""Multi-start least squares in the unit cube of the free parameters."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -157,8 +157,7 @@ def _cost(residuals: Array) -> float:
 
 
 def starting_points(size: int, points: int, seed: int) -> Array:
-    """Return the middle of the unit cube and a Latin hypercube, shape (point, parameter).
-    """
+    """Return the middle of the unit cube and a Latin hypercube, shape (point, parameter)."""
     drawn = qmc.LatinHypercube(size, seed=seed).random(points - 1) if points > 1 else np.empty((0, size))
     return np.vstack([np.full((1, size), 0.5), drawn])
 

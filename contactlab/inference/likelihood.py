@@ -109,8 +109,10 @@ def series_log_densities(
     return terms
 
 
-def ornstein_uhlenbeck(draws: np.random.Generator, time: Array, amplitude: float, correlation: float) -> Array:
-    """Draw an Ornstein-Uhlenbeck process at times [s], shape (time,); arguments as of `series_log_densities`."""
+def ornstein_uhlenbeck(
+    draws: np.random.Generator, time: Array, amplitude: float, correlation: float
+) -> Array:
+    """Draw an Ornstein-Uhlenbeck process at times [s], shape (time,), see `series_log_densities`."""
     path = draws.standard_normal(time.size)
     _ornstein_uhlenbeck(path, time, float(amplitude), float(correlation))
     return path

@@ -131,10 +131,7 @@ class SeriesProblem(Problem):
             return np.full(self.measured.time.size * len(self.measured.values), np.nan)
         errors = self.measured.errors
         return np.concatenate(
-            [
-                (one.values - predicted[one.name]) / errors.get(one.name, _rms(one.values))
-                for one in self.data
-            ]
+            [(one.values - predicted[one.name]) / errors.get(one.name, _rms(one.values)) for one in self.data]
         )
 
     def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:

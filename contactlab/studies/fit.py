@@ -1,18 +1,20 @@
 """The study `fit`: what measurements tell about the numbers of laws and motors, and about laws."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
-from math import inf
+from math import inf, isfinite, nan
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final, Literal
+from typing import Annotated, Any, ClassVar, Final
 from warnings import warn
 
 import pandas
 import xarray
 
+from contactlab.config import ConfigurationError
 from contactlab.inference.evidence import Evidence, ranked, sentences
 from contactlab.inference.fit import STARTS, Candidate, Data, Discrepancy, candidates_of, fitted
 from contactlab.inference.law_choice import LawChoice
@@ -27,8 +29,8 @@ from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
-Noise = float | Literal["free"] | None
-Tails = float | Literal["free"] | None
+FREE: Final = "free"
+"""Value of an option for a number that is free."""
 
 COLUMNS: Final = {"best": "best", "low": "5 %", "high": "95 %", "truth": "truth"}
 
@@ -44,47 +46,59 @@ class Fit(Study):
 
     name: ClassVar[str] = "fit"
 
-    data: Annotated[str | Data, option("file of measured series or impacts")]
-    choice: Annotated[Sequence[str], option("laws, free numbers and values")] = ()
-    noise: Annotated[Noise, option("standard deviation of the noise, over the size of the data")] = None
-    discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong")] = "off"
-    student: Annotated[Tails, option("degrees of freedom of Student-t noise")] = None
-    series: Annotated[Sequence[str], option("series of the data; default: all")] = ()
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
+        "choice": re.compile(r"[^=]+=.*"),
+        "data": re.compile(r"[^=]+"),
+    }
+
+    data: Annotated[str, option("file of measured impacts, or of series of a motor")] = ""
+    choice: Annotated[
+        list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
+    ] = None
+    noise: Annotated[str | None, option("standard deviation over the size of the data, or free")] = None
+    discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
+    student: Annotated[str | None, option("degrees of freedom of Student-t noise, or free")] = None
+    series: Annotated[list[str] | None, option("series of the data; all")] = None
     points: Annotated[int, option("live points", at_least=25)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1)] = STARTS
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
-    checkpoints: Annotated[Path | None, option("folder of checkpoints")] = None
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """See `Study.options`; the measurements are identified by the keys of the tasks."""
-        every = {name: value for name, value in super().options.items() if name not in ("data", "checkpoints")}
-        return every | {"data": self._name[0]}
 
     @cached_property
-    def _name(self) -> tuple[str, str]:
-        """Name and digest of the measurements."""
-        if isinstance(self.data, str):
-            return Path(self.data).name, digest_of_file(Path(self.data))
-        digest = self.data.digest if isinstance(self.data, MeasuredSeries) else ""
-        return type(self.data).__name__, digest
+    def measured(self) -> Data:
+        """The measurements as read; `fit` sets those that are no file.
+
+        Raises:
+            ConfigurationError: the file cannot be read or contains no measurements.
+        """
+        if not self.data:
+            raise ConfigurationError(["study.data is missing; it must be a file of measurements."])
+        try:
+            return read_measurements(Path(self.data))
+        except OSError as error:
+            raise ConfigurationError(
+                [f"'{self.data}' cannot be read ({error.strerror or error})."]
+            ) from error
+        except ValueError as error:
+            raise ConfigurationError([str(error)]) from error
 
     @cached_property
     def measurements(self) -> Data:
         """The measurements with the chosen series and noise.
 
         Raises:
-            OSError: the file cannot be read.
-            ValueError: it contains no measurements, or a series that is chosen is missing.
+            ConfigurationError: an option does not apply to them.
         """
-        found = read_measurements(Path(self.data)) if isinstance(self.data, str) else self.data
+        found, noise = self.measured, number_or_free("study.noise", self.noise, 1.0)
         if self.series:
             if not isinstance(found, MeasuredSeries):
-                raise ValueError("series are chosen and the data are impacts; leave the option out.")
-            found = found.only(self.series)
-        if self.noise is None:
+                raise ConfigurationError(["study.series is set and the data are impacts; leave it out."])
+            try:
+                found = found.only(self.series)
+            except ValueError as error:
+                raise ConfigurationError([str(error)]) from error
+        if noise is None:
             return found
-        return without_errors(found) if self.noise == "free" else with_noise(found, self.noise)
+        return without_errors(found) if noise == FREE else with_noise(found, float(noise))
 
     @cached_property
     def candidates(self) -> list[Candidate]:
@@ -93,15 +107,15 @@ class Fit(Study):
         Raises:
             ConfigurationError: laws or free numbers cannot be used with the measurements.
         """
-        tails = inf if self.student is None else None if self.student == "free" else self.student
-        name, digest = self._name
+        tails = number_or_free("study.student", self.student, inf)
+        digest = self.measured.digest if isinstance(self.measured, MeasuredSeries) else ""
         return candidates_of(
             self.measurements,
-            LawChoice.of(self.choice),
+            LawChoice.of(self.choice or ()),
             discrepancy=self.discrepancy,
-            degrees_of_freedom=tails,
-            name=name,
-            digest=digest,
+            degrees_of_freedom=inf if tails is None else None if tails == FREE else float(tails),
+            name=Path(self.data).name,
+            digest=digest or (digest_of_file(Path(self.data)) if self.data else ""),
         )
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -116,10 +130,9 @@ class Fit(Study):
         workers = None if self.workers == 1 and self.scheduler is None else 1
         tasks = []
         for one in self.candidates:
-            key = f"{one.label} {self._digest(one)}"
-            checkpoint = self.checkpoints and self.checkpoints / f"{key.replace(' ', '_')}.checkpoint"
             settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
-            tasks.append(Task(key, _fitted, (one, settings, checkpoint, workers)))
+            key = f"{one.label} {self._digest(one)}"
+            tasks.append(Task(key, _fitted, (one, settings, workers), resumes=True))
         return tasks
 
     def _digest(self, candidate: Candidate) -> str:
@@ -129,10 +142,9 @@ class Fit(Study):
         except PackageNotFoundError:
             sampler = UNKNOWN
         free = [str(one) for one in candidate.problem.free]
-        parts = [candidate.label, *candidate.origin.items(), *free, sampler, code_digest()]
-        parts += [one.values.tobytes() for one in candidate.problem.data]
-        settings = (self.points, self.seed, self.starts, self.noise, *self.series)
-        return sha256(repr([*parts, *settings]).encode()).hexdigest()[:16]
+        data = [one.values.tobytes() for one in candidate.problem.data]
+        parts = (candidate.label, *candidate.origin.items(), *free, sampler, code_digest(), *data)
+        return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the fits, a group for each law."""
@@ -206,10 +218,10 @@ class Fit(Study):
         }
 
 
-def _fitted(candidate: Candidate, settings: dict[str, int], checkpoint: Path | None, workers: int | None) -> Part:
+def _fitted(
+    candidate: Candidate, settings: dict[str, int], workers: int | None, checkpoint: Path | None = None
+) -> Part:
     """Fit one law."""
-    if checkpoint is not None:
-        checkpoint.parent.mkdir(parents=True, exist_ok=True)
 
     def announce(sentence: str) -> None:
         warn(sentence, stacklevel=1)
@@ -217,11 +229,34 @@ def _fitted(candidate: Candidate, settings: dict[str, int], checkpoint: Path | N
     return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers, announce=announce))
 
 
+def number_or_free(name: str, text: str | float | None, largest: float) -> float | str | None:
+    """Return a positive number, "free" or None.
+
+    Raises:
+        ConfigurationError: it is something else.
+    """
+    if text is None or text == FREE:
+        return text
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if not (0.0 < value <= largest and isfinite(value)):
+        limit = "" if largest == inf else f" and at most {largest:g}"
+        raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
+    return value
+
+
 def evidences(data: xarray.DataTree) -> list[Evidence]:
     """Return the evidence of each law."""
-    names = ("log_evidence", "log_evidence_error", "covers", "coverage")
     return [
-        Evidence(label, *(float(fit.attrs[name]) for name in names[:2]), bool(fit.attrs["covers"]), float(fit.attrs["coverage"]))
+        Evidence(
+            label,
+            float(fit.attrs["log_evidence"]),
+            float(fit.attrs["log_evidence_error"]),
+            bool(fit.attrs["covers"]),
+            float(fit.attrs["coverage"]),
+        )
         for label, fit in data.children.items()
     ]
 
@@ -229,7 +264,8 @@ def evidences(data: xarray.DataTree) -> list[Evidence]:
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:
     """Return the rows of a summary."""
     data = fit["summary"].to_dataset().drop_dims("other")
-    return data.to_dataframe().reset_index().to_dict("records")
+    rows: list[dict[str, Any]] = data.to_dataframe().reset_index().to_dict("records")
+    return rows
 
 
 def _ending(data: xarray.DataTree, label: str) -> str:
@@ -270,7 +306,9 @@ def fit(
     choice = [f"law={','.join(names)}"] if names else []
     choice += [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
     choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
-    study = Fit(data=str(data) if isinstance(data, Path) else data, choice=tuple(choice), **options)
-    if folder is not None:
-        study = replace(study, checkpoints=Path(folder) / "tasks")
+    from_file = isinstance(data, str | Path)
+    study = Fit(data=str(data) if from_file else "", choice=choice, **options)
+    if not from_file:
+        # The cached property that reads the file.
+        study.__dict__["measured"] = data
     return run(study, {}, None if folder is None else Path(folder), progress)

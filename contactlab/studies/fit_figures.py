@@ -99,7 +99,10 @@ def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> 
 
 def draw_predictions(fit: xarray.DataTree) -> Figure:
     """Draw the data and the 90 % band of their predictions."""
-    data, predictive = fit["observed_data"].to_dataset(), fit["posterior_predictive"].to_dataset().isel(chain=0)
+    data, predictive = (
+        fit["observed_data"].to_dataset(),
+        fit["posterior_predictive"].to_dataset().isel(chain=0),
+    )
     return _over_time(data, predictive) if "time" in data.dims else _of_impacts(data, predictive)
 
 

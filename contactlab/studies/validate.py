@@ -1,5 +1,6 @@
 """The study `validate`: contact laws against measured impacts to which they were not fitted."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,12 +14,13 @@ import numpy as np
 import pandas
 import xarray
 
+from contactlab.config import ConfigurationError
 from contactlab.inference.assessment import PLUS_MINUS, assessed, comparisons, laws_in
-from contactlab.inference.candidates import usual_law
 from contactlab.inference.cross_validation import FOLDS, cross_validated, digest_of, predictors_of
 from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
 from contactlab.inference.law_choice import law_predictors
 from contactlab.laws import ContactLaw
+from contactlab.measured.faults import MeasurementError
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
@@ -45,26 +47,41 @@ class Validate(Study):
 
     name: ClassVar[str] = "validate"
 
-    data: Annotated[str | MeasuredImpacts, option("file of measured impacts")]
-    choice: Annotated[Sequence[str], option("laws, free numbers and values")] = ()
-    laws: Annotated[Laws, option("laws as objects, instead")] = ()
-    folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
-    seeds: Annotated[Sequence[int], option("seeds of folds, searches and resamples")] = (0,)
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
+        "choice": re.compile(r"[^=]+=.*"),
+        "data": re.compile(r"[^=]+"),
+    }
 
-    @property
-    def options(self) -> dict[str, Any]:
-        """See `Study.options`; the impacts are identified by their digest."""
-        every = {name: value for name, value in super().options.items() if name not in ("data", "laws")}
-        return every | {"data": digest_of(self.impacts)}
+    data: Annotated[str, option("file of measured impacts")] = ""
+    choice: Annotated[
+        list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
+    ] = None
+    folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
+    seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
+    repeats: Annotated[int, option("number of seeds, from the first on", at_least=1)] = 1
 
     @cached_property
     def impacts(self) -> MeasuredImpacts:
-        """The measured impacts.
+        """The measured impacts; `validate` sets those that are no file.
 
         Raises:
-            OSError, MeasurementError: the file cannot be read.
+            ConfigurationError: the file cannot be read or contains no impacts.
         """
-        return read_impacts(Path(self.data)) if isinstance(self.data, str) else self.data
+        if not self.data:
+            raise ConfigurationError(["study.data is missing; it must be a file of measured impacts."])
+        try:
+            return read_impacts(Path(self.data))
+        except OSError as error:
+            raise ConfigurationError(
+                [f"'{self.data}' cannot be read ({error.strerror or error})."]
+            ) from error
+        except MeasurementError as error:
+            raise ConfigurationError([str(error)]) from error
+
+    @cached_property
+    def laws(self) -> Sequence[LawPredictor]:
+        """The laws that are validated; `validate` sets those that are objects."""
+        return law_predictors(self.choice or ())
 
     @cached_property
     def predictors(self) -> list[ImpactPredictor]:
@@ -73,11 +90,12 @@ class Validate(Study):
         Raises:
             ConfigurationError, ValidationError: laws or impacts cannot be used.
         """
-        chosen = [
-            LawPredictor.of(one) if isinstance(one, ContactLaw) else usual_law(one) if isinstance(one, str) else one
-            for one in self.laws
-        ]
-        return predictors_of(self.impacts, chosen or law_predictors(self.choice), self.folds)
+        return predictors_of(self.impacts, self.laws, self.folds)
+
+    @property
+    def seeds(self) -> range:
+        """The seeds."""
+        return range(self.seed, self.seed + self.repeats)
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return one task for each law and seed, the slow ones first."""
@@ -142,18 +160,24 @@ class Validate(Study):
             kind = str(here["kind"].item())
             ends = {"low": float(low), "high": float(high)}
             rows.append(
-                {"law": label, "kind": kind, "held-out error": number.value, **ends, "group": group, "fitted on": size}
+                {
+                    "law": label,
+                    "kind": kind,
+                    "held-out error": number.value,
+                    **ends,
+                    "group": group,
+                    "fitted on": size,
+                }
             )
         caption = (
-            "Mean error ||v+ - v+ predicted|| / ||v-|| in the norm of the kinetic energy, with its 95 % interval. "
-            "Laws of one group are not distinguishable from the first of them. A compliant law is fitted to a "
+            "Mean error ||v+ - v+ predicted|| / ||v-|| in the norm of the kinetic energy, 95 % interval. "
+            "Laws of a group are not distinguishable from its first. A compliant law is fitted to a "
             "sample of the other folds."
         )
         return {
             "errors": table(rows, caption=caption),
             "parameters": table(
-                [*parameters(every)],
-                caption="Fitted parameters: median of the folds, least and greatest",
+                [*parameters(every)], caption="Fitted parameters: median of the folds, least and greatest"
             ),
         }
 
@@ -201,11 +225,11 @@ def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
     better = np.array([[high < 0.0 for _, high in each] for each in ends]).reshape(len(pairs), -1)
     worse = np.array([[low > 0.0 for low, _ in each] for each in ends]).reshape(len(pairs), -1)
     settled = int((better.all(axis=1) | worse.all(axis=1)).sum())
-    opposite = better.any(axis=1) & worse.any(axis=1)
+    opposite = np.asarray(better.any(axis=1) & worse.any(axis=1))
     odd = [set(one["impact"].values[one["unexplained"].values != 0].tolist()) for one in seeds]
     return [
-        f"Of {len(pairs)} pairs of laws {settled} are distinct in the same order under all {len(seeds)} seeds, "
-        f"{int((~better & ~worse).all(axis=1).sum())} under none; {int(opposite.sum())} are in opposite orders.",
+        f"Of {len(pairs)} pairs of laws {settled} are distinct in one order under all {len(seeds)} seeds, "
+        f"{int((~better & ~worse).all(axis=1).sum())} under none; {int(opposite.sum())} in opposite orders.",
         *(f"{a} and {b} predict better than each other under different seeds."
           for (a, b), contradicts in zip(pairs, opposite, strict=True) if contradicts),
         f"No law explains {len(set.intersection(*odd))} impacts under any seed, and "
@@ -298,16 +322,21 @@ def validate(
         ConfigurationError, ValidationError: laws or impacts cannot be used.
     """
     every = [laws] if isinstance(laws, str | ContactLaw) else [*laws]
-    changes = [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
-    changes += [f"{key}={value}" for key, value in (fixed or {}).items()]
-    objects: Laws = ()
-    if all(isinstance(one, str) for one in every):
-        changes = ([f"law={','.join(map(str, every))}"] if every else []) + changes
-    elif changes:
-        raise ValueError("free and fixed are for laws chosen by name; set the numbers of the laws instead.")
-    else:
-        objects = tuple(every)
-    study = Validate(
-        data=str(data) if isinstance(data, Path) else data, choice=tuple(changes), laws=objects, **options
-    )
+    choice = [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
+    choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
+    if names := [one for one in every if isinstance(one, str)]:
+        choice = [f"law={','.join(names)}", *choice]
+    from_file = isinstance(data, str | Path)
+    study = Validate(data=str(data) if from_file else "", choice=choice, **options)
+    # Cached properties that read the file and make the laws.
+    if not from_file:
+        study.__dict__["impacts"] = data
+    if objects := [one for one in every if not isinstance(one, str)]:
+        if names or choice:
+            raise ValueError(
+                "Laws must be names, or all objects with their own numbers, without free and fixed."
+            )
+        study.__dict__["laws"] = [
+            LawPredictor.of(one) if isinstance(one, ContactLaw) else one for one in objects
+        ]
     return run(study, {}, None if folder is None else Path(folder), progress)

@@ -82,7 +82,9 @@ def draw_differences(data: xarray.Dataset) -> Figure:
     axes.tick_params(length=0.0)
     for side in axes.spines.values():
         side.set_visible(False)
-    axes.set_title("error of the row less that of the column, in thousandths; grey: not distinguishable", loc="right")
+    axes.set_title(
+        "error of the row less that of the column, in thousandths; grey: not distinguishable", loc="right"
+    )
     return figure
 
 
