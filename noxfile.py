@@ -34,4 +34,4 @@ def docs(session: nox.Session) -> None:
 def pictures(session: nox.Session) -> None:
     """Make the pictures of README, the home page and the paper."""
     session.install("-e", ".")
-    session.run("python", "experiments/readme_pictures.py")
+    session.run("python", "docs/tools/readme_pictures.py")

@@ -1,42 +1,33 @@
-"""What somebody who made a slip of the pen, or used another word for the same, may have meant."""
+"""The name that somebody meant who wrote one that is nearly right."""
 
-import re
 from collections.abc import Iterable
-from difflib import SequenceMatcher, get_close_matches
+from difflib import get_close_matches
 from typing import Final
 
-SAME: Final = {
-    "speed": "velocity",
-    "max": "peak",
-    "maximum": "peak",
-    "mu": "friction_coefficient",
-    "time": "duration",
-}
-"""Words that others use, and those that stand for them in names."""
+ALIKE: Final = 0.75
+"""Similarity of names from 0 to 1 from which one is suggested."""
 
-MOST, SHORTEST = 3, 4
-"""Names that are offered because they have a word in common, and letters of such a word."""
+MOST: Final = 3
+"""Names that are suggested at most."""
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Ask for the known names that are near a word or begin with it, or say the sentence `otherwise`."""
-    near = nearest(word, list(known))
-    return f"Did you mean {' or '.join(near)}?" if near else otherwise
+    """Ask for the known names that are nearly a word, by all of it or by its last part.
 
+    >>> suggestion("contact.clearnce", ["contact.clearance", "rotor.inertia"])
+    'Did you mean contact.clearance?'
+    >>> suggestion("clearance", ["contact.clearance", "rotor.inertia"])
+    'Did you mean contact.clearance?'
 
-def nearest(word: str, names: list[str]) -> list[str]:
-    """Give the names that begin with a word, that are near it, or that have some of it in common."""
-    typed = word.lower()
-    begun = [name for name in names if typed and name.lower().startswith(typed)]
-    if near := begun or get_close_matches(typed, names, 1):
-        return near
-    ours = "".join(SAME.get(part, part) for part in re.split(r"([^a-z0-9])", typed))
-    if ours in names:
-        return [ours]
-    words = _words(ours)
-    sharing = [name for name in names if words & _words(name.lower())]
-    return sorted(sharing, key=lambda name: -SequenceMatcher(None, ours, name).ratio())[:MOST]
-
-
-def _words(name: str) -> set[str]:
-    return {part for part in re.split(r"[^a-z0-9]", name) if len(part) >= SHORTEST}
+    Args:
+        word: as it was written.
+        known: the names that there are.
+        otherwise: returned where no name is near.
+    """
+    names, typed = [*known], word.lower()
+    ends = {name: name.rpartition(".")[2] for name in names}
+    near = get_close_matches(typed, names, 1, ALIKE)
+    if not near:
+        alike = get_close_matches(typed.rpartition(".")[2], {*ends.values()}, 1, ALIKE)
+        near = [name for name, end in ends.items() if end in alike]
+    return f"Did you mean {' or '.join(near)}?" if 0 < len(near) <= MOST else otherwise

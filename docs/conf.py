@@ -30,7 +30,7 @@ extensions = [
     "docstrings",
     "whole_site",
 ]
-exclude_patterns = ["gallery/**", "extensions/**", "sg_execution_times.rst"]
+exclude_patterns = ["gallery/**", "extensions/**", "tools/**", "sg_execution_times.rst"]
 # Names of the code stand in single backticks, in docstrings as in Markdown.
 default_role = "code"
 highlight_language = "none"

@@ -1,7 +1,6 @@
 """What stands behind the name of the command: the arguments of a verb, and those that Hydra reads."""
 
 import re
-import shlex
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,61 +20,30 @@ VERBS = {
 }
 """What each verb does. Its work is `main(arguments)` in the module beside this one of its name, - as _."""
 
-INSTEAD = {
-    "compile": "warm-up",
-    "config": "--cfg job",
-    "datasheet": "characterise",
-    "demo": "example",
-    "examples": "example",
-    "gallery": "example",
-    "list": "laws",
-    "ls": "laws",
-    "multirun": "-m",
-    "plot": "animate",
-    "run": "",
-    "show": "animate",
-    "simulate": "",
-    "start": "",
-    "sweep": "-m",
-    "version": "--version",
-}
-"""What others call a verb, and what stands behind `contactlab` for it: a run has no verb."""
-
-_CHOICES = {
-    **dict.fromkeys(("--cfg", "-c"), ("job", "hydra", "all")),
-    **dict.fromkeys(
-        ("--info", "-i"), ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath")
+FLAGS = {
+    *(
+        "--help",
+        "-h",
+        "--hydra-help",
+        "--version",
+        "--cfg",
+        "-c",
+        "--resolve",
+        "--package",
+        "-p",
+        "--run",
+        "-r",
     ),
+    *("--multirun", "-m", "--shell-completion", "-sc", "--config-path", "-cp", "--config-name", "-cn", "--"),
+    *("--config-dir", "-cd", "--experimental-rerun", "--info", "-i"),
 }
-"""What Hydra's flags may be followed by that take a word of some; that of `--info` may be left out."""
+"""Flags of Hydra."""
 
-_VALUED = {
-    *_CHOICES,
-    "--package",
-    "-p",
-    "--config-path",
-    "-cp",
-    "--config-name",
-    "-cn",
-    "--config-dir",
-    "-cd",
-    "--experimental-rerun",
+VALUED = {
+    *("--cfg", "-c", "--info", "-i", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn"),
+    *("--config-dir", "-cd", "--experimental-rerun"),
 }
-"""Hydra's flags that take a value."""
-
-_LONG_FLAGS = {
-    *(flag for flag in _VALUED if flag.startswith("--")),
-    "--help",
-    "--hydra-help",
-    "--version",
-    "--resolve",
-    "--run",
-    "--multirun",
-    "--shell-completion",
-}
-
-FLAGS = {*_LONG_FLAGS, *_VALUED, "-h", "-r", "-m", "-sc", "--"}
-"""All of Hydra's flags."""
+"""Those of them that take a value."""
 
 NO_TEXT = re.compile("[\0\ud800-\udfff]")
 """What the bytes of an argument become that are no UTF-8."""
@@ -107,53 +75,13 @@ class Parser(ArgumentParser):
         Raises:
             SystemExit: something is wrong with them, or only help was asked for.
         """
-        if any(not word.strip() or re.fullmatch("--[a-z-]+=", word) for word in arguments):
-            self.error("an argument is empty, as of a shell variable that is not set")
-        self._check_units(arguments)
-        if "KEY=VALUE" in self.format_usage():
-            self._check_whole(arguments)
         # Argparse takes -1e-3 for an option.
         joined = re.sub(r"(?<![^\0])(--[a-z]+)\0(?=-[\d.])", r"\1=", "\0".join(arguments))
         found, unknown = self.parse_known_intermixed_args(joined.split("\0") if arguments else [])
         if unknown:
-            options = [one for one in unknown if one.startswith("-")]
-            hint = self._meant(options[0], arguments) if options else ""
+            hint = suggestion(unknown[0].partition("=")[0], re.findall(r"--[\w-]+", self.format_usage()))
             self.error(f"{' '.join(unknown)} is not understood", hint)
         return found
-
-    def _check_units(self, arguments: Sequence[str]) -> None:
-        """Refuse the value of an option that a space has split from its unit."""
-        for option, value, unit in zip(arguments, arguments[1:], arguments[2:], strict=False):
-            if not (option.startswith("--") and re.fullmatch(r"-?[\d.]+", value)) or unit.startswith("-"):
-                continue
-            # Imported here: it brings Hydra, which --help does not need.
-            from contactlab.config.quantity import is_unit
-
-            if is_unit(unit) and not Path(unit).exists():
-                meant = f"{option} '{value} {unit}'"
-                self.error(f"{option} {value} {unit} has a space before the unit", f"Did you mean {meant}?")
-
-    def _check_whole(self, arguments: Sequence[str]) -> None:
-        """Refuse an argument that spaces have split, with the one that was meant."""
-        # Imported here: it brings Hydra, which --help does not need.
-        if all("=" in word or word.startswith("-") for word in arguments):
-            return
-        from contactlab.config.slips import joined, spelled
-
-        for group in joined(arguments):
-            if len(group) > 1 and not group[0].startswith("-"):
-                meant = shlex.quote(spelled(group))
-                self.error(
-                    f"{' '.join(group)} is {len(group)} words; an argument must be one",
-                    f"Did you mean {meant}?",
-                )
-
-    def _meant(self, option: str, arguments: Sequence[str]) -> str:
-        """Ask what an unknown option may stand for: an argument of a run, where the verb takes any."""
-        usage = self.format_usage()
-        if "KEY=VALUE" in usage and (meant := _argument_for(option, arguments)):
-            return f"Did you mean {meant}, without dashes?"
-        return suggestion(option.partition("=")[0], re.findall(r"--[\w-]+", usage))
 
     def error(self, message: str, hint: str = "") -> NoReturn:
         """Refuse the arguments in a sentence."""
@@ -178,12 +106,12 @@ def number_in(unit: str, text: str, name: str) -> float:
 
 
 def for_hydra(arguments: Sequence[str]) -> list[str]:
-    """Give the arguments as Hydra reads them: flags last, and quoted what is not of its grammar.
+    """Return the arguments as Hydra reads them: flags last, values that are not of its grammar quoted.
 
     Hydra loses arguments that stand behind a flag.
 
     Raises:
-        RefusalError: with a sentence on what can be no argument.
+        RefusalError: an argument is no text, empty, or a verb that does not stand first.
     """
     # Imported here: it brings Hydra, which no verb's --help needs.
     from contactlab.config.composition import readable
@@ -191,66 +119,18 @@ def for_hydra(arguments: Sequence[str]) -> list[str]:
     overrides: list[str] = []
     flags: list[str] = []
     for argument in arguments:
-        if NO_TEXT.search(argument):
-            raise RefusalError(f"{argument!r} has bytes that are no text; it must be UTF-8. Leave them out.")
-        if (name := argument.partition("=")[0]) not in FLAGS and re.match("-.", name):
-            _refuse_flag(argument, arguments)
-        if not argument.strip():
-            raise RefusalError("An argument is empty, as of a shell variable that is not set. Leave it out.")
-        if argument.startswith("="):
-            raise RefusalError(f"{argument} has no key; it must have the form KEY=VALUE. Name one.")
-        if argument in VERBS and not (flags and flags[-1] in _VALUED):
-            rest = shlex.join(each for each in arguments if each != argument)
-            raise RefusalError(f"{argument} is a verb; it stands first: contactlab {argument} {rest}")
-        is_value = bool(flags) and flags[-1] in _VALUED and "=" not in argument
+        if NO_TEXT.search(argument) or not argument.strip() or argument.startswith("="):
+            raise RefusalError(f"{argument!r} is no argument; it must be KEY=VALUE in UTF-8. Leave it out.")
+        is_value = bool(flags) and flags[-1] in VALUED and "=" not in argument
+        if argument in VERBS and not is_value:
+            raise RefusalError(f"{argument} is a verb; it must stand first.")
         (flags if argument.startswith("-") or is_value else overrides).append(argument)
-    _check_values(flags)
+    for flag in flags:
+        name = flag.partition("=")[0]
+        if name.startswith("-") and name not in FLAGS:
+            known = [each for each in FLAGS if each.startswith("--")]
+            raise RefusalError(f"{flag} is no option. {suggestion(name, known, 'Keys have no dashes.')}")
     return [*(_quoted(readable(override)) for override in overrides), *flags]
-
-
-def _refuse_flag(flag: str, arguments: Sequence[str]) -> NoReturn:
-    """Refuse what begins with a dash and is none of Hydra's flags, with what was meant."""
-    if meant := _argument_for(flag, arguments):
-        words = f"{flag} is no option; arguments of a run have no dashes."
-        raise RefusalError(f"{words} Did you mean {meant}?")
-    name = f"--{flag.lstrip('-').lower()}"
-    # A letter is near many words.
-    known = sorted(each for each in _LONG_FLAGS if len(name) > len("--x") or each.startswith(name))
-    hint = suggestion(name, known, _near(flag, arguments))
-    raise RefusalError(f"unrecognized arguments: {flag}. {hint}")
-
-
-def _check_values(flags: Sequence[str]) -> None:
-    """Refuse flags that take a value and have none, or one that is not for them."""
-    for flag, behind in zip(flags, [*flags[1:], ""], strict=False):
-        name, sign, own = flag.partition("=")
-        value = own if sign else "" if behind.startswith("-") else behind
-        if name not in _VALUED or (not value and _CHOICES.get(name) == _CHOICES["--info"]):
-            continue
-        among = _CHOICES.get(name)
-        if among and value not in among:
-            words = f"{name} is '{value}'" if value else f"{name} has no value"
-            raise RefusalError(f"{words}; it must be one of {', '.join(among)}, as in {name} {among[0]}.")
-        if not value:
-            raise RefusalError(
-                f"{name} has no value; one must follow it. contactlab --hydra-help tells of it."
-            )
-
-
-def _argument_for(option: str, arguments: Sequence[str], *, near: bool = False) -> str:
-    """Give the argument of a run that an option stands for, with the value behind it; empty for none."""
-    # Imported here: it brings Hydra, which --help does not need.
-    from contactlab.config.slips import argument_for
-    from contactlab.metrics import METRICS
-
-    names = {"sweep.metrics": METRICS}
-    behind = "".join(arguments[arguments.index(option) + 1 :][:1]) if option in arguments else ""
-    return argument_for(option, "" if re.match("-|.*=", behind) else behind, near=near, names=names)
-
-
-def _near(option: str, arguments: Sequence[str]) -> str:
-    meant = _argument_for(option, arguments, near=True)
-    return f"Did you mean {meant}?" if meant else "contactlab --help lists what there is."
 
 
 def gives_several(override: str) -> bool:

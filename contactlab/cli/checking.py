@@ -18,7 +18,6 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli.arguments import gives_several, quoted
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.cost import announce_time
 from contactlab.cli.jobs import refusals
 from contactlab.cli.study import refusals_of, setups_of
 from contactlab.cli.terminal import INCOMPLETE, REFUSED, refuse, tell
@@ -68,7 +67,6 @@ class Check(Callback):
         if faults:
             sys.exit(refuse(faults))
         announce([configuration])
-        announce_time([setup])
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
         """Hold the folder of a sweep for all its jobs, which else name it by their own overrides."""

@@ -16,7 +16,7 @@ from contactlab.laws.declaration import SHARED, Declared, family_of, members_of
 from contactlab.laws.memory import ODD, InternalVariable
 from contactlab.laws.registry import PARTS, Origin, class_of, law_names, origins
 from contactlab.parameter import DeclaredField
-from contactlab.suggestion import nearest, suggestion
+from contactlab.suggestion import suggestion
 
 STICK = {True: "exact", False: "not exact: it gives, creeps or chatters"}
 
@@ -76,13 +76,6 @@ def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
     names = [name for entries in sections.values() for name, _ in entries]
     known = dict.fromkeys(each for name in names for each in (name.rpartition("/")[2], name))
     if wanted is not None and wanted not in known:
-        family = wanted.strip("/")
-        if "/" not in family and (near := nearest(family, [*FAMILIES])):
-            parts = [name for name in names if name.startswith(f"{near[0]}/")]
-            raise RefusalError(
-                f"'{wanted}' is neither law nor part; {near[0]} is a group of parts. "
-                f"Choose one of {', '.join(parts)}."
-            )
         hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
         raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
     for heading, entries in sections.items():

@@ -1,14 +1,12 @@
 """The entry point: a verb, or without one a run or a sweep by Hydra."""
 
 import os
-import shlex
 import sys
 from importlib import import_module
 from io import TextIOWrapper
-from pathlib import Path
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import INSTEAD, NO_TEXT, VERBS
+from contactlab.cli.arguments import NO_TEXT, VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.config.studies import RUN, question_of, studies
 from contactlab.suggestion import suggestion
@@ -68,7 +66,9 @@ def _perform(verb: str, *arguments: str) -> int:
             return 0
         verb, arguments = arguments[0], ("--help",)
         sys.argv[1:] = [verb, *arguments]
-    if verb in studies() and verb != RUN:
+    if verb == RUN:
+        sys.argv[1:] = arguments
+    elif verb in studies():
         # Imported here: it brings the engine.
         from contactlab.cli.study import as_overrides, help_on
 
@@ -80,7 +80,7 @@ def _perform(verb: str, *arguments: str) -> int:
         module = verb.replace("-", "_")
         return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
     else:
-        _refuse_what_is_no_verb(verb, *arguments)
+        _refuse_what_is_no_verb(verb)
     # Imported here: it brings Hydra, which other verbs do not need.
     from contactlab.cli import app
 
@@ -99,41 +99,11 @@ def _verbs() -> list[str]:
     ]
 
 
-def _refuse_what_is_no_verb(word: str, *arguments: str) -> None:
-    """Refuse a first word that is neither a verb nor an argument of a run, with what it may stand for."""
-    if not word.strip() or "=" in word or word.startswith(("-", "~")) or NO_TEXT.search(word):
+def _refuse_what_is_no_verb(word: str) -> None:
+    """Refuse a first word that is neither a verb nor an argument of a run."""
+    if not word or "=" in word or word.startswith(("-", "~")) or NO_TEXT.search(word):
         return
-    if word == "map":
-        raise RefusalError(
-            "There is no verb 'map' any more; sweeps run without it: contactlab -m KEY=VALUES ... "
-            "sweep.keep=metrics keeps numbers alone."
-        )
-    # Imported here: it brings Hydra, which no verb's --help needs.
-    from contactlab.config.slips import argument_for, joined, line_for
-
-    said = f"There is no verb '{word}'"
-    if word.lower() in INSTEAD:
-        instead = INSTEAD[word.lower()]
-        rest = line_for(arguments) if instead in ("", "-m") else ""
-        line = " ".join(filter(None, ("contactlab", instead, rest)))
-        if not instead:
-            raise RefusalError(f"{said}; a run has none. Did you mean {line}, without a verb?")
-        raise RefusalError(f"{said}. Did you mean {line}? contactlab --help lists what there is.")
-    if len(joined([word, *arguments])[0]) > 1 or argument_for(word):
-        raise RefusalError(f"{said}. Did you mean contactlab {line_for([word, *arguments])}?")
-    said = f"{said}; it must be one of {', '.join(VERBS)}."
-    if Path(word).exists():
-        line = f"contactlab {_verb_for(Path(word))} {shlex.quote(word)}"
-        raise RefusalError(f"{said} It stands before a run or a folder of runs, as in {line}.")
-    if hint := suggestion(word, VERBS):
-        raise RefusalError(f"{said} {hint}")
-    near = argument_for(word, near=True)
-    hint = f"Did you mean contactlab {near}?" if near else "contactlab --help lists both."
-    raise RefusalError(f"{said} An argument of a run has the form KEY=VALUE or GROUP=OPTION. {hint}")
-
-
-def _verb_for(place: Path) -> str:
-    """Give the verb that takes what is there: a run, a folder of runs, or measured impacts."""
-    if place.is_dir():
-        return "verify" if (place / "run.nc").exists() else "collect"
-    return "validate" if place.suffix == ".csv" else "verify"
+    known = sorted({*VERBS, *studies()})
+    raise RefusalError(
+        f"There is no verb '{word}'; it must be one of {', '.join(known)}. {suggestion(word, known)}".rstrip()
+    )

@@ -24,12 +24,11 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import quoted
 from contactlab.cli.checking import announce, announce_series, misplaced, sets_friction
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.cost import TRIALS, announce_time
 from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.next_step import tell_next
 from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError, build, validate
+from contactlab.config import ConfigurationError, validate
 from contactlab.config.composition import sentences
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
@@ -144,8 +143,6 @@ class Sweeping:
             if not (place / STATE).exists():
                 write_state(place, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
-        some = pending[:: max(len(pending) // TRIALS, 1)][:TRIALS]
-        announce_time([build(job.configuration) for _, job in some], len(pending))
         if pending:
             OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
@@ -171,11 +168,6 @@ class Sweeping:
             with suppress(ConfigurationError):
                 first = plan.setup_at(0).configuration
                 announce_series(plan.cells, len(plan.outputs.series), first)
-        if missing := store.missing_runs():
-            # A run that is refused is told of at its place.
-            with suppress(ConfigurationError):
-                some = [plan.setup_at(n * plan.cells // TRIALS) for n in range(min(TRIALS, plan.cells))]
-                announce_time(some, missing, workers or processors())
         try:
             with terminal.raising():
                 status = self._chunks(store, workers)

@@ -1,7 +1,6 @@
 """Configurations from overrides, by Hydra: files of `conf/`, and behind them what the classes declare."""
 
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -23,7 +22,6 @@ from omegaconf.resolvers import oc
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
 from contactlab.config.options import conf_directory, content, groups, help_on_keys, known_keys
-from contactlab.config.slips import argument_for, joined, spelled
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
@@ -42,43 +40,11 @@ SEVERAL: Final = (
 """What is wrong with an override that is swept."""
 
 
-QUOTE: Final = (
-    "Quote it if the value has a space, 'KEY=1 um', and the value too if it has special characters, "
-    "\"KEY='a (b)'\". A verb stands first."
-)
-"""How an argument is written that cannot be read."""
-
-LISTS: Final = (
-    "Values are listed by linspace(FIRST,LAST,COUNT), geomspace(FIRST,LAST,COUNT) or range(START,STOP,STEP)."
-)
-"""How many values are written in one argument."""
-
 _BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·^][^,='\"]*)(?=,|$)")
 """A number with a unit that has characters beyond those of Hydra's grammar."""
 
 _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 """An override that lists values by a function, which the command quotes as a whole."""
-
-_IN_OUR_WORDS: Final = {
-    r"An item is already at '([^']+)'": (
-        "+{0} would add a key that there is; it must be set, {0}=VALUE. Leave out the +."
-    ),
-    r"(?:argument|parameters) '(.+?)'(?: requires --multirun)?$": SEVERAL,
-    **{
-        rf"Value '(.*)' (?:of type '\w+' could not be converted to|is not a valid) {kind}\b"
-        r"[\s\S]*?full_key: (\S+)": f"{{1}} is '{{0}}'; it must be {words}. Set it so, or leave it out."
-        for kind, words in {"Integer": "a whole number", "Float": "a number", "bool": "true or false"}.items()
-    },
-    r"Cannot find primary config '([^']+)'": (
-        "--config-name is '{0}', and there is no such configuration; it must be the name of a file {0}.yaml "
-        "in a folder that --config-dir names. Leave it out for the usual one."
-    ),
-    r"Could not delete '([^']+)'": (
-        "~{0} would take away what is not there; every group must have a choice. Leave it out, or choose "
-        "another option by GROUP=OPTION."
-    ),
-}
-"""What Hydra says of an override, and what is said instead."""
 
 
 def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
@@ -165,74 +131,39 @@ def _reads_environment(error: BaseException | None) -> str:
 
 
 def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
-    """Say in our words what ended a composition of these overrides, or what is around it."""
+    """Return what ended a composition of these overrides, a sentence for each fault."""
+    text = str(error)
     match error:
         case ConfigurationError():
             return error.faults
         case errors.OverrideParseException():
-            return [_unreadable(str(error.override), lines)]
+            words = (
+                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."
+            )
+            return [f"{words} Quote a value with spaces or special characters: \"KEY='a (b)'\"."]
         case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
-            hint = suggestion(option, error.options, _elsewhere(group, option) or "Choose one of them.")
-            return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}"]
-        case errors.SearchPathException():
-            return [f"{one_line(error)} It must be a folder; create it."]
+            hint = suggestion(option, error.options)
+            return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}".rstrip()]
         case RecursionError():
             return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
-    said = str(error)
-    # What Hydra says of a key that is not there; the schema does not get to see it.
-    if unknown := re.search(r"Could not override '([^']+)'", said):
+    if unknown := re.search(r"Could not override '([^']+)'", text):
         return [unknown_override(unknown[1], lines)]
-    if ours := _reads_environment(error) or _in_our_words(f"{said}\n{error.__cause__ or ''}"):
-        return [ours]
-    if said.startswith("Config group override must be"):
+    if swept := re.search(r"(?:argument|parameters) '(.+?)'(?: requires --multirun)?$", text, re.M):
+        return [SEVERAL.format(swept[1])]
+    if environment := _reads_environment(error):
+        return [environment]
+    if text.startswith("Config group override must be"):
         choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
-        return [
-            f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION. "
-            "contactlab --help lists the options of every group."
-        ]
+        return [f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION."]
     if isinstance(error, errors.HydraException | OmegaConfBaseException | UserWarning):
         return [one_line(error)]
-    return [f"The run could not be started: {one_line(error)}"]
-
-
-def _in_our_words(said: str) -> str:
-    for pattern, words in _IN_OUR_WORDS.items():
-        if found := re.search(pattern, said, re.M):
-            return words.format(*found.groups())
-    return ""
-
-
-def _elsewhere(group: str, option: str) -> str:
-    """Ask for the part of a law that was taken for a law; empty for none."""
-    families = [family for family, options in groups().items() if "/" in family and option.lower() in options]
-    if group != "law" or not families:
-        return ""
-    return f"Did you mean law=composed {families[0]}={option.lower()}?"
-
-
-def _unreadable(override: str, lines: Sequence[str]) -> str:
-    """Say that an argument is none, and what it may stand for, together with the words around it."""
-    if not override.strip():
-        return "An argument is empty, as of a shell variable that is not set. Leave it out."
-    together = next((group for group in joined(lines) if override in group), [override])
-    argument = spelled(together)
-    meant = ""
-    if len(together) > 1 or argument != override:
-        meant = argument_for(argument) or shlex.quote(argument)
-    elif "=" not in override:
-        meant = argument_for(override, near=True)
-    way_out = LISTS if re.search(r"=\s*'?(lin|log|geom|[a-z]+space)\w*\(", override) else QUOTE
-    way_out = f"Did you mean {meant}?" if meant else way_out
-    return f"{override} cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION. {way_out}"
+    return [f"{' '.join(lines)} cannot be composed: {one_line(error)}"]
 
 
 def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
     """Say that there is no such key, or none with what the overrides choose."""
     path = key.replace("/", ".")
-    given = next((line for line in lines if line.lstrip("+").startswith(f"{key}=")), "")
-    if "." not in path and (meant := argument_for(given)):
-        return f"{key} is not a known key. Did you mean {meant}?"
     group = path.rpartition(".")[0].replace(".", "/")
     chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
     hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})

@@ -221,7 +221,13 @@ GROUPS: Final[dict[str, Section]] = {
 """The groups but that of the laws, in the order of a configuration."""
 
 ADDED: Final = frozenset(
-    {"solver.until", "solver.precision", "piezoceramic.loss_tangent", "piezoceramic.free_permittivity"}
+    {
+        "sweep.over",
+        "solver.until",
+        "solver.precision",
+        "piezoceramic.loss_tangent",
+        "piezoceramic.free_permittivity",
+    }
 )
 """Keys that configurations of earlier versions lack, which ran as their defaults say."""
 

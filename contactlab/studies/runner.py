@@ -21,7 +21,6 @@ import xarray
 from contactlab.fingerprint import is_own
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
-from contactlab.studies.report import save
 from contactlab.studies.study import Part, Result, Setups, Study, Task
 from contactlab.sweeps.state import key_of
 
@@ -73,6 +72,9 @@ def finish(result: Result, folder: Path) -> list[str]:
     Raises:
         OSError: the folder cannot be written to.
     """
+    # Imported here: it brings matplotlib.
+    from contactlab.studies.report import save
+
     files = save(result, folder)
     shutil.rmtree(folder / TASKS, ignore_errors=True)
     return files

@@ -13,8 +13,8 @@ from contactlab.laws.base import Part
 
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
-    "Many runs, and what comes of them": ("sweeps", "comparison", "datasheet"),
-    "Steady states": ("orbits",),
+    "Studies, and many runs": ("studies", "sweeps", "comparison", "datasheet"),
+    "Steady states": ("orbits", "settling"),
     "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
@@ -112,7 +112,7 @@ def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
 
 
 def _chapter_of(one: Any) -> str:
-    room = one.__module__.removeprefix("contactlab.")
+    room = getattr(one, "func", one).__module__.removeprefix("contactlab.")
     if inspect.isclass(one) and issubclass(one, Exception):
         return "What is raised"
     if inspect.isclass(one) and issubclass(one, get_args(Part)) and room != "laws.base":

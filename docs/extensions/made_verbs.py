@@ -1,4 +1,4 @@
-"""The help of every verb of the command, as it prints it."""
+"""The help of every verb of the command, as the command prints it."""
 
 import os
 from contextlib import redirect_stdout, suppress
@@ -7,24 +7,28 @@ from io import StringIO
 from unittest.mock import patch
 
 from contactlab.cli.arguments import VERBS
+from contactlab.cli.study import help_on
+from contactlab.config.studies import OWN, RUN, question_of
 
 WIDTH = 92
 
 
 def verbs() -> str:
-    """Give a chapter for every verb."""
-    parts = []
-    for verb, said in VERBS.items():
-        parts += [f"## `contactlab {verb}`\n", f"{said[0].upper()}{said[1:]}.\n"]
-        parts += ["```text", help_of(verb), "```\n"]
-    return "\n".join(parts)
+    """Return a chapter for every study and every other verb."""
+    about = {verb: question_of(verb) for verb in OWN if verb != RUN}
+    about |= {verb: f"{text[0].upper()}{text[1:]}." for verb, text in VERBS.items()}
+    return "\n".join(
+        f"## `contactlab {verb}`\n\n{text}\n\n```text\n{help_of(verb)}\n```\n" for verb, text in about.items()
+    )
 
 
 def help_of(verb: str) -> str:
-    """Give what `contactlab VERB --help` prints."""
+    """Return what `contactlab VERB --help` prints."""
+    if verb in OWN:
+        return help_on(verb)
     printed = StringIO()
     # Colours are for terminals.
-    told = patch.dict(os.environ, {"COLUMNS": str(WIDTH), "NO_COLOR": "1"})
-    with told, redirect_stdout(printed), suppress(SystemExit):
+    terminal = patch.dict(os.environ, {"COLUMNS": str(WIDTH), "NO_COLOR": "1"})
+    with terminal, redirect_stdout(printed), suppress(SystemExit):
         import_module(f"contactlab.cli.{verb.replace('-', '_')}").main(["--help"])
     return printed.getvalue().strip()

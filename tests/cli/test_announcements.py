@@ -11,8 +11,6 @@ from support.synthetic import synthetic_trajectory
 
 from contactlab.cli import terminal
 from contactlab.cli.checking import announce, announce_series
-from contactlab.cli.cost import announce_time, wall_time_of
-from contactlab.config import build
 
 
 def configuration(duration: float, interval: float = 1e-6) -> dict[str, Any]:
@@ -40,36 +38,6 @@ def test_large_datasets_are_announced_with_the_way_out(
     assert words in err
     assert bool(err) is bool(words)
     assert not err or "A larger record.interval" in err
-
-
-def test_time_is_announced_from_the_pace_of_a_trial(capsys: pytest.CaptureFixture[str]) -> None:
-    long = build(["solver.duration=1e5", "record.interval=1"])
-    announce_time([long])
-    assert "The run will take about" in capsys.readouterr().err
-    announce_time([build([])] * 2, runs=100, workers=2)
-    assert capsys.readouterr().err == ""
-    announce_time([build([])], runs=10_000_000, workers=2)
-    assert "The 10000000 runs will take about" in (said := capsys.readouterr().err)
-    assert "on 2 processors" in said
-
-
-@pytest.mark.long
-def test_the_estimate_is_what_the_run_takes() -> None:
-    setup = build(["law=lagrange_stick", "solver.duration=0.3"])
-    wall_time_of(setup)
-    began = time.perf_counter()
-    setup.run(record_interval=0.3)
-    taken = time.perf_counter() - began
-    assert taken / 4.0 < wall_time_of(setup) < 4.0 * taken
-
-
-def test_a_trial_that_crawls_ends_in_time_and_tells() -> None:
-    # A step in contact of 1 ps: 1e8 of them a contact.
-    setup = build(["solver.contact_step=1e-12"])
-    wall_time_of(build([]))
-    began = time.perf_counter()
-    assert wall_time_of(setup) > 60.0
-    assert time.perf_counter() - began < 10.0
 
 
 def test_the_series_of_a_large_sweep_are_announced(capsys: pytest.CaptureFixture[str]) -> None:

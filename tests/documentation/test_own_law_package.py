@@ -30,12 +30,3 @@ def test_every_block_runs_in_order_where_the_package_is_installed(
 def test_its_entry_points_are_those_of_the_package() -> None:
     (shown,) = re.findall(r"^```toml\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     assert shown in (EXAMPLE / "pyproject.toml").read_text(encoding="utf-8")
-
-
-def test_the_command_that_installs_it_is_run_for_every_change() -> None:
-    (install,) = re.findall(
-        r"^<!-- not run: [^>]*`.ci/run` runs it[^>]*-->\n```bash\n(.*)\n```$",
-        PAGE.read_text(encoding="utf-8"),
-        re.MULTILINE,
-    )
-    assert f"venv/bin/{install}\n" in (ROOT / ".ci/run").read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
 """Random motors over every law and part end where the independent integrator of `tests/oracle` ends.
 
-`python experiments/judged_motors.py` does the same for 245 of them; docs/judged_motors.md has its figures.
+`python tests/tools/judged_motors.py` does the same for 245 of them; docs/judged_motors.md has its figures.
 The bounds here are four times and more above the worst figures there.
 """
 

@@ -1,34 +1,23 @@
 """No touch-down of random flights is missed, late or invented, and the judge would see it."""
 
 import csv
-import importlib.util
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+import random_flights
 
 from contactlab.testing import plants, references
 from contactlab.testing.flights import DURATION, KINDS, Flight, random_flight
 from contactlab.testing.references import FAULTS, judge, judged, tally
 from contactlab.trajectory import Ending, Trajectory
 
-SCRIPT = Path(__file__).parents[2] / "experiments" / "random_flights.py"
 FLIGHTS = 600
-
-
-@cache
-def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("random_flights", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @cache
@@ -59,7 +48,7 @@ def test_grazes_are_within_a_nanometre_of_touching() -> None:
 
 @pytest.mark.long
 def test_the_figures_do_not_depend_on_the_number_of_workers() -> None:
-    pd.testing.assert_frame_equal(script().measure(120, 2, 0), rows().head(120))
+    pd.testing.assert_frame_equal(random_flights.measure(120, 2, 0), rows().head(120))
 
 
 def test_the_script_writes_its_table_and_tells_faults_by_its_status(
@@ -72,8 +61,8 @@ def test_the_script_writes_its_table_and_tells_faults_by_its_status(
     for missed in (False, True):
         table = rows().head(100).copy()
         table.loc[7, "missed"] = missed
-        monkeypatch.setattr(script(), "measure", lambda *_, table=table: table)
-        assert script().main(arguments) == missed
+        monkeypatch.setattr(random_flights, "measure", lambda *_, table=table: table)
+        assert random_flights.main(arguments) == missed
         with path.open(newline="") as file:
             written = list(csv.DictReader(file))
         assert {row["kind"] for row in written} == set(KINDS)

@@ -1,6 +1,6 @@
 """Make docs/plausibility.md from the metrics' own words.
 
-    python experiments/metric_page.py [--output DIR]
+    python docs/tools/metric_page.py [--output DIR]
 
 A test makes the text again and compares, so that the page cannot go stale.
 """
@@ -12,13 +12,13 @@ from pathlib import Path
 
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Metric
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = Path(__file__).resolve().parents[1]
 PAGE = "plausibility.md"
 
 OPENING = """\
 # Plausibility
 
-<!-- Made by experiments/metric_page.py from the metrics themselves. Do not edit. -->
+<!-- Made by docs/tools/metric_page.py from the metrics themselves. Do not edit. -->
 
 What `contactlab.metrics` and `contactlab compare` judge a contact law by, from recorded numbers alone.
 A threshold comes with its reason; a metric without one is reported. What a dataset does not have makes the

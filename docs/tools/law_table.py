@@ -1,6 +1,6 @@
 """Make docs/law_table.md: every law and part, its size, contract, and what is published of it beside ours.
 
-    python experiments/law_table.py [--output DIR]
+    python docs/tools/law_table.py [--output DIR]
 
 The contracts run in full, which takes minutes. A test makes sure that no law is without its row.
 """
@@ -24,7 +24,7 @@ from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench
 from contactlab.testing.published import headline, published_of
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PAGE = "law_table.md"
 
 OUTSIDE = ROOT / "tests" / "fourteen_laws"
@@ -33,7 +33,7 @@ OUTSIDE = ROOT / "tests" / "fourteen_laws"
 OPENING = """\
 # Laws, their contracts and what is published of them
 
-<!-- Made by experiments/law_table.py. Do not edit. -->
+<!-- Made by docs/tools/law_table.py. Do not edit. -->
 
 One row a law, or a part in a law that is a Hertz contact with Coulomb friction but for it. *Lines* are those
 of its class, words and blank lines included. *Remembers* counts the internal variables with the default

@@ -1,6 +1,6 @@
 """How long 2000 impacts take under each law, once compiled: the dataset, and the arrays of a fit.
 
-    python experiments/benchmark_impacts.py [impacts] [tolerance]
+    python benchmarks/benchmark_impacts.py [impacts] [tolerance]
 
 The bodies are drawn: D_nn and D_tt between 500 and 5000 / kg, coupled by up to half of what keeps D positive
 definite; approaches of 0.01 to 0.5 m/s, slips of some 0.3 m/s. Each time is the least of some calls. The

@@ -1,6 +1,6 @@
 """The tutorial followed to the letter from nothing but a clone: install, then every block.
 
-    python experiments/follow_tutorial.py [--python PYTHON] [--output DIR]
+    python docs/tools/follow_tutorial.py [--python PYTHON] [--output DIR]
 
 A clone, an environment of its own and an empty folder are made below the output. What each block takes is
 told, in seconds on the clock and of the processor.
@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs" / "extensions"))
 
 from page_desk import Desk, PageError, follow  # noqa: E402
@@ -34,7 +34,7 @@ def main() -> int:
     parser.add_argument(
         "--python", type=Path, default=Path(sys.executable), help="that makes the environment"
     )
-    parser.add_argument("--output", type=Path, default=Path("outputs/experiments/follow_tutorial"))
+    parser.add_argument("--output", type=Path, default=Path("outputs/follow_tutorial"))
     given = parser.parse_args()
     folder = given.output.resolve()
     folder.mkdir(parents=True)

@@ -1,6 +1,6 @@
 """The engine against SciPy's ODE solvers on the same motor, at the same error, in the same run.
 
-    python experiments/benchmark_engine.py [repeats]
+    python benchmarks/benchmark_engine.py [repeats]
 
 Work: the frictionless case A (placement 2, clearance 1 um, K = 1e10 N/m^1.5, 3210 and 6420 Hz, 5 ms).
 Error: the larger of the relative errors of u and th at the end, against DOP853 at rtol 1e-13 with

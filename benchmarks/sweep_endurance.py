@@ -1,6 +1,6 @@
 """A hundred thousand runs in one command, killed on the way: the same bits, and memory that stays flat.
 
-    python experiments/sweep_endurance.py [--runs N] [--kills N] [--workers N]
+    python benchmarks/sweep_endurance.py [--runs N] [--kills N] [--workers N]
 
 The sweep is made twice: once undisturbed, while the resident memory of all its processes is
 watched, and once killed with SIGKILL at random moments and started again. The two files must be the same to

@@ -1,6 +1,6 @@
 """Whether fits find the truth where it is known: coverage of the intervals, and the true law among ten.
 
-    python experiments/synthetic_truth.py [--fits N] [--series N] [--sets N] [--short N] [--output DIR]
+    python benchmarks/synthetic_truth.py [--fits N] [--series N] [--sets N] [--short N] [--output DIR]
 
 Coverage: truths are drawn from the priors, data made with them, and the 90 % intervals of the posteriors
 counted that hold the truth: of impacts under `newton`, with and without a stated error, and of a rotor's
@@ -220,7 +220,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--sets", type=int, default=100, help="of many impacts: %(default)s")
     parser.add_argument("--short", type=int, default=50, help="sets of few impacts: %(default)s")
     parser.add_argument("--workers", type=int, default=2, help="processes: %(default)s")
-    parser.add_argument("--output", type=Path, default=Path("outputs/experiments/synthetic_truth"))
+    parser.add_argument("--output", type=Path, default=Path("outputs/synthetic_truth"))
     given = parser.parse_args(arguments)
     given.output.mkdir(parents=True, exist_ok=True)
     began, parts = perf_counter(), []

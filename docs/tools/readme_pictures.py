@@ -1,6 +1,6 @@
 """The pictures of README, the home page and the paper: the motor in slow motion, and laws compared.
 
-`python experiments/readme_pictures.py` leaves `motor.gif` and `laws.png` in `docs/static`, or in the folder
+`python docs/tools/readme_pictures.py` leaves `motor.gif` and `laws.png` in `docs/static`, or in the folder
 that is given, and prints what pages quote of them.
 """
 
@@ -20,7 +20,7 @@ from contactlab.plot.recording import recording_of
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 
-STATIC: Final = Path(__file__).resolve().parent.parent / "docs" / "static"
+STATIC: Final = Path(__file__).resolve().parents[1] / "static"
 
 SETTLED: Final = 0.4
 """Time after which the motor repeats itself, more than twenty times that in which it settles by e [s]."""

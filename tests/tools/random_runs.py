@@ -1,6 +1,6 @@
 """Random motors through the command's own configuration, judged from their results alone.
 
-    python experiments/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
+    python tests/tools/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
                                       [--page docs/random_runs.md] [--parts FOLDER]
 
 Every configuration is far wider than a workshop's (`random_configuration`). A run that does not end as
@@ -24,7 +24,7 @@ from time import perf_counter
 from typing import Any, Final
 
 import pandas as pd
-from harness import in_chunks
+from chunks import in_chunks
 from random_configuration import COMPOSED, random_configuration
 
 import contactlab as cl
@@ -135,7 +135,7 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             f"{len(outcomes)} random configurations of the command, numbers {outcomes['number'].min()} to "
             f"{outcomes['number'].max()}, far wider than a workshop's, judged from their results alone "
-            "(`experiments/random_runs.py`). A refused configuration was told so in a sentence "
+            "(`tests/tools/random_runs.py`). A refused configuration was told so in a sentence "
             "before it ran; a run that is not complete says why. The second table has the "
             "worst figure of every invariant among the complete runs; what each means and why its bound "
             "is what it is stands in [plausibility.md](plausibility.md). `contactlab verify RUN` holds "
@@ -206,7 +206,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     show(outcomes, options.seed)
     table(outcomes).to_csv(options.csv)
     if options.page:
-        script = "python experiments/random_runs.py"
+        script = "python tests/tools/random_runs.py"
         command = f"{script} --first {options.first} --motors {options.motors} --seed {options.seed}"
         options.page.write_text(page(outcomes, command), encoding="utf-8")
     return int(any(broken(outcome) for outcome in outcomes.to_dict("records")))

@@ -1,6 +1,6 @@
 """Make docs/laws.md from what the laws declare, with a picture of each.
 
-    python experiments/law_page.py [--output DIR]
+    python docs/tools/law_page.py [--output DIR]
 
 A test makes the text again and compares, so that the page cannot go stale.
 """
@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-from harness import STYLE
 from standard_cycle import curves_of, draw
 
 from contactlab.cli.laws import declared_rows, described_parameter
@@ -20,15 +19,16 @@ from contactlab.laws import LAWS, PARTS, ContactLaw, law_class
 from contactlab.laws.base import Part
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import members_of
+from contactlab.plot.style import STYLE
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = Path(__file__).resolve().parents[1]
 PAGE = "laws.md"
 PICTURES = "laws"
 
 OPENING = """\
 # Contact laws
 
-<!-- Made by experiments/law_page.py from the declarations of the laws. Do not edit. -->
+<!-- Made by docs/tools/law_page.py from the declarations of the laws. Do not edit. -->
 
 Every law and every part of a composed law that comes with contactlab. `contactlab laws` prints the same
 on the terminal, with the laws that other packages bring. Friction coefficients are

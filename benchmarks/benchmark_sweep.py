@@ -1,6 +1,6 @@
 """What a run costs alone, in a batch, and as a job of a sweep: the table of docs/howto/sweep.md.
 
-    python experiments/benchmark_sweep.py [--runs N] [--jobs N] [--repeats N]
+    python benchmarks/benchmark_sweep.py [--runs N] [--jobs N] [--repeats N]
 
 Work: runs of 2 ms of the default motor over clearance and phase, each from its own configuration. The bare
 engine simulates motors that are built already and keeps the last record; a batch builds each from its

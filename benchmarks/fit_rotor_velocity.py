@@ -1,6 +1,6 @@
 """Friction and stiffness of a Hertz contact from the rotor's velocity with 1 % noise: how well, and how long.
 
-    python experiments/fit_rotor_velocity.py [--output DIR]
+    python benchmarks/fit_rotor_velocity.py [--output DIR]
 
 The data are made by `contactlab fit --synthetic`, 2 ms of the default motor at 100 kHz. The fit is the
 command as anybody gives it, its start, least squares, nested sampling, pictures and page included; what is
@@ -34,7 +34,7 @@ def timed(*words: str) -> float:
 def main() -> int:
     """Make the data, fit them and tell the time; the exit status is 1 where it took too long."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--output", type=Path, default=Path("outputs/experiments/fit_rotor_velocity"))
+    parser.add_argument("--output", type=Path, default=Path("outputs/fit_rotor_velocity"))
     folder = parser.parse_args().output
     # What is compiled for the first time is compiled here.
     timed("--synthetic", *TRUTH, *RUN, "--noise", "0.01", "--output", str(folder))

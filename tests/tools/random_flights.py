@@ -1,6 +1,6 @@
 """Random free flights through the engine: not one touch-down missed, late or invented.
 
-    python experiments/random_flights.py [--flights N] [--workers N] [--seed N] [--csv FILE]
+    python tests/tools/random_flights.py [--flights N] [--workers N] [--seed N] [--csv FILE]
 
 Every flight is also searched on a dense grid, in closed form (`contactlab.testing.flights`), which knows
 nothing of the bound by which the engine passes over stretches of flight. A touch-down is wrong where it
@@ -18,7 +18,7 @@ from pathlib import Path
 from time import perf_counter
 
 import pandas as pd
-from harness import in_chunks
+from chunks import in_chunks
 
 from contactlab.testing.references import FAULTS, judged, tally
 

@@ -1,6 +1,6 @@
 """From nothing to the first figure, and to green tests: what a new user waits for, step by step.
 
-python experiments/first_hour.py [python=3.11,3.12,3.13] [commit=HEAD] [before=COMMIT]
+python docs/tools/first_hour.py [python=3.11,3.12,3.13] [commit=HEAD] [before=COMMIT]
                                  [tests=true] [output=DIR] [page=docs/install.md]
 
 A commit is cloned into an empty folder and README's two commands are read out of the clone and run, each
@@ -30,20 +30,20 @@ from time import perf_counter
 
 from readme_commands import FIGURE, GREEN, steps_of
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 VERSIONS = ("3.11", "3.12", "3.13")
 GIVEN = {
     "python": ",".join(VERSIONS),
     "commit": "HEAD",
     "before": "",
     "tests": "true",
-    "output": "outputs/experiments/first_hour",
+    "output": "outputs/first_hour",
     "page": "",
 }
 """Keys and their defaults."""
 
-BEGIN = "<!-- Made by experiments/first_hour.py: begin. Do not edit. -->"
-END = "<!-- Made by experiments/first_hour.py: end. -->"
+BEGIN = "<!-- Made by docs/tools/first_hour.py: begin. Do not edit. -->"
+END = "<!-- Made by docs/tools/first_hour.py: end. -->"
 
 DONE, FAILED, REFUSED = 0, 1, 2
 ENVIRONMENT = ".venv"

@@ -1,6 +1,6 @@
 """Random motors over every law and part against an independent integrator.
 
-    python experiments/judged_motors.py [--motors N] [--first N] [--csv FILE] [--page docs/judged_motors.md]
+    python tests/tools/judged_motors.py [--motors N] [--first N] [--csv FILE] [--page docs/judged_motors.md]
 
 The integrator is that of the tests (`tests/oracle`): forces, frictions and impacts written again from their
 publications in plain Python, flights by a matrix exponential, contacts by SciPy's DOP853 with every switch an
@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import pandas as pd
 from support.judged_motors import (
@@ -160,7 +160,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     table = measured(range(options.first, options.first + options.motors), options.csv)
     if options.page:
-        command = f"python experiments/judged_motors.py --first {options.first} --motors {options.motors}"
+        command = f"python tests/tools/judged_motors.py --first {options.first} --motors {options.motors}"
         options.page.write_text(page(table, command), encoding="utf-8")
     return 0
 

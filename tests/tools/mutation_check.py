@@ -1,6 +1,6 @@
 """Break the physics on purpose, one place at a time, and see the tests turn red each time.
 
-    python experiments/mutation_check.py [--only WORD] [--list] [--workers N] [--output DIR]
+    python tests/tools/mutation_check.py [--only WORD] [--list] [--workers N] [--output DIR]
 
 Every error of `mutations.yaml` is put into a copy of the project; the tests that should notice it first
 are run there, and where they stay green the whole suite. The unchanged copy must be green under the same
@@ -24,8 +24,11 @@ import pandas as pd
 import yaml
 from tqdm import tqdm
 
-ROOT = Path(__file__).resolve().parents[1]
-PARTS = ("contactlab", "hydra_plugins", "conf", "tests", "experiments", "docs", "pyproject.toml", "README.md")
+ROOT = Path(__file__).resolve().parents[2]
+PARTS = (
+    *("contactlab", "hydra_plugins", "conf", "tests", "experiments", "benchmarks", "docs"),
+    *("pyproject.toml", "README.md"),
+)
 
 
 @dataclass(frozen=True)
@@ -58,14 +61,14 @@ class Mutation:
         if (count := len(re.findall(pattern, source))) != 1:
             raise ValueError(
                 f"'{self.name}': its text stands {count} times in {self.file}; it must stand once. "
-                "Bring experiments/mutations.yaml up to date."
+                "Bring tests/tools/mutations.yaml up to date."
             )
         path.write_text(re.sub(pattern, lambda _: self.new, source), encoding="utf-8")
 
 
 MUTATIONS = tuple(
     Mutation(name, file, m["old"], m["new"], tuple(f"tests/{t}.py" for t in m["tests"].split()))
-    for file, errors in yaml.safe_load((ROOT / "experiments/mutations.yaml").read_text()).items()
+    for file, errors in yaml.safe_load((ROOT / "tests/tools/mutations.yaml").read_text()).items()
     for name, m in errors.items()
 )
 

@@ -1,0 +1,74 @@
+"""Pages and pictures that are made by scripts and committed are those that the scripts make."""
+
+import re
+from pathlib import Path
+
+import law_page
+import law_table
+import metric_page
+import numpy as np
+import pytest
+import readme_pictures
+from first_hour import Step, page_of
+from PIL import Image, ImageSequence
+from readme_commands import FIGURE, GREEN, commands_of, steps_of
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+
+
+@pytest.mark.long
+def test_the_page_of_the_laws_is_current() -> None:
+    assert (DOCS / "laws.md").read_text(encoding="utf-8") == law_page.page(), "python docs/tools/law_page.py"
+
+
+def test_every_law_has_a_picture_and_every_picture_a_law() -> None:
+    shown = re.findall(r"\]\((laws/\w+\.png)\)", (DOCS / "laws.md").read_text(encoding="utf-8"))
+    assert {*shown} == {f"laws/{path.name}" for path in (DOCS / "laws").iterdir()}
+
+
+@pytest.mark.long
+def test_the_page_and_pictures_of_the_laws_can_be_made_elsewhere(tmp_path: Path) -> None:
+    assert law_page.main(["--output", str(tmp_path)]) == 0
+    assert (tmp_path / "laws" / "friction_mindlin.png").stat().st_size > 5000
+
+
+def test_the_page_of_the_metrics_is_current() -> None:
+    committed = (DOCS / "plausibility.md").read_text(encoding="utf-8")
+    assert committed == metric_page.page(), "python docs/tools/metric_page.py"
+
+
+def test_the_table_of_the_laws_has_a_row_for_each_and_none_that_fails() -> None:
+    page = (DOCS / law_table.PAGE).read_text(encoding="utf-8")
+    lines = [re.split(r"(?<!\\)\|", line)[1:-1] for line in page.splitlines() if line.startswith("| `")]
+    entries = {entry.name: entry for entry in law_table.entries()}
+    assert [cells[0].split("`")[1] for cells in lines] == [*entries], "python docs/tools/law_table.py"
+    assert "**" not in page
+    # 0.000693147 m s-1 = 1 mm/s ln 2: where half of the smooth cone's friction is reached.
+    assert "0.000693147 m s-1" in law_table.row(entries["law/friction=smooth_cone"])
+
+
+@pytest.mark.long
+def test_the_pictures_of_readme_are_current(tmp_path: Path) -> None:
+    readme_pictures.main(tmp_path)
+    for name in ("motor.gif", "laws.png"):
+        made, committed = frames_of(tmp_path / name), frames_of(readme_pictures.STATIC / name)
+        assert made.shape == committed.shape
+        # Another machine rounds otherwise, which moves an edge by a shade.
+        assert np.abs(made - committed).mean() < 0.5
+
+
+def frames_of(path: Path) -> np.ndarray:
+    with Image.open(path) as image:
+        return np.array([np.asarray(frame.convert("RGB"), float) for frame in ImageSequence.Iterator(image)])
+
+
+def test_readmes_two_commands_are_those_that_are_timed_and_run_for_every_change() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    names = [name for name, _ in steps_of(readme, tests=True)]
+    assert names == [*FIGURE, "second run", *GREEN[-2:]]
+    assert all(command in (ROOT / ".ci/run").read_text(encoding="utf-8") for command in commands_of(readme))
+    steps = [Step("abc", "3.13.0", name, 2.0, 1.0, 10.0, 0.0, name != "tests") for name in names]
+    # A failed step reaches nothing.
+    assert "not reached" in page_of(steps)
+    assert "not reached" not in page_of(steps[:4])

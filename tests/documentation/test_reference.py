@@ -1,0 +1,59 @@
+"""The reference that is made from the code is complete."""
+
+import builtins
+import inspect
+import re
+
+import made_api
+import made_dataset
+import made_keys
+import made_verbs
+
+import contactlab
+from contactlab.cli.arguments import VERBS
+from contactlab.config.options import known_keys
+from contactlab.config.studies import OWN
+from contactlab.laws import LAWS, PARTS
+from contactlab.variables import CONTACTS, SERIES
+
+
+def test_every_key_is_in_the_reference() -> None:
+    made = made_keys.groups() + made_verbs.verbs()
+    keys = {key for key in known_keys() if not key.startswith(("law.", "study."))}
+    assert {key for key in keys if f"`{key}`" not in made} == {"resonator.basis", "piezoceramic.constants"}
+
+
+def test_every_law_and_part_has_its_keys_in_the_reference() -> None:
+    made = made_keys.laws()
+    names = [f"law={name}" for name in LAWS]
+    names += [f"law/{family}={name}" for family, parts in PARTS.items() for name in parts]
+    assert not [name for name in names if f"### `{name}`" not in made]
+    assert "`law.friction.static_ratio`" in made
+
+
+def test_every_verb_and_variable_is_in_the_reference() -> None:
+    made = made_verbs.verbs()
+    assert all(f"usage: contactlab {verb}" in made for verb in {*VERBS, *OWN} - {"simulate"})
+    made = made_dataset.variables()
+    assert all(f"| `{variable.name}` |" in made for variable in (*SERIES, *CONTACTS))
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    made = made_api.front_door()
+    public = {name for name, item in vars(contactlab).items() if not name.startswith("_") and callable(item)}
+    assert public - set(made_api.exported()) == {"versions"}
+    assert all(f":: contactlab.{name}\n" in made for name in made_api.exported())
+    assert ":: contactlab.testing.LawContract\n" in made_api.further()
+
+
+def test_errors_that_public_functions_document_are_public() -> None:
+    named = {
+        (name, error)
+        for name, item in made_api.exported().items()
+        for each in ([item, *vars(item).values()] if inspect.isclass(item) else [item])
+        for raises in re.findall(r"^Raises:\n((?: .*\n?)+)", inspect.getdoc(each) or "", re.MULTILINE)
+        for names in re.findall(r"^    ([\w., ]+): ", raises, re.MULTILINE)
+        for error in names.split(", ")
+    }
+    public = made_api.exported().keys() | vars(builtins).keys()
+    assert {(name, error) for name, error in named if error not in public} == set()
