@@ -15,12 +15,12 @@ Laws are in the order of their errors, those of the kinds rigid and compliant fi
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import log
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from contactlab.arrays import Array
 from contactlab.inference.bootstrap import LEVEL, RESAMPLES, mean_intervals, paired_differences
@@ -51,6 +51,9 @@ SHOWN: Final = 1e-4
 
 RARE: Final = 0.01
 """Share of the impacts whose error exceeds the bound by noise alone."""
+
+CHI_SQUARE: Final = -2.0 * log(RARE)
+"""Quantile of a chi-square distribution of two degrees of freedom that is exceeded so rarely."""
 
 PLANAR: Final = 3
 """Coordinates of a body in the plane."""
@@ -218,9 +221,7 @@ def noise_of(impacts: MeasuredImpacts) -> Noise:
         covariance = noise_from_outside(impacts, PLANAR)
         origin = "a covariance estimated from what no impulse reaches"
     variances = np.linalg.eigvals(np.linalg.solve(impacts.delassus, covariance)).real
-    square = (2.0 * impacts.outside + float(chi2.ppf(1.0 - RARE, 2)) * variances.max(axis=1)) / (
-        2.0 * impacts.kinetic_energy
-    )
+    square = (2.0 * impacts.outside + CHI_SQUARE * variances.max(axis=1)) / (2.0 * impacts.kinetic_energy)
     bound = np.asarray(np.sqrt(square))
     return Noise(
         bound, f"{np.median(bound):.3f} (median), which {origin} exceeds in {RARE:.0%} of the impacts"

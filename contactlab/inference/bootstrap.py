@@ -8,7 +8,6 @@ Assoc. 82, 171), by `scipy.stats.bootstrap`.
 from typing import Final, NamedTuple, final
 
 import numpy as np
-from scipy.stats import bootstrap
 
 from contactlab.arrays import Array
 
@@ -45,6 +44,9 @@ def mean_intervals(
         level: of confidence.
         resamples: how many.
     """
+    # Imported here: a run needs no scipy.stats.
+    from scipy.stats import bootstrap
+
     rows = len(values)
     mean = np.asarray(values.mean(axis=0))
     # Equal rows have no spread, and round-off is none.

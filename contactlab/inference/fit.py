@@ -102,6 +102,7 @@ def candidates_of(
     Raises:
         ConfigurationError: with every fault.
     """
+    choice.check(of_law=isinstance(data, MeasuredImpacts))
     if isinstance(data, MeasuredImpacts):
         _check_impacts(data, choice, discrepancy)
     setups = setups_of(choice, data.configuration if isinstance(data, MeasuredSeries) else {})
@@ -284,7 +285,7 @@ def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str
 
 
 def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> xarray.Dataset:
-    """Return optimum, mean, standard deviation, 90 % interval, correlation, truth and prior of each number."""
+    """Return optimum, posterior, truth and prior of each number."""
     free = candidate.problem.free
     names = [one.name for one in free]
     mean, covariance = posterior.moments()
@@ -359,7 +360,7 @@ def _findings(
     candidate: Candidate, best: Optimum | None, posterior: Posterior, tree: xarray.DataTree
 ) -> list[str]:
     """Return sentences on search and posterior, and on what they do not determine."""
-    found = [candidate.numbers] if candidate.numbers else []
+    found = [line for line in (candidate.origin.get("duplicates"), candidate.numbers) if line]
     if best is not None:
         found.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
         found += [f"Least squares: {phrase}." for phrase in best.warnings()]

@@ -28,6 +28,10 @@ LAW: Final = "law."
 PART: Final = "law/"
 FORMS: Final = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HIGH"
 
+NOT_OF_A_PROBLEM: Final = ("hydra", "sweep", "record", "uncertainty")
+LASTING: Final = ("solver.duration", "solver.until", "solver.precision")
+"""Groups and keys on which no prediction depends: times are those of the measurements."""
+
 _RANGE: Final = re.compile(r"(?P<key>[\w.]+)=(?P<low>[^=]+?)\.\.(?P<high>[^=]+)")
 
 
@@ -81,6 +85,25 @@ class LawChoice:
     def keys(self) -> set[str]:
         """All keys with a value or a range."""
         return {*self.ranges, *(word.partition("=")[0] for word in self.overrides)}
+
+    def check(self, *, of_law: bool) -> None:
+        """Raise a ConfigurationError for overrides that have no effect on a problem.
+
+        Args:
+            of_law: whether the measurements are impacts, which depend on the law alone.
+        """
+        unused = [
+            key
+            for key in dict.fromkeys([*self.ranges, *(word.partition("=")[0] for word in self.overrides)])
+            if (of_law and not key.startswith(LAW) and key != FRICTION)
+            or key in LASTING
+            or key.partition(".")[0].lstrip("+~") in NOT_OF_A_PROBLEM
+        ]
+        kind = "the law alone" if of_law else "the motor; times are those of the data"
+        if unused:
+            raise ConfigurationError(
+                [f"{key} must be left out: the measurements are of {kind}." for key in unused]
+            )
 
     def combinations(self) -> list[tuple[str, ...]]:
         """Return the overrides that choose each law; a composed law in every combination of its parts."""

@@ -7,7 +7,6 @@ from typing import Final, final
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
-from scipy.stats import qmc
 
 from contactlab.arrays import Array
 from contactlab.inference.free_parameters import FreeParameter, from_cube, to_cube
@@ -158,6 +157,9 @@ def _cost(residuals: Array) -> float:
 
 def starting_points(size: int, points: int, seed: int) -> Array:
     """Return the middle of the unit cube and a Latin hypercube, shape (point, parameter)."""
+    # Imported here: a run needs no scipy.stats.
+    from scipy.stats import qmc
+
     drawn = qmc.LatinHypercube(size, seed=seed).random(points - 1) if points > 1 else np.empty((0, size))
     return np.vstack([np.full((1, size), 0.5), drawn])
 
