@@ -44,7 +44,7 @@ class Basins(Study):
     )
     words: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
     quantities: ClassVar[tuple[Variable, ...]] = (
-        Variable("attractors", (), "1", "n", "number of attractors"),
+        Variable("attractor_count", (), "1", "n", "number of attractors"),
         Variable("largest_share", (), "1", "s", "share of the starts in the largest basin"),
     )
 
@@ -88,7 +88,7 @@ class Basins(Study):
         """Return the number of attractors and the share of the largest basin."""
         shares = data.to_dataset()["share"].values
         return {
-            "attractors": Estimate(float(shares.size), 0.0),
+            "attractor_count": Estimate(float(shares.size), 0.0),
             "largest_share": Estimate(float(shares.max(initial=0.0)), 0.0),
         }
 

@@ -42,8 +42,8 @@ class Branch(Study):
     )
     words: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
     quantities: ClassVar[tuple[Variable, ...]] = (
-        Variable("orbits", (), "1", "n", "number of orbits computed"),
-        Variable("events", (), "1", "m", "number of folds, bifurcations and grazings"),
+        Variable("orbit_count", (), "1", "n", "number of orbits computed"),
+        Variable("event_count", (), "1", "m", "number of folds, bifurcations and grazings"),
         Variable("last_value", (), "1", "p", "value of the parameter where the branch ends"),
     )
 
