@@ -68,13 +68,13 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
     SETUPS[:] = [plan.setup_at(cell) for cell in range(plan.cells)]
     blocks = [range(i, min(i + BLOCK, plan.cells)) for i in range(0, plan.cells, BLOCK)]
     with (
-        Batch(plan.setup_at, plan.outputs, 1) as one,
+        Batch(plan.setup_at, plan.outputs, 1) as item,
         Batch(plan.setup_at, plan.outputs, 2) as two,
         get_context("fork").Pool(2) as independent,
     ):
         ways: dict[str, Callable[[range], object]] = {
             "bare engine": bare,
-            "batch, one process": one.answers,
+            "batch, one process": item.answers,
             "batch, two processes": two.answers,
             "bare engine, two independent processes": lambda cells: independent.map(
                 bare, [cells[0::2], cells[1::2]]
@@ -100,7 +100,7 @@ def timed(work: Callable[[range], object], cells: range) -> float:
 def in_sweeps(jobs: int, repeats: int) -> list[Row]:
     """A job of a sweep by Hydra's launchers, as whole commands."""
     launchers = {"job of -m, basic launcher": []}
-    if "hydra-joblib-launcher" in {found.name for found in distributions()}:
+    if "hydra-joblib-launcher" in {result.name for result in distributions()}:
         launchers["job of -m, joblib with two workers"] = ["hydra/launcher=joblib", "hydra.launcher.n_jobs=2"]
     few = max(jobs // 4, 1)
     return [
@@ -130,15 +130,15 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=2000, help="in a batch")
     parser.add_argument("--jobs", type=int, default=16, help="of a sweep")
     parser.add_argument("--repeats", type=int, default=5)
-    given = parser.parse_args()
-    batches = in_batches(plan_with(given.runs), given.repeats)
-    alone, one, two, ceiling = (row.seconds for row in batches)
+    options = parser.parse_args()
+    batches = in_batches(plan_with(options.runs), options.repeats)
+    alone, item, two, ceiling = (row.seconds for row in batches)
     print("| way | time a run | runs a second |\n|---|---|---|")
-    for row in (*batches, *in_sweeps(given.jobs, max(given.repeats // 2, 1))):
+    for row in (*batches, *in_sweeps(options.jobs, max(options.repeats // 2, 1))):
         print(f"| {row.way} | {1e3 * row.seconds:.3g} ms | {1.0 / row.seconds:.3g} |")
     print(
-        f"\nA run in a batch takes {one / alone:.3f} times as long as alone. Two processes of a batch are "
-        f"{one / two:.2f} times as quick as one; this machine lets two independent processes of the bare "
+        f"\nA run in a batch takes {item / alone:.3f} times as long as alone. Two processes of a batch are "
+        f"{item / two:.2f} times as quick as one; this machine lets two independent processes of the bare "
         f"engine be {alone / ceiling:.2f} times as quick."
     )
 

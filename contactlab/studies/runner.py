@@ -17,10 +17,12 @@ from pathlib import Path
 from typing import Final, final
 
 import xarray
+import yaml
 
 from contactlab.fingerprint import is_own
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
+from contactlab.results.provenance import code_attributes
 from contactlab.studies.study import Part, Result, Setups, Study, Task
 from contactlab.sweeps.state import key_of
 
@@ -62,8 +64,19 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
         if progress:
             progress(len(parts), len(tasks))
     data = study.combine(setups, {task.key: parts[task.key].data for task in tasks})
+    data.attrs = {**code_attributes(), **_settings(study, setups), **data.attrs}
     details = parts[tasks[0].key].details if len(tasks) == 1 else None
     return Result(study, setups, data, details)
+
+
+def _settings(study: Study, setups: Setups) -> dict[str, str]:
+    """Return the attributes of a dataset that say what it was made from."""
+    configurations = [setup.configuration for setup in setups.values()]
+    shown = configurations[0] if len(configurations) == 1 else configurations
+    return {
+        "study": yaml.safe_dump({"name": study.name, **study.options}, sort_keys=False),
+        "configuration": yaml.safe_dump(shown, sort_keys=False, allow_unicode=True),
+    }
 
 
 def finish(result: Result, folder: Path) -> list[str]:

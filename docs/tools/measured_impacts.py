@@ -1,6 +1,6 @@
 """All laws against the published impacts of an ellipse, under several seeds: does their order hold?
 
-    python experiments/measured_impacts.py PATH [--output DIR] [--seeds N] [--docs]
+    python docs/tools/measured_impacts.py PATH [--output DIR] [--seeds N] [--docs]
 
 PATH is `ellipse_impacts.mat`; docs/measurements.md says where it is from. Every seed deals the impacts into
 other folds, starts the fits elsewhere and draws other resamples. Leaves the files of `contactlab validate`
@@ -24,10 +24,10 @@ from contactlab.results.files import whole_file
 from contactlab.studies.runner import finish
 from contactlab.studies.validate import agreement, opposite_orders, parameters, unexplained
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "measurements.md"
-BEGIN = "<!-- Made by experiments/measured_impacts.py: begin. Do not edit. -->"
-END = "<!-- Made by experiments/measured_impacts.py: end. -->"
+BEGIN = "<!-- Made by docs/tools/measured_impacts.py: begin. Do not edit. -->"
+END = "<!-- Made by docs/tools/measured_impacts.py: end. -->"
 FIGURES = ("prediction_error", "paired_differences", "residuals", "impacts")
 PREFIX = "ellipses_"
 
@@ -95,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--docs", action="store_true", help="write tables and figures of docs/measurements.md"
     )
-    given = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     with tqdm(desc="laws and seeds", disable=None) as bar:
 
         def show(done: int, total: int) -> None:
@@ -103,21 +103,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
             bar.update(done - bar.n)
 
         result = cl.validate(
-            given.path, repeats=given.seeds, workers=given.workers, folder=given.output, progress=show
+            options.path, repeats=options.seeds, workers=options.workers, folder=options.output, progress=show
         )
-    finish(result, given.output)
+    finish(result, options.output)
     seeds = [result.data.to_dataset(), *(child.to_dataset() for child in result.data.children.values())]
     sentences = agreement(seeds)
     tables = [error_table(seeds), parameter_table(seeds[0]), restitution_table(seeds[0])]
     blocks = ["\n".join(each) for each in tables]
     text = "\n\n".join(["\n".join(sentences), *blocks])
-    with whole_file(given.output / "table.md") as partial:
+    with whole_file(options.output / "table.md") as partial:
         partial.write_text(text + "\n", encoding="utf-8")
     print(text)
-    if given.docs:
+    if options.docs:
         first, *others = blocks
         _into_docs(
-            "\n\n".join([first, *sentences, f"Under seed 0: {unexplained(seeds[0])}", *others]), given.output
+            "\n\n".join([first, *sentences, f"Under seed 0: {unexplained(seeds[0])}", *others]),
+            options.output,
         )
     return int(bool(opposite_orders(seeds)))
 
