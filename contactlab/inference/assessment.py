@@ -67,24 +67,24 @@ def assessed(
     outcomes: Sequence[xarray.Dataset], impacts: MeasuredImpacts, folds: int, seed: int
 ) -> xarray.Dataset:
     """Combine the cross-validation of several laws and baselines with the floors."""
-    ordered = sorted(outcomes, key=lambda one: (one.attrs["kind"] == BASELINE, float(one["error"].mean())))
-    every = [*ordered, *sorted(floors_of(impacts), key=lambda one: -float(one["error"].mean()))]
-    labels = [one.attrs["label"] for one in every]
-    errors = np.column_stack([one["error"].values for one in every])
+    ordered = sorted(outcomes, key=lambda item: (item.attrs["kind"] == BASELINE, float(item["error"].mean())))
+    every = [*ordered, *sorted(floors_of(impacts), key=lambda item: -float(item["error"].mean()))]
+    labels = [item.attrs["label"] for item in every]
+    errors = np.column_stack([item["error"].values for item in every])
     means = mean_intervals(errors, seed)
     data = xarray.Dataset(
         coords={"law": labels, "end": ["low", "high"], "direction": ["normal", "tangential"]}
     )
     data["error"] = ("law", "impact"), errors.T, {"units": "1", "long_name": "held-out prediction error"}
-    predicted = np.stack([one["predicted_velocity"].values for one in every])
+    predicted = np.stack([item["predicted_velocity"].values for item in every])
     data["predicted_velocity"] = ("law", "impact", "direction"), predicted, {"units": "m s-1"}
     data["prediction_error"] = "law", means.mean, {"units": "1", "long_name": "mean held-out error"}
     data["prediction_error_interval"] = ("law", "end"), means.interval, {"units": "1"}
     for name in ("kind", "held", "unmoved", "unanswered"):
-        data[name] = "law", [one.attrs[name] for one in every]
-    data["fitted_on"] = "law", [int(one["fitted_on"].min()) if "fitted_on" in one else 0 for one in every]
+        data[name] = "law", [item.attrs[name] for item in every]
+    data["fitted_on"] = "law", [int(item["fitted_on"].min()) if "fitted_on" in item else 0 for item in every]
     for name in ("cannot_tell", "at_end"):
-        data[name] = "law", [_union(one[name].values) if name in one else "" for one in every]
+        data[name] = "law", [_union(item[name].values) if name in item else "" for item in every]
     _add_parameters(data, every)
     apart, intervals = paired_differences(errors, seed)
     data.coords["other"] = data["law"].values
@@ -181,16 +181,18 @@ def _union(texts: NDArray[Any]) -> str:
 
 def _add_parameters(data: xarray.Dataset, every: Sequence[xarray.Dataset]) -> None:
     """Add the fitted values of all laws, over the names that any of them has."""
-    names = [*dict.fromkeys(str(name) for one in every if "value" in one for name in one["parameter"].values)]
-    folds = max(one.sizes.get("fold", 0) for one in every)
+    names = [
+        *dict.fromkeys(str(name) for item in every if "value" in item for name in item["parameter"].values)
+    ]
+    folds = max(item.sizes.get("fold", 0) for item in every)
     values = np.full((len(every), folds, len(names)), np.nan)
     ranges = np.full((len(every), len(names), 2), np.nan)
     units = np.full((len(every), len(names)), "", dtype=object)
-    for at, one in enumerate(every):
-        if "value" in one and one.sizes["parameter"]:
-            places = [names.index(str(name)) for name in one["parameter"].values]
-            values[at][:, places] = one["value"].values
-            ranges[at, places], units[at, places] = one["range"].values, one["units"].values
+    for at, item in enumerate(every):
+        if "value" in item and item.sizes["parameter"]:
+            places = [names.index(str(name)) for name in item["parameter"].values]
+            values[at][:, places] = item["value"].values
+            ranges[at, places], units[at, places] = item["range"].values, item["units"].values
     data.coords["parameter"] = np.array(names, dtype=object)
     data["value"] = ("law", "fold_number", "parameter"), values
     data["range"] = ("law", "parameter", "end"), ranges

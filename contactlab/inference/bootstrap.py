@@ -59,10 +59,10 @@ def mean_intervals(
         def means(drawn: Array, axis: int = -1) -> Array:
             del axis
             counts = [np.bincount(each, minlength=rows) for each in drawn.reshape(-1, drawn.shape[-1])]
-            found = np.array(counts, dtype=np.float64) @ columns / drawn.shape[-1]
-            return np.moveaxis(found.reshape(*drawn.shape[:-1], columns.shape[1]), -1, 0)
+            result = np.array(counts, dtype=np.float64) @ columns / drawn.shape[-1]
+            return np.moveaxis(result.reshape(*drawn.shape[:-1], columns.shape[1]), -1, 0)
 
-        found = bootstrap(
+        result = bootstrap(
             (np.arange(rows),),
             means,
             n_resamples=resamples,
@@ -71,8 +71,8 @@ def mean_intervals(
             confidence_level=level,
             rng=np.random.default_rng(seed),
         )
-        interval[varying] = np.column_stack([found.confidence_interval.low, found.confidence_interval.high])
-        resampled[varying] = found.bootstrap_distribution
+        interval[varying] = np.column_stack([result.confidence_interval.low, result.confidence_interval.high])
+        resampled[varying] = result.bootstrap_distribution
     return MeanIntervals(mean, interval, resampled)
 
 
@@ -86,7 +86,7 @@ def paired_differences(values: Array, seed: int) -> tuple[Array, Array]:
     first, second = np.triu_indices(count, 1)
     apart, interval = np.zeros((count, count)), np.zeros((count, count, 2))
     if first.size:
-        found = mean_intervals(values[:, first] - values[:, second], seed)
-        apart[first, second], apart[second, first] = found.mean, -found.mean
-        interval[first, second], interval[second, first] = found.interval, -found.interval[:, ::-1]
+        result = mean_intervals(values[:, first] - values[:, second], seed)
+        apart[first, second], apart[second, first] = result.mean, -result.mean
+        interval[first, second], interval[second, first] = result.interval, -result.interval[:, ::-1]
     return apart, interval

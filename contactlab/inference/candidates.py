@@ -44,7 +44,7 @@ EXACT: Final = 1e-9
 def usual_laws() -> list[LawPredictor]:
     """Return predictors of every installed rigid law and of compliant ones composed of common parts."""
     rigid = [name for name in law_names() if issubclass(class_of(name), MultiplierLaw)]
-    return [*(usual_law(name) for name in rigid), *(LawPredictor.of(*one) for one in _compliant_laws())]
+    return [*(usual_law(name) for name in rigid), *(LawPredictor.of(*item) for item in _compliant_laws())]
 
 
 def usual_law(name: str, **parts: str) -> LawPredictor:
@@ -58,9 +58,9 @@ def usual_law(name: str, **parts: str) -> LawPredictor:
     """
     made = law(name, **parts)
     if not isinstance(made, MultiplierLaw):
-        for one, ranges in _compliant_laws():
-            if label_of(one) == label_of(made):
-                return LawPredictor.of(one, ranges)
+        for item, ranges in _compliant_laws():
+            if label_of(item) == label_of(made):
+                return LawPredictor.of(item, ranges)
     return LawPredictor.of(made, dict.fromkeys(FREE_OF[name]) if name in FREE_OF else None)
 
 
@@ -97,8 +97,8 @@ def without_idle(predictor: LawPredictor, impacts: MeasuredImpacts) -> LawPredic
     """
     some = impacts.part(np.unique(np.linspace(0, len(impacts) - 1, IMPACTS).astype(np.int64)))
     acts = [_acts(predictor, place, some) for place in range(len(predictor.free))]
-    idle = tuple(one.name for one, act in zip(predictor.free, acts, strict=True) if not act)
-    free = tuple(one for one, act in zip(predictor.free, acts, strict=True) if act)
+    idle = tuple(item.name for item, act in zip(predictor.free, acts, strict=True) if not act)
+    free = tuple(item for item, act in zip(predictor.free, acts, strict=True) if act)
     return replace(predictor, free=free, idle=idle)
 
 

@@ -117,12 +117,12 @@ def predictors_of(
         raise ValidationError(f"folds is {folds}; it must be at least 2.")
     if not laws:
         raise ValidationError("There is no law; at least one must be chosen.")
-    every: list[ImpactPredictor] = [*(without_idle(one, impacts) for one in (*laws, frictionless()))]
+    every: list[ImpactPredictor] = [*(without_idle(item, impacts) for item in (*laws, frictionless()))]
     every.append(ConstantImpulse.of(impacts))
-    labels = [one.label for one in every]
+    labels = [item.label for item in every]
     if twice := sorted({label for label in labels if labels.count(label) > 1}):
         raise ValidationError(f"{', '.join(twice)} occurs twice; the laws must differ.")
-    most = max(every, key=lambda one: len(one.free))
+    most = max(every, key=lambda item: len(item.free))
     least = folds * max(len(most.free), 1)
     count = int(measurements(impacts).max(initial=-1)) + 1
     if count < least:
@@ -150,23 +150,23 @@ def cross_validated(
     predicted = np.full_like(impacts.velocity_before, np.nan)
     fits, sizes, lost = list[Optimum](), list[int](), 0
     for number in range(int(fold.max()) + 1):
-        held_out, others = np.flatnonzero(fold == number), np.flatnonzero(fold != number)
+        fold_impacts, others = np.flatnonzero(fold == number), np.flatnonzero(fold != number)
         if predictor.integrated:
             others = np.random.default_rng([seed, number]).permutation(others)[:SUBSET]
         fits.append(least_error_fit(problem.part(others), seed))
         sizes.append(others.size)
-        after = problem.part(held_out).velocities_after(fits[-1].values)
+        after = problem.part(fold_impacts).velocities_after(fits[-1].values)
         missing = np.asarray(np.isnan(after).any(axis=1))
         lost += int(missing.sum())
-        predicted[held_out] = np.where(missing[:, None], impacts.velocity_before[held_out], after)
-    names = [one.name for one in predictor.free]
+        predicted[fold_impacts] = np.where(missing[:, None], impacts.velocity_before[fold_impacts], after)
+    names = [item.name for item in predictor.free]
     values = np.array([fit.values for fit in fits]).reshape(len(fits), len(names))
-    ranges = np.array([(one.low, one.high) for one in predictor.free]).reshape(-1, 2)
+    ranges = np.array([(item.low, item.high) for item in predictor.free]).reshape(-1, 2)
     undetermined = [", ".join(fit.undetermined) for fit in fits]
     data = _predictions(impacts, predicted).assign(
         value=(("fold", "parameter"), values),
         range=(("parameter", "end"), ranges),
-        units=("parameter", _texts([one.parameter.units for one in predictor.free])),
+        units=("parameter", _texts([item.parameter.units for item in predictor.free])),
         hits=("fold", np.array([fit.hits for fit in fits])),
         fitted_on=("fold", np.array(sizes)),
         cannot_tell=("fold", _texts(undetermined)),
@@ -215,9 +215,9 @@ def _predictions(impacts: MeasuredImpacts, predicted: Any) -> xarray.Dataset:
 
 
 def _attributes(
-    label: str, kind: str, unanswered: int = 0, unmoved: str = "", held: str = ""
+    label: str, kind: str, unanswered: int = 0, unmoved: str = "", kept: str = ""
 ) -> Mapping[str, Any]:
-    return {"label": label, "kind": kind, "unanswered": unanswered, "unmoved": unmoved, "held": held}
+    return {"label": label, "kind": kind, "unanswered": unanswered, "unmoved": unmoved, "held": kept}
 
 
 def _texts(texts: Sequence[str]) -> NDArray[Any]:

@@ -52,20 +52,20 @@ def strength(difference: float, error: float) -> str:
 
 def ranked(evidences: Sequence[Evidence]) -> list[Evidence]:
     """Return the evidences in falling order."""
-    return sorted(evidences, key=lambda one: -one.log_evidence)
+    return sorted(evidences, key=lambda item: -item.log_evidence)
 
 
 def sentences(evidences: Sequence[Evidence]) -> list[str]:
     """Return a sentence on the law with the largest evidence and each of the others."""
     first, *others = ranked(evidences)
-    found = []
+    result = []
     for other in others:
         difference = first.log_evidence - other.log_evidence
         error = hypot(first.error, other.error)
         shown = f"ln B = {difference:.1f} +- {error:.1g}"
         if not first.covers:
             whose = "those of no law here do" if not any(x.covers for x in evidences) else "its own do not"
-            found.append(
+            result.append(
                 f"{first.label} has a larger evidence than {other.label} ({shown}), but no odds follow "
                 f"from it: 90 % intervals must contain about 90 % of the data, and {whose} ({first.label} "
                 f"{first.share:.1%}, {other.label} {other.share:.1%})."
@@ -73,7 +73,7 @@ def sentences(evidences: Sequence[Evidence]) -> list[str]:
         elif word := strength(difference, error):
             odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"
             pair = f"{first.label} against {other.label}"
-            found.append(f"The evidence for {pair} is {word}: odds of {odds} to 1 ({shown}).")
+            result.append(f"The evidence for {pair} is {word}: odds of {odds} to 1 ({shown}).")
         else:
-            found.append(f"{first.label} and {other.label} are not distinguishable ({shown}).")
-    return found
+            result.append(f"{first.label} and {other.label} are not distinguishable ({shown}).")
+    return result

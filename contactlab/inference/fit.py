@@ -106,7 +106,7 @@ def candidates_of(
     if isinstance(data, MeasuredImpacts):
         _check_impacts(data, choice, discrepancy)
     setups = setups_of(choice, data.configuration if isinstance(data, MeasuredSeries) else {})
-    found, faults = list[Candidate](), list[str]()
+    result, faults = list[Candidate](), list[str]()
     for setup in setups:
         for may_err in {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]:
             try:
@@ -122,11 +122,11 @@ def candidates_of(
                 origin["duplicates"] = copies
             label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
             known = truth_in(data, setup.configuration)
-            truth = {one.name: known[one.name] for one in keys if one.name in known}
-            found.append(Candidate(label, problem, truth, origin, numbers_of(setup, choice, keys)))
+            truth = {item.name: known[item.name] for item in keys if item.name in known}
+            result.append(Candidate(label, problem, truth, origin, numbers_of(setup, choice, keys)))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
-    return found
+    return result
 
 
 def _problem(
@@ -144,7 +144,7 @@ def _problem(
             data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )
     else:
-        if others := [one.name for one in keys if not one.field]:
+        if others := [item.name for item in keys if not item.field]:
             raise ConfigurationError(
                 [f"{', '.join(others)} is of the motor, and impacts are of the law alone; leave it out."]
             )
@@ -219,13 +219,15 @@ def fitted(
     )
     drawn = posterior.draws(DRAWS)
     groups = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
-    units = {one.name: one.parameter.units for one in problem.free}
+    units = {item.name: item.parameter.units for item in problem.free}
     groups["posterior"] = {
         name: (SAMPLED, column[None], {"units": units[name]})
         for name, column in zip(units, posterior.samples[drawn].T, strict=True)
     }
     groups["sample_stats"] = {"lp": (SAMPLED, posterior.log_likelihood[drawn][None])}
-    groups["observed_data"] = {one.name: (one.dims, one.values, {"units": one.units}) for one in problem.data}
+    groups["observed_data"] = {
+        item.name: (item.dims, item.values, {"units": item.units}) for item in problem.data
+    }
     groups["weighted_samples"] = {
         "value": (("sample", "parameter"), posterior.samples),
         "log_weight": ("sample", posterior.log_weight),
@@ -262,17 +264,17 @@ def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str
         # A sample has a likelihood.
         assert predicted is not None
         replica = problem.replicate(predicted, values, generator)
-        for part, found in zip(
+        for part, result in zip(
             parts, (predicted, replica, problem.log_densities(predicted, values)), strict=True
         ):
-            for name, numbers in found.items():
+            for name, numbers in result.items():
                 part.setdefault(name, []).append(numbers)
-    known = {one.name: one for one in problem.data}
+    known = {item.name: item for item in problem.data}
 
-    def over(numbers: list[Array], one: Observation, attributes: dict[str, str]) -> xarray.Variable:
+    def over(numbers: list[Array], item: Observation, attributes: dict[str, str]) -> xarray.Variable:
         """Return a variable over the draws; both directions of an impact have one density."""
         values = np.array(numbers)
-        return xarray.Variable((*SAMPLED, *one.dims[: values.ndim - 1]), values[None], attributes)
+        return xarray.Variable((*SAMPLED, *item.dims[: values.ndim - 1]), values[None], attributes)
 
     predictive = {name: over(x, known[name], {"units": known[name].units}) for name, x in parts[1].items()}
     for name, x in parts[0].items():
@@ -287,10 +289,10 @@ def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str
 def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> xarray.Dataset:
     """Return optimum, posterior, truth and prior of each number."""
     free = candidate.problem.free
-    names = [one.name for one in free]
+    names = [item.name for item in free]
     mean, covariance = posterior.moments()
     deviation = np.sqrt(np.diag(covariance))
-    optimum = {} if best is None else {one.name: x for one, x in zip(best.free, best.values, strict=True)}
+    optimum = {} if best is None else {item.name: x for item, x in zip(best.free, best.values, strict=True)}
     interval = posterior.quantiles(ENDS)
     columns: dict[str, Any] = {
         "best": [optimum.get(name, np.nan) for name in names],
@@ -299,9 +301,9 @@ def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior)
         "low": interval[:, 0],
         "high": interval[:, 1],
         "truth": [candidate.truth.get(name, np.nan) for name in names],
-        "prior_low": [one.low for one in free],
-        "prior_high": [one.high for one in free],
-        "units": np.array([one.parameter.units for one in free], dtype=object),
+        "prior_low": [item.low for item in free],
+        "prior_high": [item.high for item in free],
+        "units": np.array([item.parameter.units for item in free], dtype=object),
     }
     data = xarray.Dataset({name: ("parameter", values) for name, values in columns.items()})
     with np.errstate(invalid="ignore"):
@@ -314,27 +316,28 @@ def _coverage(problem: Problem, predictive: Mapping[str, xarray.Variable]) -> di
 
     Both directions of an impact count once in the binomial error.
     """
-    count, found = sum(len(one.values) for one in problem.data), {}
+    count, result = sum(len(item.values) for item in problem.data), {}
     for name, ends in {"coverage": ENDS, "coverage_50": MIDDLE}.items():
         inside = []
-        for one in problem.data:
-            low, high = np.quantile(predictive[one.name].values[0], ends, axis=0)
-            inside.append(((low <= one.values) & (one.values <= high)).ravel())
+        for item in problem.data:
+            low, high = np.quantile(predictive[item.name].values[0], ends, axis=0)
+            inside.append(((low <= item.values) & (item.values <= high)).ravel())
         level = ends[1] - ends[0]
-        found[name] = float(np.mean(np.concatenate(inside)))
-        found[f"{name}_error"] = float(np.sqrt(level * (1.0 - level) / count))
-    covers = abs(found["coverage"] - (ENDS[1] - ENDS[0])) <= ERRORS * found["coverage_error"]
-    return {**found, "covers": int(covers)}
+        result[name] = float(np.mean(np.concatenate(inside)))
+        result[f"{name}_error"] = float(np.sqrt(level * (1.0 - level) / count))
+    covers = abs(result["coverage"] - (ENDS[1] - ENDS[0])) <= ERRORS * result["coverage_error"]
+    return {**result, "covers": int(covers)}
 
 
 def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> dict[str, Any]:
     revision, dirty = checkout_state()
     problem = candidate.problem
     priors = {
-        one.name: {"low": one.low, "high": one.high, "logarithmic": one.logarithmic} for one in problem.free
+        item.name: {"low": item.low, "high": item.high, "logarithmic": item.logarithmic}
+        for item in problem.free
     }
     optimum = (
-        {} if best is None else {one.name: float(x) for one, x in zip(best.free, best.values, strict=True)}
+        {} if best is None else {item.name: float(x) for item, x in zip(best.free, best.values, strict=True)}
     )
     return {
         "title": f"Posterior of {candidate.label}",
@@ -360,41 +363,41 @@ def _findings(
     candidate: Candidate, best: Optimum | None, posterior: Posterior, tree: xarray.DataTree
 ) -> list[str]:
     """Return sentences on search and posterior, and on what they do not determine."""
-    found = [line for line in (candidate.origin.get("duplicates"), candidate.numbers) if line]
+    result = [line for line in (candidate.origin.get("duplicates"), candidate.numbers) if line]
     if best is not None:
-        found.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
-        found += [f"Least squares: {phrase}." for phrase in best.warnings()]
-    found.append(
+        result.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
+        result += [f"Least squares: {phrase}." for phrase in best.warnings()]
+    result.append(
         f"ln Z = {posterior.log_evidence:.2f} +- {posterior.error:.2f}, {posterior.information:.1f} nat of "
         f"information, {posterior.calls} evaluations, {posterior.effective:.0f} effective samples."
     )
     about = tree.attrs
-    found.append(
+    result.append(
         f"{about['coverage']:.1%} of the data lie in the 90 % intervals of their predictions, noise included."
     )
     if about["coverage"] < ENDS[1] - ENDS[0] - ERRORS * about["coverage_error"]:
-        found.append(
+        result.append(
             f"Warning: 90 % +- {about['coverage_error']:.1%} of the data should lie there. The noise is "
             "understated or the law does not explain the data, and the intervals of the numbers are too "
             "narrow. Try --noise free, --discrepancy on or --student free."
         )
     elif not about["covers"] or about["coverage_50"] > 0.5 + ERRORS * about["coverage_50_error"]:
-        found.append(
+        result.append(
             f"Warning: the 50 % intervals contain {about['coverage_50']:.1%} of the data: the noise is "
             "overstated, or outliers have widened it for all. Try --student free."
         )
     summary = tree["summary"].to_dataset()
-    for one, low, high in zip(
+    for item, low, high in zip(
         candidate.problem.free, summary["low"].values, summary["high"].values, strict=True
     ):
-        start, end = one.to_unit(float(low)), one.to_unit(float(high))
+        start, end = item.to_unit(float(low)), item.to_unit(float(high))
         if end - start > UNINFORMED * (ENDS[1] - ENDS[0]):
-            found.append(f"{one.name}: the data do not inform it; its posterior is its prior.")
+            result.append(f"{item.name}: the data do not inform it; its posterior is its prior.")
         elif min(start, 1.0 - end) < AT_END:
-            limit = one.low if start < 1.0 - end else one.high
-            found.append(f"{one.name} lies at an end of its range, {limit:.4g}; the truth may lie beyond.")
+            limit = item.low if start < 1.0 - end else item.high
+            result.append(f"{item.name} lies at an end of its range, {limit:.4g}; the truth may lie beyond.")
     if candidate.truth:
         known = summary.sel(parameter=[*candidate.truth])
         inside = int(((known["low"] <= known["truth"]) & (known["truth"] <= known["high"])).sum())
-        found.append(f"Truth: {inside} of {len(candidate.truth)} known numbers lie in their 90 % intervals.")
-    return found
+        result.append(f"Truth: {inside} of {len(candidate.truth)} known numbers lie in their 90 % intervals.")
+    return result

@@ -108,7 +108,7 @@ def with_values(law: _Law, free: Sequence[FreeParameter], values: Sequence[float
         ValueError: the law does not admit them together.
     """
     return _replaced(
-        law, {one.field or one.name: float(value) for one, value in zip(free, values, strict=True)}
+        law, {item.field or item.name: float(value) for item, value in zip(free, values, strict=True)}
     )
 
 
@@ -122,12 +122,12 @@ def label_of(law: ContactLaw) -> str:
 
 def from_cube(free: Sequence[FreeParameter], shares: Sequence[float] | Array) -> Array:
     """Return the values [SI] at a point of the unit cube, shape (parameter,)."""
-    return np.array([one.from_unit(float(share)) for one, share in zip(free, shares, strict=True)])
+    return np.array([item.from_unit(float(share)) for item, share in zip(free, shares, strict=True)])
 
 
 def to_cube(free: Sequence[FreeParameter], values: Sequence[float] | Array) -> Array:
     """Return the point of the unit cube of values [SI], shape (parameter,)."""
-    return np.array([one.to_unit(float(value)) for one, value in zip(free, values, strict=True)])
+    return np.array([item.to_unit(float(value)) for item, value in zip(free, values, strict=True)])
 
 
 def _numbers(law: Declared, before: str = "") -> Iterator[tuple[str, tuple[float, Parameter]]]:

@@ -131,7 +131,7 @@ class LawPredictor(ImpactPredictor):
     @property
     def fixed(self) -> Mapping[str, float]:
         """See `ImpactPredictor.fixed`."""
-        names = {one.field or one.name for one in self.free}
+        names = {item.field or item.name for item in self.free}
         return {name: value for name, value in self.law.describe().items() if name not in names}
 
 

@@ -53,7 +53,7 @@ class LawChoice:
     overrides: tuple[str, ...]
 
     @classmethod
-    def of(cls, words: Sequence[str]) -> Self:
+    def of(cls, texts: Sequence[str]) -> Self:
         """Sort overrides.
 
         Raises:
@@ -62,7 +62,7 @@ class LawChoice:
         laws, others = list[str](), list[str]()
         parts, ranges = dict[str, list[str]](), dict[str, tuple[str, str]]()
         faults = []
-        for word in words:
+        for word in texts:
             key, _, value = word.partition("=")
             if limits := _RANGE.fullmatch(word):
                 if key in ranges:
@@ -108,10 +108,12 @@ class LawChoice:
     def combinations(self) -> list[tuple[str, ...]]:
         """Return the overrides that choose each law; a composed law in every combination of its parts."""
         lists = [[f"{key}={name}" for name in names] for key, names in self.parts.items()]
-        found: list[tuple[str, ...]] = []
+        result: list[tuple[str, ...]] = []
         for name in self.laws:
-            found += [(f"law={name}", *chosen) for chosen in product(*lists if name == Composed.name else ())]
-        return found or [()]
+            result += [
+                (f"law={name}", *chosen) for chosen in product(*lists if name == Composed.name else ())
+            ]
+        return result or [()]
 
 
 def setups_of(choice: LawChoice, configuration: Mapping[str, Any]) -> list[Setup]:
@@ -192,13 +194,13 @@ def free_keys(setup: Setup, choice: LawChoice, *, several: bool) -> tuple[FreePa
         ConfigurationError: an unknown key, or a range that is not admitted.
     """
     known = declared_in(setup.configuration)
-    fields = {key_of(one.name): one.name for one in free_parameters(setup.law)}
+    fields = {key_of(item.name): item.name for item in free_parameters(setup.law)}
     usual = [
-        replace(one, name=key_of(one.name), field=one.name)
-        for one in free_parameters(setup.law)
-        if key_of(one.name) not in choice.keys
+        replace(item, name=key_of(item.name), field=item.name)
+        for item in free_parameters(setup.law)
+        if key_of(item.name) not in choice.keys
     ]
-    faults, found = list[str](), list[FreeParameter]()
+    faults, result = list[str](), list[FreeParameter]()
     for key, ends in choice.ranges.items():
         if key not in known:
             if not (key.startswith(LAW) and several):
@@ -219,19 +221,19 @@ def free_keys(setup: Setup, choice: LawChoice, *, several: bool) -> tuple[FreePa
             faults.append(f"{shown}; {limits}".rstrip())
         else:
             wide = low > 0.0 and high / low >= WIDE
-            found.append(FreeParameter(key, low, high, wide, declared, fields.get(key, "")))
+            result.append(FreeParameter(key, low, high, wide, declared, fields.get(key, "")))
     if faults:
         raise ConfigurationError(faults)
-    return tuple(found if choice.ranges and not several else [*found, *usual])
+    return tuple(result if choice.ranges and not several else [*result, *usual])
 
 
 def numbers_of(setup: Setup, choice: LawChoice, keys: Sequence[FreeParameter]) -> str:
     """Return a sentence on the free and fixed numbers of a law, and on the keys that it does not have."""
-    free = {one.name for one in keys}
+    free = {item.name for item in keys}
     fixed = {key_of(name): value for name, value in setup.law.describe().items() if key_of(name) not in free}
     known = {*flat(setup.configuration), *free}
-    asked = [*choice.ranges, *(word.partition("=")[0] for word in choice.overrides)]
-    absent = [key for key in dict.fromkeys(asked) if key.startswith(LAW) and key not in known]
+    original = [*choice.ranges, *(word.partition("=")[0] for word in choice.overrides)]
+    absent = [key for key in dict.fromkeys(original) if key.startswith(LAW) and key not in known]
     return " ".join(
         [
             f"Free: {'; '.join(map(str, keys)) or 'nothing'}.",
@@ -246,7 +248,7 @@ def key_of(field: str) -> str:
     return FRICTION if field.rpartition(".")[2] == SHARED else f"{LAW}{field}"
 
 
-def law_predictors(words: Sequence[str]) -> list[LawPredictor]:
+def law_predictors(texts: Sequence[str]) -> list[LawPredictor]:
     """Return predictors of impacts under the chosen laws, by default the usual ones.
 
     A number with a value is fixed, one with a range is free in it; all others are free as usual.
@@ -254,17 +256,17 @@ def law_predictors(words: Sequence[str]) -> list[LawPredictor]:
     Raises:
         ConfigurationError: an override of another form, or an unknown name.
     """
-    _check_forms(words)
-    choice = LawChoice.of(words)
+    _check_forms(texts)
+    choice = LawChoice.of(texts)
     if choice.parts and Composed.name not in choice.laws:
         choice = replace(choice, laws=(*choice.laws, Composed.name))
-    found = usual_laws()
+    result = usual_laws()
     if choice.laws:
-        found = []
+        result = []
         for law, *parts in choice.combinations():
             named = dict(part.removeprefix(PART).split("=") for part in parts)
             try:
-                found.append(usual_law(law.removeprefix("law="), **named))
+                result.append(usual_law(law.removeprefix("law="), **named))
             except (ValueError, TypeError) as error:
                 raise ConfigurationError([str(error)]) from error
     keys = [word.partition("=")[0] for word in choice.overrides]
@@ -272,18 +274,18 @@ def law_predictors(words: Sequence[str]) -> list[LawPredictor]:
         raise ConfigurationError([f"{twice[0]} occurs twice; it must occur once. Leave one out."])
     changes = {key: (value,) for key, _, value in (word.partition("=") for word in choice.overrides)}
     for key, ends in {**changes, **choice.ranges}.items():
-        changed = [_changed(predictor, key, ends) for predictor in found]
-        if all(one is other for one, other in zip(changed, found, strict=True)):
-            every = sorted({f"{LAW}{name}" for predictor in found for name in predictor.law.describe()})
+        changed = [_changed(predictor, key, ends) for predictor in result]
+        if all(item is other for item, other in zip(changed, result, strict=True)):
+            every = sorted({f"{LAW}{name}" for predictor in result for name in predictor.law.describe()})
             hint = suggestion(key, every, f"They have {', '.join(every) or 'none'}.")
             raise ConfigurationError([f"None of these laws has a number {key}. {hint}"])
-        found = changed
-    return found
+        result = changed
+    return result
 
 
-def _check_forms(words: Sequence[str]) -> None:
+def _check_forms(texts: Sequence[str]) -> None:
     """Raise a ConfigurationError if an override does not choose a law or a number of it."""
-    for word in words:
+    for word in texts:
         key, _, value = word.partition("=")
         if not value or not (key in ("law", FRICTION) or key.startswith((LAW, PART))):
             hint = suggestion(key, ["law", *(f"{PART}{family}" for family in PARTS)])
@@ -304,7 +306,7 @@ def _changed(predictor: LawPredictor, key: str, ends: Sequence[str]) -> LawPredi
     name = next((name for name in units if key in (key_of(name), f"{LAW}{name}")), None)
     if name is None:
         return predictor
-    ranges: dict[str, Any] = {one.name: (one.low, one.high) for one in predictor.free}
+    ranges: dict[str, Any] = {item.name: (item.low, item.high) for item in predictor.free}
     shown = f"{key}={'..'.join(ends)}"
     try:
         values = [to_si(end.strip(), units[name]) for end in ends]

@@ -57,7 +57,7 @@ class Optimum:
 
     def warnings(self) -> list[str]:
         """Return a phrase for each kind of value that the data do not determine."""
-        ends = {one.name: value for one, value in zip(self.free, self.values, strict=True)}
+        ends = {item.name: value for item, value in zip(self.free, self.values, strict=True)}
         return [
             *([f"not determined: {', '.join(self.undetermined)}"] if self.undetermined else []),
             *(f"{name} lies on an end of its range, {ends[name]:.4g}" for name in self.at_end),
@@ -146,7 +146,7 @@ def best_fit(
         int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
         np.asarray(np.linalg.svd(jacobian, compute_uv=False), dtype=np.float64),
         undetermined(free, jacobian, spread),
-        tuple(one.name for one, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
+        tuple(item.name for item, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
     )
 
 
@@ -187,4 +187,4 @@ def undetermined(free: Sequence[FreeParameter], jacobian: Array, spread: float) 
     _, sizes, directions = np.linalg.svd(filled, full_matrices=False)
     flat = (sizes <= FLAT * sizes[0]) | (sizes < sqrt(12.0) * spread)
     named = (np.abs(directions[flat]) >= SHARE).any(axis=0)
-    return tuple(one.name for one, is_flat in zip(free, named, strict=True) if is_flat)
+    return tuple(item.name for item, is_flat in zip(free, named, strict=True) if is_flat)

@@ -113,12 +113,12 @@ class Posterior:
 
     def quantiles(self, shares: Iterable[float]) -> Array:
         """Return the quantiles of each parameter [SI], shape (parameter, share)."""
-        found = []
+        outcome = []
         for column in self.samples.T:
             order = np.argsort(column, kind="stable")
             reached = np.cumsum(np.exp(self.log_weight[order]))
-            found.append(np.interp(list(shares), reached, column[order]))
-        return np.array(found).reshape(len(self.free), -1)
+            outcome.append(np.interp(list(shares), reached, column[order]))
+        return np.array(outcome).reshape(len(self.free), -1)
 
     def moments(self) -> tuple[Array, Array]:
         """Return mean, shape (parameter,), and covariance [SI], shape (parameter, parameter)."""
@@ -178,19 +178,19 @@ def sample(
             first_update={"min_ncall": points, "min_eff": UNBOUNDED},
         )
         sampler.run_nested(print_progress=False)
-        found = sampler.results
-    log_weight = np.asarray(found["logwt"] - found["logz"][-1])
+        outcome = sampler.results
+    log_weight = np.asarray(outcome["logwt"] - outcome["logz"][-1])
     # They add up to one but for round-off.
     log_weight = log_weight - np.logaddexp.reduce(log_weight)
     return Posterior(
         problem.free,
-        np.asarray(found["samples"]),
-        np.asarray(found["logl"]),
+        np.asarray(outcome["samples"]),
+        np.asarray(outcome["logl"]),
         log_weight,
-        float(found["logz"][-1]),
-        float(found["logzerr"][-1]),
-        float(found["information"][-1]),
-        int(np.sum(found["ncall"])),
+        float(outcome["logz"][-1]),
+        float(outcome["logzerr"][-1]),
+        float(outcome["information"][-1]),
+        int(np.sum(outcome["ncall"])),
         points,
         seed,
     )
@@ -206,9 +206,9 @@ def _log_likelihood(values: Array) -> float:
     known = _RECORDED.get(values.tobytes())
     if known is not None:
         return known
-    found = _CURRENT[0].log_likelihood(values)
-    _EVALUATED.append((np.array(values), found))
-    return found
+    outcome = _CURRENT[0].log_likelihood(values)
+    _EVALUATED.append((np.array(values), outcome))
+    return outcome
 
 
 def _with_evaluations(work: Callable[[Any], Any], item: Any) -> tuple[Any, list[tuple[Array, float]]]:
@@ -273,14 +273,14 @@ class _Record:
             if self._digest(content[:-size]) != content[-size:]:
                 raise ValueError("its digest is another")
             with np.load(BytesIO(content[:-size]), allow_pickle=False) as read:
-                values, found = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
-            kinds = {values.dtype, found.dtype}
-            if values.shape != (found.size, len(problem.free)) or kinds != {np.dtype(float)}:
+                values, outcome = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
+            kinds = {values.dtype, outcome.dtype}
+            if values.shape != (outcome.size, len(problem.free)) or kinds != {np.dtype(float)}:
                 raise ValueError("its numbers are of another shape")
         except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
             self.damage = f"'{path}' is damaged ({error}); the fit begins anew."
             return
-        self.values, self.log_likelihood = list(values), found.tolist()
+        self.values, self.log_likelihood = list(values), outcome.tolist()
 
     def _digest(self, content: bytes) -> bytes:
         assert self._path is not None
@@ -288,9 +288,9 @@ class _Record:
 
     def add(self, evaluated: Iterable[tuple[Array, float]]) -> None:
         """Add evaluations; write the file if the last one is older than `EVERY`."""
-        for values, found in evaluated:
+        for values, outcome in evaluated:
             self.values.append(values)
-            self.log_likelihood.append(found)
+            self.log_likelihood.append(outcome)
         if perf_counter() - self._written > EVERY:
             self.write()
 

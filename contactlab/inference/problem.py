@@ -114,7 +114,9 @@ class Problem(ABC):
 
     def value(self, values: Array, name: str, default: float) -> float:
         """Return the value of a free number by name, or the default if it is not free."""
-        return next((float(x) for one, x in zip(self.free, values, strict=True) if one.name == name), default)
+        return next(
+            (float(x) for item, x in zip(self.free, values, strict=True) if item.name == name), default
+        )
 
 
 def size_prior(name: str, units: str, size: float, meaning: str) -> FreeParameter:

@@ -33,7 +33,7 @@ ON_GRID: Final = 1e-3
 FINER: Final = 4
 """Number of records within the smallest interval of times that are not equidistant."""
 
-ON_RECORDS: Final = ("normal_force", "friction_force", *(one.name for one in CURRENTS))
+ON_RECORDS: Final = ("normal_force", "friction_force", *(item.name for item in CURRENTS))
 """Series that are known at the records of a run only: means over an interval, and currents."""
 
 NOISE, DISCREPANCY = "noise", "discrepancy"
@@ -75,15 +75,15 @@ class SeriesProblem(Problem):
     @cached_property
     def nuisances(self) -> tuple[FreeParameter, ...]:
         """Noise that is not stated, discrepancy and degrees of freedom."""
-        found = []
-        for one in self.data:
-            size = _rms(one.values)
-            if one.name not in self.measured.errors:
-                found.append(size_prior(f"{NOISE}.{one.name}", one.units, size, "noise"))
+        result = []
+        for item in self.data:
+            size = _rms(item.values)
+            if item.name not in self.measured.errors:
+                result.append(size_prior(f"{NOISE}.{item.name}", item.units, size, "noise"))
             if self.correlation > 0.0:
                 meaning = "amplitude of the discrepancy"
-                found.append(size_prior(f"{DISCREPANCY}.{one.name}", one.units, size, meaning))
-        return (*found, *([DEGREES_OF_FREEDOM] if self.degrees_of_freedom is None else []))
+                result.append(size_prior(f"{DISCREPANCY}.{item.name}", item.units, size, meaning))
+        return (*result, *([DEGREES_OF_FREEDOM] if self.degrees_of_freedom is None else []))
 
     @cached_property
     def data(self) -> tuple[Observation, ...]:
@@ -105,7 +105,7 @@ class SeriesProblem(Problem):
 
     def run(self, values: Array) -> Trajectory | None:
         """Run the motor with these values of law and motor; None if it does not reach the end."""
-        chosen = {one.name: float(value) for one, value in zip(self.keys, values, strict=False)}
+        chosen = {item.name: float(value) for item, value in zip(self.keys, values, strict=False)}
         try:
             run = build(nested({**self.configuration, **chosen})).run(record_interval=self.interval)
         # Values that are admitted one by one need not be so together.
@@ -131,19 +131,22 @@ class SeriesProblem(Problem):
             return np.full(self.measured.time.size * len(self.measured.values), np.nan)
         errors = self.measured.errors
         return np.concatenate(
-            [(one.values - predicted[one.name]) / errors.get(one.name, _rms(one.values)) for one in self.data]
+            [
+                (item.values - predicted[item.name]) / errors.get(item.name, _rms(item.values))
+                for item in self.data
+            ]
         )
 
     def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Return the log density of each datum given those before it, by name."""
         time, tails, terms = self.measured.time, self._tails(values), {}
-        for one in self.data:
-            noise, amplitude = self._noise(one.name, values)
-            missed = one.values - predicted[one.name]
+        for item in self.data:
+            noise, amplitude = self._noise(item.name, values)
+            missed = item.values - predicted[item.name]
             if tails < inf:
-                terms[one.name] = student_log_densities(missed, noise, tails)
+                terms[item.name] = student_log_densities(missed, noise, tails)
             else:
-                terms[one.name] = series_log_densities(
+                terms[item.name] = series_log_densities(
                     missed, time, noise, amplitude, self.correlation or 1.0
                 )
         return terms
@@ -224,8 +227,8 @@ def series_problem(
 def series_of(run: Trajectory, names: Sequence[str] | Mapping[str, Any]) -> dict[str, Array]:
     """Return series of a run by name, currents included."""
     series = dict(run.series)
-    if any(one.name in names for one in CURRENTS):
-        series |= dict(zip((one.name for one in CURRENTS), currents(run), strict=True))
+    if any(item.name in names for item in CURRENTS):
+        series |= dict(zip((item.name for item in CURRENTS), currents(run), strict=True))
     return {name: series[name] for name in names}
 
 

@@ -48,12 +48,12 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
         size = noise * (float(np.sqrt(np.mean(series[name] ** 2))) or 1.0)
         values[name] = series[name] + size * draws.standard_normal(run.time.size)
         errors[name] = np.full(run.time.size, size)
-    said = {
+    stated = {
         "title": f"Made by law {setup.law.name}, with {noise:g} of noise",
         TRUTH: json.dumps(truth_of(setup.configuration)),
         "seed": seed,
     }
-    return MeasuredSeries(run.time, values, errors, setup.configuration, said)
+    return MeasuredSeries(run.time, values, errors, setup.configuration, stated)
 
 
 def made_impacts(
@@ -142,13 +142,13 @@ def truth_in(
         notes = [note.removeprefix(f"{TRUTH}: ") for note in measured.notes if note.startswith(f"{TRUTH}: ")]
         text = notes[0] if notes else "{}"
     try:
-        found = json.loads(str(text))
+        result = json.loads(str(text))
     # Somebody else's note of that name may be anything.
     except ValueError:
         return {}
-    if not isinstance(found, dict) or _names(found) != _names(flat(configuration)):
+    if not isinstance(result, dict) or _names(result) != _names(flat(configuration)):
         return {}
-    return {str(key): float(x) for key, x in found.items() if isinstance(x, int | float)}
+    return {str(key): float(x) for key, x in result.items() if isinstance(x, int | float)}
 
 
 def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries | MeasuredImpacts:

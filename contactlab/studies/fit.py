@@ -88,17 +88,17 @@ class Fit(Study):
         Raises:
             ConfigurationError: an option does not apply to them.
         """
-        found, noise = self.measured, number_or_free("study.noise", self.noise, 1.0)
+        result, noise = self.measured, number_or_free("study.noise", self.noise, 1.0)
         if self.series:
-            if not isinstance(found, MeasuredSeries):
+            if not isinstance(result, MeasuredSeries):
                 raise ConfigurationError(["study.series is set and the data are impacts; leave it out."])
             try:
-                found = found.only(self.series)
+                result = result.only(self.series)
             except ValueError as error:
                 raise ConfigurationError([str(error)]) from error
         if noise is None:
-            return found
-        return without_errors(found) if noise == FREE else with_noise(found, float(noise))
+            return result
+        return without_errors(result) if noise == FREE else with_noise(result, float(noise))
 
     @cached_property
     def candidates(self) -> list[Candidate]:
@@ -129,10 +129,10 @@ class Fit(Study):
         # Likelihoods are evaluated by several processes where the laws are not.
         workers = None if self.workers == 1 and self.scheduler is None else 1
         tasks = []
-        for one in self.candidates:
+        for item in self.candidates:
             settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
-            key = f"{one.label} {self._digest(one)}"
-            tasks.append(Task(key, _fitted, (one, settings, workers), resumes=True))
+            key = f"{item.label} {self._digest(item)}"
+            tasks.append(Task(key, _fitted, (item, settings, workers), resumes=True))
         return tasks
 
     def _digest(self, candidate: Candidate) -> str:
@@ -141,8 +141,8 @@ class Fit(Study):
             sampler = version("dynesty")
         except PackageNotFoundError:
             sampler = UNKNOWN
-        free = [str(one) for one in candidate.problem.free]
-        data = [one.values.tobytes() for one in candidate.problem.data]
+        free = [str(item) for item in candidate.problem.free]
+        data = [item.values.tobytes() for item in candidate.problem.data]
         parts = (candidate.label, *candidate.origin.items(), *free, sampler, code_digest(), *data)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
@@ -158,20 +158,20 @@ class Fit(Study):
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return mean and standard deviation of each free number, after the label of one of several laws."""
-        found = {}
+        result = {}
         for label, fit in data.children.items():
             before = f"{label}." if len(data.children) > 1 else ""
             for row in _rows(fit):
-                found[f"{before}{row['parameter']}"] = Estimate(row["mean"], row["deviation"])
-        return found
+                result[f"{before}{row['parameter']}"] = Estimate(row["mean"], row["deviation"])
+        return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the comparison of the laws, then what limits each fit."""
-        found = sentences(evidences(data))
+        result = sentences(evidences(data))
         for label, fit in data.children.items():
             before = f"{label}: " if len(data.children) > 1 else ""
-            found += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
-        return found
+            result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
+        return result
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return evidence and, for each law, posterior and correlation."""
@@ -180,11 +180,11 @@ class Fit(Study):
             first, *_ = every = ranked(evidences(data))
             rows = [
                 {
-                    "law": one.label,
-                    "ln Z": Estimate(one.log_evidence, one.error),
-                    "less the largest": one.log_evidence - first.log_evidence,
+                    "law": item.label,
+                    "ln Z": Estimate(item.log_evidence, item.error),
+                    "less the largest": item.log_evidence - first.log_evidence,
                 }
-                for one in every
+                for item in every
             ]
             tables["evidence"] = table(rows, caption="Evidence")
         for label, fit in data.children.items():

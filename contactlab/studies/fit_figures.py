@@ -111,14 +111,14 @@ def _over_time(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
     time = 1e3 * data["time"].values
     figure = Figure(figsize=(WIDTH, 2.6 * len(data) + 0.3), layout="constrained")
     panels = figure.subplots(2 * len(data), 1, sharex=True, height_ratios=[2, 1] * len(data))
-    for (name, one), upper, lower in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
+    for (name, item), upper, lower in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
         low, high = np.quantile(predictive[name].values, ENDS, axis=0)
         middle = np.median(predictive[f"{name}_predicted"].values, axis=0)
         for axes, level in ((upper, 0.0), (lower, middle)):
             axes.fill_between(time, low - level, high - level, label="90 % of the predictions", **_BAND)
-            axes.plot(time, one.values - level, ".", color="black", markersize=1.5, label="measured")
+            axes.plot(time, item.values - level, ".", color="black", markersize=1.5, label="measured")
         upper.plot(time, middle, color=COLOURS["stick"], linewidth=0.7, label="median, without noise")
-        unit = from_cf(one.attrs["units"])
+        unit = from_cf(item.attrs["units"])
         upper.set_ylabel(f"{str(name).replace('_', ' ')}\n({unit})")
         lower.set_ylabel(f"less the\nmedian ({unit})")
     panels[0].legend(loc="best")

@@ -101,9 +101,9 @@ class Validate(Study):
         """Return one task for each law and seed, the slow ones first."""
         del setups
         return [
-            Task(self._key(one, seed), _cross_validated, (one, self.impacts, self.folds, seed))
+            Task(self._key(entry, seed), _cross_validated, (entry, self.impacts, self.folds, seed))
             for seed in self.seeds
-            for one in sorted(self.predictors, key=lambda each: not each.integrated)
+            for entry in sorted(self.predictors, key=lambda each: not each.integrated)
         ]
 
     def _key(self, predictor: ImpactPredictor, seed: int) -> str:
@@ -115,7 +115,7 @@ class Validate(Study):
         del setups
         trees = [
             assessed(
-                [parts[self._key(one, seed)].to_dataset() for one in self.predictors],
+                [parts[self._key(entry, seed)].to_dataset() for entry in self.predictors],
                 self.impacts,
                 self.folds,
                 seed,
@@ -224,7 +224,7 @@ def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
     settled = sum(len(signs) == 1 and 0 not in signs for signs in orders.values())
     never = sum(signs == {0} for signs in orders.values())
     opposite = opposite_orders(seeds)
-    odd = [set(one["impact"].values[one["unexplained"].values != 0].tolist()) for one in seeds]
+    odd = [set(entry["impact"].values[entry["unexplained"].values != 0].tolist()) for entry in seeds]
     return [
         f"Of {len(orders)} pairs of laws {settled} are distinct in one order under all {len(seeds)} seeds, "
         f"{never} under none, {len(opposite)} in opposite orders.",
@@ -241,29 +241,29 @@ def opposite_orders(seeds: Sequence[xarray.Dataset]) -> list[tuple[str, str]]:
 
 def _orders(seeds: Sequence[xarray.Dataset]) -> dict[tuple[str, str], set[int]]:
     """Return, for each pair of laws, the signs of their difference over the seeds, 0 for not distinct."""
-    found = {}
+    result = {}
     for a, b in combinations(map(str, laws_in(seeds[0])["law"].values), 2):
-        ends = [one["difference_interval"].sel(law=a, other=b).values for one in seeds]
-        found[a, b] = {int(low > 0.0) - int(high < 0.0) for low, high in ends}
-    return found
+        ends = [entry["difference_interval"].sel(law=a, other=b).values for entry in seeds]
+        result[a, b] = {int(low > 0.0) - int(high < 0.0) for low, high in ends}
+    return result
 
 
 def limits(data: xarray.Dataset) -> list[str]:
     """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
-    found = [copies] if (copies := data.attrs.get("copies")) else []
+    result = [copies] if (copies := data.attrs.get("copies")) else []
     for label in map(str, data["law"].values):
         here = data.sel(law=label)
         if names := here["cannot_tell"].item():
-            found.append(f"{label}: {names} not determined.")
+            result.append(f"{label}: {names} not determined.")
         if names := here["at_end"].item():
-            found.append(f"{label}: {names} on an end of the range; the optimum may lie beyond.")
+            result.append(f"{label}: {names} on an end of the range; the optimum may lie beyond.")
         if names := here["unmoved"].item():
-            found.append(f"{label}: {names} have no effect on the impacts and are fixed.")
+            result.append(f"{label}: {names} have no effect on the impacts and are fixed.")
         if count := int(here["unanswered"]):
-            found.append(
+            result.append(
                 f"{label}: no prediction for {count} of {data.sizes['impact']} impacts; no change is assumed."
             )
-    return found
+    return result
 
 
 def unexplained(data: xarray.Dataset) -> str:
@@ -335,19 +335,19 @@ def validate(
     every = [laws] if isinstance(laws, str | ContactLaw) else [*laws]
     choice = [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
     choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
-    if names := [one for one in every if isinstance(one, str)]:
+    if names := [entry for entry in every if isinstance(entry, str)]:
         choice = [f"law={','.join(names)}", *choice]
     from_file = isinstance(data, str | Path)
     study = Validate(data=str(data) if from_file else "", choice=choice, **options)
     # Cached properties that read the file and make the laws.
     if not from_file:
         study.__dict__["impacts"] = data
-    if objects := [one for one in every if not isinstance(one, str)]:
+    if objects := [entry for entry in every if not isinstance(entry, str)]:
         if names or choice:
             raise ValueError(
                 "Laws must be names, or all objects with their own numbers, without free and fixed."
             )
         study.__dict__["laws"] = [
-            LawPredictor.of(one) if isinstance(one, ContactLaw) else one for one in objects
+            LawPredictor.of(entry) if isinstance(entry, ContactLaw) else entry for entry in objects
         ]
     return run(study, {}, None if folder is None else Path(folder), progress)

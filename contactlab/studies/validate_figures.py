@@ -44,8 +44,8 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         axes.axvline(float(here["prediction_error"]), **THIN)
         at = (float(here["prediction_error"]), len(labels) - 0.5)
         if floor == floors["law"].values[0]:
-            words = "floor: best admissible impulse of each impact "
-            axes.annotate(words, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
+            overrides = "floor: best admissible impulse of each impact "
+            axes.annotate(overrides, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
     axes.set(xscale="log", xlabel="held-out prediction error")
@@ -94,16 +94,16 @@ def draw_residuals(data: xarray.Dataset) -> Figure:
     across = abscissas(data)
     figure, panels = drawing(3, 3, 5.2, sharex="col", sharey="row")
     for number, law in enumerate(chosen):
-        for row, (words, missed) in enumerate(residuals_of(data, law).items()):
+        for row, (overrides, missed) in enumerate(residuals_of(data, law).items()):
             for column, (axis, x) in enumerate(across.items()):
                 axes = panels[3 * row + column]
-                found = binned(x, missed)
-                axes.plot(found.at, found.median, label=law, **style(number))
+                result = binned(x, missed)
+                axes.plot(result.at, result.median, label=law, **style(number))
                 if number == 0:
                     band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
-                    axes.fill_between(found.at, found.low, found.high, **band)
+                    axes.fill_between(result.at, result.low, result.high, **band)
                 if column == 0:
-                    axes.set_ylabel(words)
+                    axes.set_ylabel(overrides)
                 if row == 2:
                     axes.set_xlabel(axis)
                 if row:
@@ -122,9 +122,9 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
     figure.colorbar(dots, ax=axes, label="least error under any law", extend="max")
     odd = np.flatnonzero(data["unexplained"].values)
     if odd.size:
-        words = f"no law explains: {odd.size} of {rate.size}"
+        overrides = f"no law explains: {odd.size} of {rate.size}"
         ring = {"s": 26.0, "facecolor": "none", "edgecolor": COLOURS["fault"], "linewidth": 0.9}
-        axes.scatter(slip[odd], -rate[odd], label=words, **ring)
+        axes.scatter(slip[odd], -rate[odd], label=overrides, **ring)
         named: list[tuple[float, float]] = []
         spread = np.ptp(slip), np.ptp(rate)
         for place in odd[np.argsort(-least[odd])][:MOST_NUMBERED]:

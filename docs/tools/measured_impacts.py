@@ -36,7 +36,7 @@ def ordered(seeds: Sequence[xarray.Dataset]) -> list[str]:
     """Return the laws in the order of the means of their errors over the seeds."""
     labels = [str(label) for label in laws_in(seeds[0])["law"].values]
     return sorted(
-        labels, key=lambda label: np.mean([one["prediction_error"].sel(law=label) for one in seeds])
+        labels, key=lambda label: np.mean([entry["prediction_error"].sel(law=label) for entry in seeds])
     )
 
 
@@ -47,12 +47,12 @@ def error_table(seeds: Sequence[xarray.Dataset]) -> Iterator[str]:
     laws, first = ordered(seeds), seeds[0]
     others = [str(label) for label in first["law"].values if label not in laws]
     for place, label in enumerate([*laws, *others]):
-        errors = [float(one["prediction_error"].sel(law=label)) for one in seeds]
+        errors = [float(entry["prediction_error"].sel(law=label)) for entry in seeds]
         low, high = first["prediction_error_interval"].sel(law=label).values
         doubt = ""
         if 0 < place < len(laws):
             above = {"law": label, "other": laws[place - 1], "end": "low"}
-            count = sum(float(one["difference_interval"].sel(above)) <= 0.0 for one in seeds)
+            count = sum(float(entry["difference_interval"].sel(above)) <= 0.0 for entry in seeds)
             doubt = f"in {count} of {len(seeds)} seeds" if count else ""
         yield (
             f"| `{label}` | {first['kind'].sel(law=label).item()} | {np.mean(errors):.4f} | "

@@ -11,7 +11,7 @@ from contactlab.studies.validate import agreement, opposite_orders
 
 
 def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dataset:
-    """Give what the count reads of a study whose intervals all reach as far."""
+    """Return what the count reads of a study whose intervals all reach as far."""
     mean = np.array([*errors.values()])
     apart = mean[:, None] - mean[None]
     impact = np.arange(1, 6)
@@ -30,14 +30,14 @@ def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dat
 
 
 def test_an_order_holds_where_no_two_seeds_contradict_each_other() -> None:
-    one = _study({"a": 0.10, "b": 0.11, "c": 0.20}, 0.02, [1, 2])
+    item = _study({"a": 0.10, "b": 0.11, "c": 0.20}, 0.02, [1, 2])
     other = _study({"a": 0.10, "b": 0.15, "c": 0.20}, 0.02, [2, 3])
     turned = _study({"a": 0.15, "b": 0.10, "c": 0.20}, 0.02, [])
 
-    first, last = agreement([one, other])
+    first, last = agreement([item, other])
     assert "3 pairs of laws 2 are" in first
     assert "explains 1 impacts" in last
-    assert opposite_orders([one, other]) == []
+    assert opposite_orders([item, other]) == []
     assert opposite_orders([other, turned, turned]) == [("a", "b")]
 
 

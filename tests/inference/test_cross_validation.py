@@ -112,10 +112,10 @@ def test_the_same_seed_gives_the_same_bits_whatever_the_workers_and_after_an_int
 
 
 def test_several_seeds_are_compared(impacts: MeasuredImpacts) -> None:
-    found = cl.validate(impacts.part(np.arange(60)), ["newton", "lagrange_stick"], folds=2, repeats=2)
+    outcome = cl.validate(impacts.part(np.arange(60)), ["newton", "lagrange_stick"], folds=2, repeats=2)
 
-    assert [*found.data.children] == ["seed_1"]
-    assert any("all 2 seeds" in line for line in found.findings)
+    assert [*outcome.data.children] == ["seed_1"]
+    assert any("all 2 seeds" in line for line in outcome.findings)
 
 
 def test_one_in_a_hundred_impacts_is_above_noise_under_the_true_law_and_an_outlier_is_found() -> None:
@@ -139,13 +139,13 @@ def test_without_covariance_and_with_contact_velocities_alone_the_noise_is_unkno
 def test_the_restitution_of_head_on_impacts_is_the_median_of_theirs() -> None:
     # The least sum of |e_i - e|, and an outlier weighs no more than another.
     seen = np.array([0.50, 0.52, 0.55, 0.61, 0.05])
-    one = np.ones(5)
+    entry = np.ones(5)
     impacts = MeasuredImpacts(
         np.tile(np.eye(2), (5, 1, 1)),
-        np.column_stack([-one, 0.0 * one]),
-        np.column_stack([seen, 0.0 * one]),
-        0.5 * one,
-        0.0 * one,
+        np.column_stack([-entry, 0.0 * entry]),
+        np.column_stack([seen, 0.0 * entry]),
+        0.5 * entry,
+        0.0 * entry,
         None,
         *("Balls", "Closed form", "CC0-1.0"),
         0,
@@ -169,11 +169,11 @@ def test_a_number_without_effect_is_fixed_and_one_that_no_impact_depends_on_is_u
     before = sticking.velocity_before * [1.0, 0.05]
     after = velocities_after(cl.Newton(1.0, 0.5), sticking.delassus, before)
     slow = replace(sticking, velocity_before=before, velocity_after=after)
-    found = cl.validate(slow, "newton", folds=3)
+    outcome = cl.validate(slow, "newton", folds=3)
 
-    data = found.data.to_dataset()
+    data = outcome.data.to_dataset()
     assert "friction_coefficient" in data["cannot_tell"].sel(law="newton").item()
-    assert "not determined" in found.tables["parameters"]["remark"].tolist()
+    assert "not determined" in outcome.tables["parameters"]["remark"].tolist()
 
 
 def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:
@@ -210,10 +210,10 @@ def test_a_compliant_law_that_made_the_impacts_beats_the_rigid_ones() -> None:
     law = cl.Composed(cl.HertzPoint(), cl.Flores(0.6), cl.Mindlin(0.3, stiffness_ratio=0.8))
     impacts = struck_discs(law, 200, seed=6, spread=0.02)
     mindlin = usual_law("composed", damping="flores", friction="mindlin")
-    found = cl.validate(impacts, [mindlin, usual_law("poisson"), usual_law("newton")]).data.to_dataset()
+    outcome = cl.validate(impacts, [mindlin, usual_law("poisson"), usual_law("newton")]).data.to_dataset()
 
-    assert found["law"].values[0] == mindlin.label
-    ratio = found["value"].sel(law=mindlin.label, parameter="friction.stiffness_ratio").values
+    assert outcome["law"].values[0] == mindlin.label
+    ratio = outcome["value"].sel(law=mindlin.label, parameter="friction.stiffness_ratio").values
     assert np.median(ratio) == pytest.approx(0.8, rel=0.1)
 
 
@@ -251,7 +251,7 @@ def test_laws_are_distinct_where_the_interval_of_pairs_excludes_zero(
 
 def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> None:
     write_impacts(struck_discs(TRUTH, 60, seed=0, spread=SPREAD), Path("discs.csv"))
-    words = [
+    overrides = [
         "law=newton,poisson",
         "contact.friction_coefficient=0.05..0.5",
         "--folds",
@@ -259,7 +259,7 @@ def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> Non
         "--output",
         "here",
     ]
-    status, out, _ = command("validate", "discs.csv", *words)
+    status, out, _ = command("validate", "discs.csv", *overrides)
     assert status == 0
     with xarray.open_dataset("here/validate.nc") as data:
         best = str(data["law"].values[0])
@@ -281,8 +281,8 @@ def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> Non
 
 def test_bins_of_equal_numbers_have_the_quartiles_of_what_is_in_them():
     x = np.random.default_rng(0).permutation(80).astype(float)
-    found = binned(x, 2.0 * x)
+    outcome = binned(x, 2.0 * x)
 
-    assert found.at == pytest.approx(4.5 + 10.0 * np.arange(8))
-    assert found.median == pytest.approx(2.0 * found.at)
-    assert found.high - found.low == pytest.approx(9.0)
+    assert outcome.at == pytest.approx(4.5 + 10.0 * np.arange(8))
+    assert outcome.median == pytest.approx(2.0 * outcome.at)
+    assert outcome.high - outcome.low == pytest.approx(9.0)

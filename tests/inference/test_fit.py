@@ -55,11 +55,13 @@ def test_two_laws_are_compared_by_evidence_and_leave_posteriors_that_arviz_reads
     arviz = pytest.importorskip("arviz")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = arviz.InferenceData.from_datatree(xarray.open_datatree(tmp_path / "fit.nc").load()["newton"])
-        assert arviz.summary(found, kind="stats").loc["law.restitution", "mean"] == pytest.approx(
+        outcome = arviz.InferenceData.from_datatree(
+            xarray.open_datatree(tmp_path / "fit.nc").load()["newton"]
+        )
+        assert arviz.summary(outcome, kind="stats").loc["law.restitution", "mean"] == pytest.approx(
             0.6, abs=0.05
         )
-        assert np.isfinite(arviz.loo(found).elpd_loo)
+        assert np.isfinite(arviz.loo(outcome).elpd_loo)
 
 
 def test_the_truth_is_a_column_where_it_is_known(impacts):
@@ -80,13 +82,13 @@ def test_a_fit_that_is_interrupted_resumes_to_the_same_bytes(impacts, tmp_path, 
     xarray.testing.assert_identical(again.data, whole.data)
     monkeypatch.setattr(nested, "EVERY", -1.0)
     monkeypatch.setattr(nested, "WORTH_A_PROCESS", np.inf)
-    asked, calls = nested.Problem.log_likelihood, []
+    original, calls = nested.Problem.log_likelihood, []
 
     def counting(problem, values):
         calls.append(values)
         if len(calls) == 150:
             raise KeyboardInterrupt
-        return asked(problem, values)
+        return original(problem, values)
 
     monkeypatch.setattr(nested.Problem, "log_likelihood", counting)
     with pytest.raises(KeyboardInterrupt):
@@ -101,8 +103,10 @@ def test_a_fit_that_is_interrupted_resumes_to_the_same_bytes(impacts, tmp_path, 
 
 @pytest.mark.long
 def test_a_rotor_velocity_shows_that_a_law_with_a_wrong_stiffness_is_wrong():
-    words = ["law=hertz_penalty", "solver.duration=3e-4", "record.interval=1e-5", "law.stiffness=1e10"]
-    data = made_series(cl.build([*words, "contact.friction_coefficient=0.3"]), ["rotor_velocity"], 0.01, 0)
+    overrides = ["law=hertz_penalty", "solver.duration=3e-4", "record.interval=1e-5", "law.stiffness=1e10"]
+    data = made_series(
+        cl.build([*overrides, "contact.friction_coefficient=0.3"]), ["rotor_velocity"], 0.01, 0
+    )
     result = cl.fit(
         data,
         free={"contact.friction_coefficient": (0.1, 0.5)},
@@ -189,8 +193,17 @@ def test_no_odds_are_stated_where_the_stated_noise_is_far_too_small(impacts):
 def test_the_verbs_make_data_and_fit_them(command: Command) -> None:
     status, _, _ = command("synthetic", "law=newton", "law.restitution=0.6", "impacts=20", "noise=0.05")
     assert status == 0
-    words = ["law=newton", "law.restitution=0.1..0.9", "--points", "25", "--starts", "1", "--output", "here"]
-    status, out, _ = command("fit", "synthetic/synthetic.nc", *words)
+    overrides = [
+        "law=newton",
+        "law.restitution=0.1..0.9",
+        "--points",
+        "25",
+        "--starts",
+        "1",
+        "--output",
+        "here",
+    ]
+    status, out, _ = command("fit", "synthetic/synthetic.nc", *overrides)
     assert status == 0
     assert "law.restitution" in out
     assert Path("here/fit.nc").exists()
@@ -204,8 +217,8 @@ def test_the_verbs_make_data_and_fit_them(command: Command) -> None:
 
 
 def test_series_are_made_at_the_times_of_a_run(command: Command) -> None:
-    words = ["law=newton", "solver.duration=1e-4", "record.interval=1e-5", "series=gap,rotor_velocity"]
-    assert command("synthetic", *words)[0] == 0
+    overrides = ["law=newton", "solver.duration=1e-4", "record.interval=1e-5", "series=gap,rotor_velocity"]
+    assert command("synthetic", *overrides)[0] == 0
     with xarray.open_dataset("synthetic/synthetic.nc") as data:
         assert data["time"].size == 11
         assert {"gap", "rotor_velocity", "gap_error"} <= {*data.data_vars}

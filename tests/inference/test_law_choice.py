@@ -22,24 +22,24 @@ from contactlab.inference.law_choice import LawChoice, law_predictors
         (["newton"], "newton"),
     ],
 )
-def test_what_chooses_no_law_is_refused(words: list[str], named: str) -> None:
+def test_what_chooses_no_law_is_refused(overrides: list[str], named: str) -> None:
     with pytest.raises(ConfigurationError, match=named):
-        law_predictors(words)
+        law_predictors(overrides)
 
 
 def test_parts_make_every_combination_and_numbers_are_fixed_or_free() -> None:
-    words = ["law=newton", "law/damping=flores", "law/friction=coulomb,mindlin"]
-    found = law_predictors([*words, "contact.friction_coefficient=0.2"])
+    overrides = ["law=newton", "law/damping=flores", "law/friction=coulomb,mindlin"]
+    result = law_predictors([*overrides, "contact.friction_coefficient=0.2"])
 
-    assert [one.label for one in found] == [
+    assert [item.label for item in result] == [
         "newton",
         "hertz_point + flores + coulomb",
         "hertz_point + flores + mindlin",
     ]
-    assert [one.name for one in found[0].free] == ["restitution"]
-    assert found[2].law.describe()["friction.friction_coefficient"] == 0.2
-    (one,) = law_predictors(["law/normal=linear", "law.normal.stiffness=1 N/um..1 kN/um"])
-    assert [(free.low, free.high) for free in one.free if free.name == "normal.stiffness"] == [(1e6, 1e9)]
+    assert [item.name for item in result[0].free] == ["restitution"]
+    assert result[2].law.describe()["friction.friction_coefficient"] == 0.2
+    (item,) = law_predictors(["law/normal=linear", "law.normal.stiffness=1 N/um..1 kN/um"])
+    assert [(free.low, free.high) for free in item.free if free.name == "normal.stiffness"] == [(1e6, 1e9)]
 
 
 def test_overrides_are_sorted() -> None:

@@ -30,11 +30,11 @@ def test_the_filter_gives_the_density_of_the_dense_multivariate_normal(amplitude
     apart = np.abs(TIME[:, None] - TIME)
     dense = np.diag(WHITE**2) + amplitude**2 * np.exp(-apart / correlation)
 
-    found = series_log_densities(residuals, TIME, WHITE, amplitude, correlation)
+    result = series_log_densities(residuals, TIME, WHITE, amplitude, correlation)
 
-    assert found.sum() == pytest.approx(multivariate_normal(cov=dense).logpdf(residuals), rel=1e-12)
+    assert result.sum() == pytest.approx(multivariate_normal(cov=dense).logpdf(residuals), rel=1e-12)
     # Of each given those before it: the first alone knows of none.
-    assert found[0] == pytest.approx(multivariate_normal(cov=dense[:1, :1]).logpdf(residuals[:1]), rel=1e-12)
+    assert result[0] == pytest.approx(multivariate_normal(cov=dense[:1, :1]).logpdf(residuals[:1]), rel=1e-12)
 
 
 def test_a_drawn_discrepancy_has_the_covariance_that_the_likelihood_takes():
@@ -51,13 +51,13 @@ def test_the_density_of_an_impact_is_that_of_stated_error_and_error_of_the_law()
     residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
     scale = approach_scale(data.delassus, data.velocity_before)
 
-    found = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2)
+    result = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2)
 
     for i in range(6):
         u = data.velocity_before[i]
         size = 0.2**2 * (u @ np.linalg.inv(data.delassus[i]) @ u)
         covariance = data.covariance[i] + size * data.delassus[i]
-        assert found[i] == pytest.approx(multivariate_normal(cov=covariance).logpdf(residuals[i]), rel=1e-10)
+        assert result[i] == pytest.approx(multivariate_normal(cov=covariance).logpdf(residuals[i]), rel=1e-10)
 
 
 def test_the_error_of_a_law_is_measured_as_the_errors_of_measured_impacts():
@@ -91,12 +91,12 @@ def test_student_densities_are_those_of_an_independent_library(degrees_of_freedo
     residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
     scale = approach_scale(data.delassus, data.velocity_before)
 
-    found = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom)
+    result = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom)
 
     for i in range(6):
         shape = data.covariance[i] + 0.2**2 * scale[i] * data.delassus[i]
         expected = multivariate_t(shape=shape, df=degrees_of_freedom).logpdf(residuals[i])
-        assert found[i] == pytest.approx(expected, rel=1e-10)
+        assert result[i] == pytest.approx(expected, rel=1e-10)
     white = np.linspace(0.1, 0.4, 12)
     np.testing.assert_allclose(
         student_log_densities(residuals.ravel(), white, degrees_of_freedom),

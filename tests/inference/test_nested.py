@@ -49,25 +49,25 @@ def test_evidence_mean_and_deviation_of_a_linear_model_are_its_closed_form():
     model = Linear()
     mean, covariance, log_evidence = model.closed_form()
 
-    found = sample(model, points=200, seed=3)
+    result = sample(model, points=200, seed=3)
 
-    assert found.error < 0.25
-    assert found.log_evidence == pytest.approx(log_evidence, abs=3.0 * found.error)
-    own, spread = found.moments()
+    assert result.error < 0.25
+    assert result.log_evidence == pytest.approx(log_evidence, abs=3.0 * result.error)
+    own, spread = result.moments()
     # So far off is a mean of so many effective samples.
-    assert np.abs(own - mean).max() < 4.0 * np.sqrt(covariance.max() / found.effective)
+    assert np.abs(own - mean).max() < 4.0 * np.sqrt(covariance.max() / result.effective)
     np.testing.assert_allclose(np.sqrt(np.diag(spread)), np.sqrt(np.diag(covariance)), rtol=0.12)
-    inside = found.quantiles((0.05, 0.95))
+    inside = result.quantiles((0.05, 0.95))
     width = 2.0 * 1.6449 * np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(inside[:, 1] - inside[:, 0], width, rtol=0.12)
 
 
 def test_a_number_that_the_data_do_not_know_keeps_its_prior():
-    found = sample(Linear(idle=True), points=100, seed=4)
-    draws = found.samples[found.draws(int(found.effective)), 2]
+    result = sample(Linear(idle=True), points=100, seed=4)
+    draws = result.samples[result.draws(int(result.effective)), 2]
 
     assert kstest(draws, "uniform", args=(-2.0, 4.0)).pvalue > 0.01
-    assert kstest(found.samples[found.draws(200), 1], "uniform", args=(-2.0, 4.0)).pvalue < 1e-6
+    assert kstest(result.samples[result.draws(200), 1], "uniform", args=(-2.0, 4.0)).pvalue < 1e-6
 
 
 def test_evidence_of_impacts_is_that_of_quadrature():
@@ -78,9 +78,9 @@ def test_evidence_of_impacts_is_that_of_quadrature():
     middles = (np.arange(40) + 0.5) / 40
     grid = [problem.log_likelihood(from_cube(free, (x, y))) for x in middles for y in middles]
 
-    found = sample(problem, points=100, seed=1)
+    result = sample(problem, points=100, seed=1)
 
-    assert found.log_evidence == pytest.approx(logsumexp(grid) - np.log(1600), abs=3.0 * found.error)
+    assert result.log_evidence == pytest.approx(logsumexp(grid) - np.log(1600), abs=3.0 * result.error)
 
 
 def test_a_number_that_fills_its_range_beside_one_that_is_well_known_costs_few_evaluations():
@@ -89,11 +89,11 @@ def test_a_number_that_fills_its_range_beside_one_that_is_well_known_costs_few_e
     data = without_errors(made_impacts(law, 60, 0.05, 63))
     free = free_parameters(law, {"restitution": (0.0, 1.0), "friction_coefficient": (0.02, 0.8)})
 
-    found = sample(ImpactProblem(data, LawPredictor(law, free, ""), discrepancy=True), points=50, seed=63)
+    result = sample(ImpactProblem(data, LawPredictor(law, free, ""), discrepancy=True), points=50, seed=63)
 
-    low, high = found.quantiles((0.05, 0.95))[0]
+    low, high = result.quantiles((0.05, 0.95))[0]
     assert high - low > 0.2
-    assert found.calls < 5000
+    assert result.calls < 5000
 
 
 def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_a_stop(tmp_path, monkeypatch):
@@ -137,9 +137,9 @@ def test_a_checkpoint_is_never_unpickled(tmp_path):
         checkpoint.write_bytes(content)
         announced = []
 
-        found = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, announce=announced.append)
+        result = sample(Linear(), points=25, seed=9, checkpoint=checkpoint, announce=announced.append)
 
-        assert found.samples.tobytes() == whole.samples.tobytes()
+        assert result.samples.tobytes() == whole.samples.tobytes()
         assert len(announced) == 1
         assert not trace.exists()
 
@@ -160,9 +160,9 @@ def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
         path.write_bytes(each)
         announced = []
 
-        found = sample(Linear(), points=25, seed=9, checkpoint=path, announce=announced.append)
+        result = sample(Linear(), points=25, seed=9, checkpoint=path, announce=announced.append)
 
-        assert found.samples.tobytes() == whole.samples.tobytes()
+        assert result.samples.tobytes() == whole.samples.tobytes()
         assert len(announced) == 1
 
 

@@ -53,8 +53,8 @@ def test_times_that_begin_late_are_records_and_uneven_ones_lie_between_records()
     data = MeasuredSeries(uneven, values, {}, SETUP.configuration, {})
     problem = series_problem(data, SETUP.configuration, FREE, discrepancy=False)
 
-    found = problem.predict(TRUTH)["rotor_velocity"]
-    np.testing.assert_allclose(found, values["rotor_velocity"], atol=0.02 * np.abs(found).max())
+    result = problem.predict(TRUTH)["rotor_velocity"]
+    np.testing.assert_allclose(result, values["rotor_velocity"], atol=0.02 * np.abs(result).max())
 
 
 def test_forces_are_refused_between_records():
@@ -67,9 +67,9 @@ def test_forces_are_refused_between_records():
 
 def test_noise_and_discrepancy_are_free_where_they_are_not_stated():
     stated = made_series(SETUP, ["rotor_velocity", "gap"], 0.01, 1)
-    found = series_problem(without_errors(stated), SETUP.configuration, FREE, discrepancy=True)
+    result = series_problem(without_errors(stated), SETUP.configuration, FREE, discrepancy=True)
 
-    assert [one.name for one in found.free[3:]] == [
+    assert [item.name for item in result.free[3:]] == [
         "noise.rotor_velocity",
         "discrepancy.rotor_velocity",
         "noise.gap",
