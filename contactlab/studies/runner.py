@@ -10,6 +10,7 @@ import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from hashlib import sha256
 from inspect import getsourcefile
 from pathlib import Path
@@ -55,7 +56,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
     parts: dict[str, Part] = {}
     if store:
         parts = {task.key: part for task in tasks if (part := store.read(task.key))}
-    pending = [task for task in tasks if task.key not in parts]
+    pending = [store.resuming(task) if store else task for task in tasks if task.key not in parts]
     if progress:
         progress(len(parts), len(tasks))
     for key, part in _finished(study, pending):
@@ -104,6 +105,14 @@ class Store:
 
     def _name(self, key: str) -> str:
         return sha256(f"{self._digest}\0{key}".encode()).hexdigest()[:32]
+
+    def resuming(self, task: Task) -> Task:
+        """Return a task with the file by which it resumes."""
+        if not task.resumes:
+            return task
+        self.folder.mkdir(parents=True, exist_ok=True)
+        checkpoint = self.folder / f"{self._name(task.key)}.checkpoint"
+        return replace(task, arguments=(*task.arguments, checkpoint))
 
     def read(self, key: str) -> Part | None:
         """Return a finished part; None where there is none, or where its file is damaged."""

@@ -14,7 +14,7 @@ from contactlab.laws.base import Part
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
     "Studies, and many runs": ("studies", "sweeps", "comparison", "datasheet"),
-    "Steady states": ("orbits", "settling"),
+    "Steady states": ("steady_state", "settling"),
     "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
@@ -27,8 +27,7 @@ CHAPTERS: Final = {
 FURTHER: Final = {
     "contactlab.measured.files": "measured impacts, from files and into them",
     "contactlab.measured.series": "measured series, from files and into them",
-    "contactlab.inference.study": "laws judged on impacts that they have not seen",
-    "contactlab.inference.fit": "numbers of laws and motors from measurements",
+    "contactlab.inference.problem": "inference problems: data, law, free numbers, noise and priors",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }

@@ -1,0 +1,285 @@
+"""How a motor settles: it runs, an orbit is looked for, and then whether the motor goes there is proven."""
+
+from dataclasses import replace
+from math import ceil, inf, log
+from typing import Final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.engine import simulate
+from contactlab.laws import PenaltyLaw
+from contactlab.motor import ModalState, NormalModes
+from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
+from contactlab.steady_state.period_map import BELT, BrokenOffError, PeriodMap, period_of
+from contactlab.steady_state.shooting import NoOrbitError, Orbit, orbit_from
+from contactlab.steady_state.state import Steady
+from contactlab.trajectory import Ending, Trajectory
+
+FORGOTTEN: Final = 1e-3
+"""Share of the resonator's free vibration that is left when an orbit is first looked for."""
+
+LEAST_WARM_UP: Final = 8
+MOST_WARM_UP: Final = 200
+"""Periods of the drive before that."""
+
+SHORTEST_FLIGHT: Final = 0.02
+"""Part of a period in free flight, below which there is no section."""
+
+WATCHED: Final = 0.125
+"""Part of an orbit's settling time over which a motor is watched on its way there."""
+
+FORETOLD: Final = 0.2
+"""What the multipliers may miss of the motor's way in this time, in parts of it."""
+
+ARRIVED: Final = 1e-8
+"""Distance from an orbit, in parts of its state, at which a motor is there."""
+
+SETTLED: Final = 1e-9
+"""Relative difference of states of a motion that repeats itself, though no orbit was found; over this many
+periods:"""
+
+TAIL: Final = 48
+
+SAME: Final = 1e-6
+"""And for two cycles of an orbit that are one."""
+
+DRIFT: Final = 3.0
+"""Errors by which the halves of a long run may differ."""
+
+
+Start = tuple[float, ModalState | None, float, Array | None]
+"""Phase of the drive [periods], modal state, rotor velocity [rad/s], and internal variables of the run."""
+
+
+class NotSettledError(RuntimeError):
+    """A motor has come to no steady state; the message is a sentence."""
+
+
+class UnboundedError(NotSettledError):
+    """An internal variable of the law comes to no steady value; the message is a sentence."""
+
+
+def settled(
+    setup: Setup, belt: float | None, begins: Start, longest: int, sense: float = 0.0
+) -> Steady | None:
+    """Find the steady state that a motor comes to.
+
+    Args:
+        setup: what moves.
+        belt: velocity at which the rotor is held [rad/s]; None for one that is free.
+        begins: phase of the drive [periods], modal state (None is at rest), rotor velocity [rad/s] and the
+            internal variables whose life is the run (None are their initial values).
+        longest: run without an orbit [periods].
+        sense: of a rotation that must not be reversed; 0 for one that may.
+
+    Returns:
+        The steady state; None once the rotation is reversed.
+
+    Raises:
+        UnboundedError: an internal variable of the law still grows or falls after the longest run.
+        NotSettledError: the rotor does.
+    """
+    phase, modal, velocity, memory = begins
+    clock, modes = PeriodMap(setup, phase, belt=belt), setup.motor.modes
+    nothing = np.zeros(modes.stiffness.size)
+    z = clock.state_of(modal or ModalState(nothing, nothing), velocity, memory)
+    run = clock.run(z, _warm_up(modes, clock.period))
+    orbit, far, done = None, inf, 0
+    while done < longest:
+        if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
+            return None
+        strobes = _strobes(run)
+        states = np.hstack([strobes, _remembered(run)])
+        if _last_touch(run) < 0.5 * (run.time[0] + run.time[-1]):
+            return _without_contact(clock, run, done)
+        if orbit is None and (part := _section_of(run, clock.period)) is not None:
+            run = _on(run, part) if part else run
+            clock = clock.at(clock.phase + part).weighing(run)
+            count = repeats_after(strobes, REPEATS) if len(strobes) >= TAIL else 1
+            orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
+        if orbit is not None:
+            times = ceil(min(WATCHED * orbit.settling_time, longest * clock.period) / orbit.map.period)
+            z, run = clock.end_of(run), _on(run, times * orbit.map.periods)
+            done = round(run.state["end"] / clock.period)
+            if _goes_to(orbit, z, clock.end_of(run), times):
+                motion, count = orbit.map.run(orbit.state), orbit.map.periods
+                return Steady(setup, "periodic", count, motion, orbit, done, belt, phase=clock.phase)
+            distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
+            orbit, far = (orbit, distance) if distance < far else (None, inf)
+        elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
+            run = _on(run, TAIL // count * count)
+            return Steady(setup, "periodic", count, run, None, done, belt, phase=clock.phase)
+        done = round(run.state["end"] / clock.period)
+        if done < longest:
+            run = _on(run, min(2 * done, longest - done))
+    return _long_run(setup, clock, run, longest // 2)
+
+
+def _warm_up(modes: NormalModes, period: float) -> int:
+    """Give the periods after which the slowest mode has all but forgotten how it started."""
+    half = 0.5 * modes.damping
+    slowest = float((half - np.sqrt(np.maximum(half**2 - modes.stiffness, 0.0))).min())
+    periods = -log(FORGOTTEN) / (slowest * period) if slowest > 0.0 else inf
+    return ceil(min(max(periods, LEAST_WARM_UP), MOST_WARM_UP))
+
+
+def _on(run: Trajectory, periods: float) -> Trajectory:
+    """Let a run go on for some periods, recorded once in each."""
+    # The phase of the drive goes on with the clock, which began at that of the run.
+    period = period_of(run.motor.drive)
+    later = simulate(
+        run.motor,
+        run.law,
+        duration=periods * period,
+        record_interval=min(1.0, periods) * period,
+        contact_step=run.contact_step,
+        tolerance=run.state["tolerance"] if isinstance(run.law, PenaltyLaw) else None,
+        start=run.state,
+    )
+    if later.ending is Ending.INTERRUPTED:
+        raise KeyboardInterrupt(later.message)
+    if not later.ending.reached_end:
+        raise BrokenOffError(later.message)
+    return later
+
+
+def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
+    """Find a stable orbit near a state, with the least number of periods."""
+    try:
+        orbit = orbit_from(section, z)
+        if section.periods > 1:
+            twice = _strobes(section.run(orbit.state, 2.0, section.periods))
+            if 0 < (count := repeats_after(twice, SAME)) < section.periods:
+                orbit = Orbit.at(replace(section, periods=count), orbit.state)
+    except (NoOrbitError, BrokenOffError):
+        return None
+    return orbit if orbit.stable else None
+
+
+def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
+    """Tell whether a motor goes to an orbit as it foretells, from where the motor was and from half the way.
+
+    The rotor is slow and everything else follows it; so the motor moves along a line, and cannot pass
+    another place at which it would stay. There its way would be shorter than foretold.
+    """
+    if np.linalg.norm(after - orbit.state) <= ARRIVED * np.linalg.norm(orbit.state):
+        return True
+    half = 0.5 * (before + orbit.state)
+    try:
+        return _foretold(orbit, before, after, times) and _foretold(
+            orbit, half, orbit.map.end_of(orbit.map.run(half, times)), times
+        )
+    # Half way may lie inside the rotor.
+    except (BrokenOffError, ValueError):
+        return False
+
+
+def _foretold(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
+    """Tell whether a deviation from an orbit becomes what its multipliers make of it."""
+    deviation = before - orbit.state
+    foretold = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
+    missed = np.linalg.norm(after - orbit.state - foretold)
+    return bool(missed <= FORETOLD * np.linalg.norm(foretold - deviation))
+
+
+def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
+    """Take the means of a motion that comes to no orbit, and say what kind it is."""
+    done = round(run.state["end"] / clock.period)
+    late = _on(run, periods)
+    for variable, name, values in zip(late.law.lasting, late.lasting, _remembered(late).T, strict=True):
+        if _grows(values) or _drifts(values):
+            last = late.series[name]
+            raise UnboundedError(
+                f"The internal variable {variable.name} of {setup.law.name} has no steady value: after "
+                f"{done + periods} periods of the drive it still changes by "
+                f"{(last[-1] - last[1]) / (periods - 1):.3g} {variable.units} a period, and nothing was "
+                "found that brings it back, so that the motor has no steady state. Simulate it for the time "
+                "that matters; one that only needs longer is given it by `longest`."
+            )
+    velocity = np.diff(late.series["rotor_angle"]) / clock.period
+    if clock.belt is None and _drifts(velocity):
+        change = trend(velocity)[0]
+        mean = float(velocity.mean())
+        raise NotSettledError(
+            f"The rotor has not settled after {done + periods} periods of the drive: over the last {periods} "
+            f"its velocity, {mean:.4g} rad/s in the mean, has changed by {change:.2g} rad/s. Run it longer, "
+            "by `longest`; a load that drives it, without damping of the rotor, may do so for ever."
+        )
+    kind = kind_without_period(late.series["tip_slope"][1:])
+    # In a contact that lasts, the steps of a rigid law do not divide the period.
+    if count := repeats_after(_strobes(late)[-TAIL:], run.contact_step / clock.period):
+        kind = "periodic"
+    return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
+
+
+def _grows(values: Array) -> bool:
+    """Tell whether a sequence goes one way in all its steps, by more than round-off in all."""
+    steps = np.diff(values)
+    one_way = bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+    return one_way and bool(abs(values[-1] - values[0]) > SETTLED * np.abs(values).max())
+
+
+def _drifts(values: Array) -> bool:
+    """Tell whether a sequence has a trend, beyond its statistical error and beyond round-off."""
+    change, error = trend(values)
+    return bool(abs(change) > max(DRIFT * error, SETTLED * np.abs(values).max()))
+
+
+def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
+    """Give the free vibration, with the rotor as fast as load and damping let it."""
+    rotor, z = clock.setup.motor.rotor, clock.end_of(run)
+    if clock.belt is None and rotor.damping > 0.0:
+        z[-1] = -np.sqrt(rotor.inertia) * rotor.load_torque / rotor.damping
+    elif clock.belt is None and rotor.load_torque != 0.0:
+        raise NotSettledError(
+            f"The tip does not touch the rotor, and nothing holds it against its load of "
+            f"{rotor.load_torque:.4g} N m; it must have damping, or contact. Make the clearance smaller, or "
+            "leave the load out."
+        )
+    motion = clock.run(z)
+    return Steady(clock.setup, "without contact", 1, motion, None, done, clock.belt, phase=clock.phase)
+
+
+def _last_touch(run: Trajectory) -> float:
+    """Give the end of the last contact of a run [s]."""
+    ends = run.contacts["start_time"] + run.contacts["duration"]
+    return float(ends.max(initial=-inf))
+
+
+def _section_of(run: Trajectory, period: float) -> float | None:
+    """Choose the middle of the longest free flight of a run's last period; None where there is none."""
+    begin, rows = float(run.time[-1]) - period, run.contacts
+    touched = np.clip((rows["start_time"] - begin) / period, 0.0, 1.0)
+    released = np.clip((rows["start_time"] + rows["duration"] - begin) / period, 0.0, 1.0)
+    within = released > touched
+    touched, released = np.sort(touched[within]), np.sort(released[within])
+    if not touched.size:
+        return 0.0
+    # The last flight goes on in the period that follows.
+    flights = np.append(touched[1:], touched[0] + 1.0) - released
+    longest = int(flights.argmax())
+    if flights[longest] < SHORTEST_FLIGHT:
+        return None
+    # Nothing lies so close to a section that its last digits mattered.
+    return round(float(released[longest] + 0.5 * flights[longest]), 6) % 1.0
+
+
+def _remembered(run: Trajectory) -> Array:
+    """Return the internal variables of the run once a period over their largest, (period, variable)."""
+    values = [run.series[name][1:] for name in run.lasting]
+    columns = [each / (np.abs(each).max() or 1.0) for each in values]
+    return np.array(columns).reshape(len(columns), run.time.size - 1).T
+
+
+def _strobes(run: Trajectory) -> Array:
+    """Give what is recorded of the state once a period, in parts of the largest, shape (period, quantity)."""
+    series = {name: values[1:] for name, values in run.series.items()}
+    energy = series["kinetic_energy"] + series["strain_energy"]
+    inertia, most = run.motor.rotor.inertia, float(energy.max())
+    moving = series["rotor_velocity"] * (np.sqrt(0.5 * inertia / most) if inertia < BELT and most else 0.0)
+    tip = np.array([series["tip_normal_displacement"], series["tip_tangential_displacement"]])
+    # One of them may be held by the contact and be no more than round-off.
+    tip /= np.abs(tip).max() or 1.0
+    return np.column_stack([moving, energy / (most or 1.0), *tip])

@@ -1,0 +1,210 @@
+"""Periodic orbits of a motor over one number of its configuration, or over the velocity of a belt."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+import xarray
+
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.faults import unknown_key
+from contactlab.config.nesting import flat, nested
+from contactlab.config.schema import declared_in
+from contactlab.laws import ContactLaw
+from contactlab.motor import Motor
+from contactlab.parameter import from_cf
+from contactlab.simulation import variable_numbers, with_number
+from contactlab.steady_state.continuation import follow
+from contactlab.steady_state.curve import BranchPoint, MapAt, Mark
+from contactlab.steady_state.dataset import attributes_of, flags
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.search import steady, steady_setup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BELT: Final = "belt"
+"""The parameter that is no key: the velocity at which the rotor is held [rad/s]."""
+
+
+class NoBranchError(ValueError):
+    """There is no orbit to begin with; the message is a sentence."""
+
+
+@final
+@dataclass(frozen=True)
+class Branch:
+    """A branch of periodic orbits.
+
+        >>> import contactlab as cl
+        >>> branch = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6).details
+        >>> branch.to_xarray()["rotor_velocity"].values[[0, -1]].round(3)
+        array([-2.191, -2.142])
+
+    Args:
+        setup: at the start of the branch.
+        parameter, unit, meaning: what changes along it: a key, its SI unit and what it is.
+        points: the orbits in the order in which they were met, events among them.
+        end: why it goes no further, in a sentence.
+    """
+
+    setup: Setup
+    parameter: str
+    unit: str
+    meaning: str
+    points: tuple[BranchPoint, ...]
+    end: str
+
+    def __repr__(self) -> str:
+        first, last = self.points[0].value, self.points[-1].value
+        span = f"from {first:.6g} to {last:.6g} {self.unit}"
+        return f"<Branch: {len(self.points)} orbits over {self.parameter}, {span}; {len(self.events)} events>"
+
+    @property
+    def events(self) -> tuple[BranchPoint, ...]:
+        """The points at which something happens, see `Mark`."""
+        return tuple(point for point in self.points if point.mark)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Give a dataset over `point`, the multipliers over `multiplier`, the largest first."""
+        multipliers = np.array([point.orbit.multipliers for point in self.points])
+        columns: dict[str, tuple[str, str, Callable[[BranchPoint], float]]] = {
+            "value": (self.unit, f"{self.parameter}, {self.meaning}", lambda p: p.value),
+            "rotor_velocity": ("rad s-1", "mean angular velocity of the rotor", lambda p: p.velocity),
+            "torque": ("N m", "mean torque of the contact on the rotor", lambda p: p.torque),
+            "settling_time": ("s", "time to fall by e, of small deviations", lambda p: p.orbit.settling_time),
+            "roughness": ("1", "change of the map's derivative nearby", lambda p: p.orbit.roughness),
+            "contacts": ("1", "contacts in a period of the orbit", lambda p: p.contacts),
+            "softest_approach": ("m s-1", "smallest speed of a touch-down", lambda p: p.softest),
+        }
+        data = xarray.Dataset(
+            {
+                name: ("point", [get(p) for p in self.points], {"units": unit, "long_name": words})
+                for name, (unit, words, get) in columns.items()
+            }
+        )
+        for name, part in {"real": multipliers.real, "imaginary": multipliers.imag}.items():
+            words = f"{name} part of the Floquet multipliers"
+            data[f"multiplier_{name}"] = (("point", "multiplier"), part, {"units": "1", "long_name": words})
+        largest = {"units": "1", "long_name": "largest modulus of a multiplier"}
+        data["largest_multiplier"] = ("point", np.abs(multipliers[:, 0]), largest)
+        stable = np.array([point.orbit.stable for point in self.points], dtype=np.int8)
+        data["stable"] = ("point", stable, flags("whether the orbit is stable", ("unstable", "stable")))
+        marks = np.array([point.mark for point in self.points], dtype=np.int8)
+        data["mark"] = ("point", marks, flags("what happens there", [mark.name.lower() for mark in Mark]))
+        data.attrs = {
+            "title": f"Periodic orbits over {self.parameter}, {self.setup.law.title}",
+            "parameter": self.parameter,
+            "drive_periods": self.points[0].orbit.map.periods,
+            "end": self.end,
+            **attributes_of(self.setup),
+        }
+        if self.parameter != BELT and (belt := self.points[0].orbit.map.belt) is not None:
+            data.attrs["belt"] = belt
+        return data
+
+    def plot(self) -> "Figure":
+        """Draw rotor velocity and largest multiplier over the parameter."""
+        # It brings matplotlib.
+        from contactlab.plot.orbits import draw_branch
+
+        return draw_branch(self.to_xarray())
+
+
+def branch(
+    motor: Motor | Setup,
+    parameter: str,
+    start: float,
+    end: float,
+    *,
+    law: ContactLaw | None = None,
+    belt: float | None = None,
+    step: float = 0.02,
+) -> Branch:
+    """Follow the periodic orbits of a motor while one number of its configuration changes.
+
+        branch(build(["law=lagrange_stick"]), "contact.clearance", 1e-6, 5e-6)
+
+    It begins with the orbit that the motor settles in at the start, and goes on through folds, along
+    unstable orbits too, until the number leaves its range or no orbit goes on; `Branch.end` says which.
+
+        >>> import contactlab as cl
+        >>> cl.branch(cl.build(), "contact.clearance", 1e-6, 1.1e-6).details.end
+        'It ends where the range of the parameter does, at 1.1e-06.'
+
+    Args:
+        motor: what moves, or a whole setup.
+        parameter: a key that holds a number, 'contact.clearance', or 'belt', the velocity at which the
+            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and law.
+        start, end: of the range, in SI.
+        law: what acts between tip and rotor; a setup has its own.
+        belt: velocity at which the rotor is held while something else changes [rad/s]; None is free.
+        step: first step, in parts of the range and of the state; the longest is twice that.
+
+    Raises:
+        ConfigurationError: there is no such key, or one of the values is none that it takes.
+        NoBranchError: the motor settles in no periodic orbit at the start, or there is no range.
+        NoPeriodError, BrokenOffError: as of `contactlab.steady`.
+    """
+    if start == end:
+        raise NoBranchError(f"The range begins and ends at {start:g}; it must have two ends that differ.")
+    setup = steady_setup(motor, law)
+    unit, meaning = _declared(setup, parameter)
+    at = family(setup, parameter, belt)
+    sizes = [len(at(value).setup.law.lasting) for value in (start, end)]
+    if sizes[0] != sizes[1]:
+        raise NoBranchError(
+            f"The law has {sizes[0]} internal variables of the run at {parameter}={start:g} and {sizes[1]} "
+            f"at {end:g}; a branch needs the same state all along. Choose a range within which they stay."
+        )
+    first = steady(at(start).setup, belt=start if parameter == BELT else belt)
+    if first.orbit is None:
+        raise NoBranchError(
+            f"At {parameter}={start:g} the motor settles in no periodic orbit, its motion is {first.kind}; a "
+            "branch begins with one. Choose another start."
+        )
+    followed = follow(at, first.orbit, start, end, step)
+    return Branch(first.setup, parameter, unit, meaning, followed.points, followed.end)
+
+
+def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
+    """Give the function from a value of a parameter to the period map of the motor that has it."""
+    if parameter == BELT:
+        return lambda value: PeriodMap(setup, belt=value)
+    values = flat(setup.configuration)
+    made_in_python = "resonator" not in setup.configuration
+
+    # The same value is asked for several times in a row.
+    @lru_cache(maxsize=4)
+    def map_at(value: float) -> PeriodMap:
+        if made_in_python:
+            return PeriodMap(with_number(setup, parameter, value), belt=belt)
+        return PeriodMap(build(nested(values | {parameter: value})), belt=belt)
+
+    return map_at
+
+
+def unit_of(setup: Setup, parameter: str) -> str:
+    """Give the unit in which a parameter is written; a ConfigurationError says that it is none."""
+    return from_cf(_declared(setup, parameter)[0])
+
+
+def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
+    """Return unit and meaning of a parameter that takes real numbers."""
+    if parameter == BELT:
+        return "rad s-1", "velocity at which the rotor is held"
+    declared = declared_in(setup.configuration)
+    if "resonator" not in setup.configuration:
+        numbers = variable_numbers(setup).items()
+        declared = {key: field.parameter for key, (_, field) in numbers if field.parameter}
+    if parameter not in declared:
+        raise ConfigurationError([unknown_key(parameter, "", [BELT, *declared])])
+    if isinstance(flat(setup.configuration)[parameter], int):
+        raise NoBranchError(
+            f"{parameter} is a whole number; a branch follows one that changes continuously, such as "
+            "contact.clearance. `contactlab -m` runs whole numbers one by one."
+        )
+    found = declared[parameter]
+    return found.units, found.meaning

@@ -1,0 +1,151 @@
+"""The steady state that a motor comes to: on a belt, under load or with a brake, from wherever it starts."""
+
+from dataclasses import replace
+from math import isfinite
+from typing import Final
+
+import numpy as np
+
+from contactlab.checks import check_kind, check_number
+from contactlab.config import Setup
+from contactlab.laws import ContactLaw
+from contactlab.motor import ModalState, Motor
+from contactlab.simulation import setup_of
+from contactlab.steady_state.arrival import TAIL, NotSettledError, Start, settled
+from contactlab.steady_state.state import Steady as Steady
+
+LONGEST: Final = 4000
+"""Periods after which a motion without an orbit has its means."""
+
+
+def steady(
+    motor: Motor | Setup,
+    law: ContactLaw | None = None,
+    *,
+    belt: float | None = None,
+    load: float | None = None,
+    brake: float | None = None,
+    start: "Steady | tuple[ModalState, float] | None" = None,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+    longest: int = LONGEST,
+) -> Steady:
+    """Find the steady state that a motor comes to from its start.
+
+    The motor runs until the resonator's free vibration has decayed; then Newton's method computes the
+    periodic orbit next to its state (`contactlab.steady_state.shooting`). The orbit is accepted if it is
+    stable, and if two test runs, from the current state and from half-way to the orbit, follow the
+    linearised map. Otherwise the transient is continued and the test repeated. A motion without an orbit
+    after the longest run is averaged over a run of the same length, with statistical errors.
+
+    Errors are those of the orbit, or of statistics, at one step of the solver. `converged` computes the
+    state at three steps and adds the discretisation error.
+
+        >>> import contactlab as cl
+        >>> found = cl.steady(cl.build())
+        >>> found.kind, round(found.velocity[0], 6)
+        ('periodic', -2.191106)
+
+    Args:
+        motor: what moves, or a whole setup.
+        law: what acts between tip and rotor; a setup has its own.
+        belt: velocity at which the rotor is held [rad/s]; None for one that is free.
+        load: torque in place of that of the rotor [N m]: positive brakes positive rotation, drives negative.
+        brake: torque of a load against whatever motion there is [N m], positive. Its sign is that of the
+            rotation without load; a motor that does not hold its rotation against it stands.
+        start: another steady state, or modal state and rotor velocity [rad/s] at the drive's phase 0.
+        contact_step, tolerance: as of `contactlab.simulate`.
+        longest: run without an orbit [periods of the drive].
+
+    Raises:
+        NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value, as the depth of wear.
+        NotSettledError: there is no steady state, or it is not reached.
+        BrokenOffError: a run broke off.
+        ValueError, TypeError: an argument is out of range, or of another kind.
+        KeyboardInterrupt: as it comes.
+    """
+    setup = steady_setup(motor, law, contact_step, tolerance)
+    _check(belt, load, brake, longest)
+    rotor = setup.motor.rotor
+    begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None
+    if isinstance(start, Steady):
+        begins = start.end
+    elif start is not None:
+        check_kind("The modal state of the start", start[0], ModalState)
+        check_number("The rotor velocity of the start", start[1])
+        begins = 0.0, start[0], float(start[1]), None
+    if brake is not None:
+        return _braked(setup, float(brake), begins, longest)
+    if load is not None:
+        setup = _loaded(setup, float(load))
+    found = settled(setup, belt, begins, longest)
+    assert found is not None
+    return found
+
+
+def steady_setup(
+    motor: Motor | Setup,
+    law: ContactLaw | None = None,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+) -> Setup:
+    """Return the setup of a study of steady states, whose duration means nothing; see `steady`."""
+    given = {"contact_step": contact_step, "tolerance": tolerance}
+    given = {name: value for name, value in given.items() if value is not None}
+    return setup_of(motor, law, given if isinstance(motor, Setup) else given | {"duration": 1.0})
+
+
+def _check(belt: float | None, load: float | None, brake: float | None, longest: int) -> None:
+    """Refuse what makes no sense alone or together."""
+    every = {"belt": belt, "load": load, "brake": brake}
+    given = {name: value for name, value in every.items() if value is not None}
+    for name, value in given.items():
+        check_number(f"The {name}", value)
+        if not isfinite(value):
+            raise ValueError(f"The {name} is {value}; it must be finite.")
+    if len(given) > 1:
+        raise ValueError(
+            f"{' and '.join(given)} are given; a rotor is held by a belt, or it carries a load, or a brake "
+            "is on it. Give one of them."
+        )
+    if brake is not None and brake <= 0.0:
+        raise ValueError(f"The brake is {brake} N m; it must be positive: it opposes either rotation.")
+    check_number("The longest run", longest)
+    if longest < 2 * TAIL:
+        raise ValueError(f"The longest run is {longest} periods; it must be at least {2 * TAIL}.")
+
+
+def _loaded(setup: Setup, torque: float) -> Setup:
+    """Give a setup with another load torque, which its configuration tells too."""
+    rotor = replace(setup.motor.rotor, load_torque=torque)
+    told = setup.configuration | {"rotor": {**setup.configuration.get("rotor", {}), "load_torque": torque}}
+    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=told)
+
+
+def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
+    """Let the motor settle without load, put the brake on, and see what becomes of its rotation."""
+    free = settled(_loaded(setup, 0.0), None, begins, longest)
+    assert free is not None
+    sense = float(np.sign(free.velocity[0])) if free.kind != "without contact" else 0.0
+    loaded = _loaded(setup, sense * brake)
+    found = _turning(loaded, free, longest, sense) if sense else None
+    if found is None:
+        held = settled(loaded, 0.0, free.end, longest)
+        assert held is not None
+        found = replace(held, kind="standing")
+        # At rest the torque may be larger than in the rotation that the brake has stopped.
+        if sense * held.torque[0] > brake:
+            found = _turning(loaded, held, longest, sense)
+    if found is None:
+        raise NotSettledError(
+            f"A brake of {brake:.4g} N m stops the rotor and does not hold it; it must do both, or neither. "
+            "Give another one, or rotor.damping."
+        )
+    return replace(found, brake=brake)
+
+
+def _turning(loaded: Setup, before: Steady, longest: int, sense: float) -> Steady | None:
+    """Find how a rotor turns in its sense against a brake; None where it does not."""
+    found = settled(loaded, None, before.end, longest, sense)
+    return found if found is not None and sense * found.velocity[0] > 0.0 else None

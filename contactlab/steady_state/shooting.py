@@ -1,0 +1,158 @@
+"""Periodic orbits by shooting: a state that the period map leaves where it is.
+
+Newton's method on P(z) - z = 0, with the derivative of the period map by differences, which are good to
+1e-8 where the map is smooth, and Broyden's rank-one corrections between. A step never leaves the ball in
+which the last one was worth its price (Conn, Gould, Toint: Trust-Region Methods, 2000).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactlab.arrays import Array
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+
+STEP: Final = 1e-6
+"""Of the differences, in parts of |z|."""
+
+ROUGH: Final = 100.0
+"""Times the step at which the derivative is looked at once more, to see whether the map is smooth."""
+
+CLOSED: Final = 1e-10
+"""|P(z) - z| over |z| at which an orbit counts as closed."""
+
+MOST_ITERATIONS: Final = 40
+
+FARTHEST: Final = 100.0
+"""Length of the first step at most, in parts of |z|: a motor at its start is slow."""
+
+WORTH: Final = 0.5
+"""Share of |P(z) - z| that a step may leave without a new derivative."""
+
+
+class NoOrbitError(RuntimeError):
+    """No orbit was found; the message is a sentence that goes on from 'no periodic orbit'."""
+
+
+@final
+@dataclass(frozen=True)
+class Orbit:
+    """A closed orbit of the period map.
+
+    Args:
+        map: whose fixed point it is.
+        state: z at the section.
+        jacobian: dP/dz there.
+        roughness: relative change of the derivative along one direction when the step of its difference is a
+            hundred times as long; large where the map is not smooth.
+    """
+
+    map: PeriodMap
+    state: Array
+    jacobian: Array
+    roughness: float
+
+    @classmethod
+    def at(cls, section: PeriodMap, z: Array) -> "Orbit":
+        """Take a closed orbit's derivative."""
+        length, along = STEP * _size(z), np.full(z.size, z.size**-0.5)
+        steps = length * np.vstack([np.eye(z.size), ROUGH * along])
+        ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
+        every = (ahead - behind).T / (2.0 * length)
+        jacobian, coarse = every[:, :-1], every[:, -1] / ROUGH
+        fine = jacobian @ along
+        roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
+        return cls(section, z, jacobian, roughness)
+
+    @property
+    def multipliers(self) -> NDArray[np.complex128]:
+        """Floquet multipliers, eigenvalues of dP/dz, the largest first [1]."""
+        found = np.linalg.eigvals(self.jacobian).astype(complex)
+        return found[np.argsort(-np.abs(found), kind="stable")]
+
+    @property
+    def stable(self) -> bool:
+        """Whether every multiplier lies inside the unit circle."""
+        return bool(abs(self.multipliers[0]) < 1.0)
+
+    @property
+    def settling_time(self) -> float:
+        """Time in which a small deviation falls by e [s]; infinite for an orbit that is not stable."""
+        largest = float(abs(self.multipliers[0]))
+        return float(-self.map.period / np.log(largest)) if 0.0 < largest < 1.0 else np.inf
+
+
+def orbit_from(section: PeriodMap, z: Array) -> Orbit:
+    """Find the periodic orbit near a state.
+
+    Raises:
+        NoOrbitError: there is none near it.
+        KeyboardInterrupt: as it comes.
+    """
+    image = section(z)
+    left, jacobian = image - z, _forward(section, z, image)
+    fresh, radius = True, FARTHEST * _size(z)
+    for _ in range(MOST_ITERATIONS):
+        if np.linalg.norm(left) <= CLOSED * _size(z):
+            return Orbit.at(section, z)
+        try:
+            move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
+        except np.linalg.LinAlgError:
+            raise NoOrbitError("a coordinate that nothing brings back has no place of its own") from None
+        length = float(np.linalg.norm(move))
+        move *= min(1.0, radius / length)
+        after = _gap(section, z + move)
+        share = np.linalg.norm(after) / np.linalg.norm(left)
+        if share < 1.0:
+            jacobian = updated(jacobian, move, np.asarray(after - left + move))
+            z, left, fresh = z + move, after, False
+            radius = max(radius, 2.0 * float(np.linalg.norm(move)))
+        if share > WORTH and not fresh:
+            jacobian, fresh = _forward(section, z, left + z), True
+        elif share > WORTH:
+            radius = 0.25 * min(radius, length)
+            if radius < STEP * _size(z):
+                raise NoOrbitError(f"steps shrink to {radius:.1e} and lead no further")
+    remains = np.linalg.norm(left) / _size(z)
+    raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {remains:.1e} of the state")
+
+
+def derivative_of(function: Callable[[Array], Array], at: Array, along: Array, step: float = STEP) -> Array:
+    """Give the derivative of a function along a direction, by a central difference."""
+    length = step * _size(at)
+    return (function(at + length * along) - function(at - length * along)) / (2.0 * length)
+
+
+def updated(jacobian: Array, move: Array, change: Array) -> Array:
+    """Give the derivative next to another that foretells what a move changes (Broyden 1965)."""
+    return np.asarray(jacobian + np.outer(change - jacobian @ move, move) / (move @ move))
+
+
+def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
+    """Give dP/dz by forward differences from P(z), at half the price and to half the digits."""
+    length = STEP * _size(z)
+    return np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
+
+
+def _ends(section: PeriodMap, starts: Array) -> Array:
+    """Give the states after others that lie together, or say that there is no derivative."""
+    ends = section.ends(starts)
+    if not np.isfinite(ends).all():
+        raise NoOrbitError("the motor breaks off or does not run from next to it")
+    return ends
+
+
+def _gap(section: PeriodMap, z: Array) -> Array:
+    """Give P(z) - z; endless where the motor does not run from there."""
+    try:
+        return section(z) - z
+    # A rigid law refuses a start inside the rotor.
+    except (BrokenOffError, ValueError):
+        return np.full(z.size, np.inf)
+
+
+def _size(z: Array) -> float:
+    return float(np.linalg.norm(z)) or 1.0

@@ -1,0 +1,195 @@
+"""A steady state and what it does on average: velocity, torque, forces, work, each with its error."""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+import pandas
+
+from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.estimate import Estimate
+from contactlab.motor import ModalState
+from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state.period_map import PeriodMap, memory_at_end, period_of
+from contactlab.steady_state.shooting import CLOSED, Orbit
+from contactlab.trajectory import Trajectory
+
+CUMULATIVE: Final = (
+    "rotor_angle",
+    "drive_work",
+    "damping_loss",
+    "friction_loss",
+    "contact_loss",
+    "load_work",
+)
+"""Series that add up, whose rate has a mean."""
+
+OF_INTERVALS: Final = ("normal_force", "friction_force")
+"""Series that are means of their record intervals."""
+
+
+@final
+@dataclass(frozen=True)
+class Steady:
+    """The steady state that a motor comes to.
+
+        >>> import contactlab as cl
+        >>> found = cl.steady(cl.build()).details
+        >>> found
+        <Steady: periodic, -2.19111 rad/s under hertz_penalty>
+        >>> value, error = found.velocity
+        >>> found.kind, round(value, 6), error < 1e-6
+        ('periodic', -2.191106, True)
+        >>> round(found.peak_force.value, 2), round(found.contact_share.value, 3)
+        (8.71, 0.199)
+
+    Args:
+        setup: what moves, its load included.
+        kind: 'periodic', 'quasi-periodic', 'chaotic', 'irregular' where the two cannot be told apart,
+            'without contact', or 'standing' where a brake holds the rotor.
+        periods: of the drive, after which a periodic motion repeats itself; 0 for another.
+        motion: one orbit, or a long run recorded once a period.
+        orbit: the closed orbit with its multipliers; None where there is none, where the contact never
+            opens or its residual indentation is never cleared, so that what lives for a contact is part of
+            the state, or where a multiplier is one.
+        warm_up: periods of the drive from the start until it was found.
+        belt: velocity at which the rotor was held [rad/s]; None for one that is free.
+        brake: torque of a load against whatever motion there is [N m]; None for another load.
+        phase: of the drive where the motion begins [periods].
+    """
+
+    setup: Setup
+    kind: str
+    periods: int
+    motion: Trajectory
+    orbit: Orbit | None
+    warm_up: int
+    belt: float | None = None
+    brake: float | None = None
+    phase: float = 0.0
+
+    def __repr__(self) -> str:
+        return f"<Steady: {self.kind}, {self.velocity[0]:.6g} rad/s under {self.setup.law.title}>"
+
+    @property
+    def period(self) -> float:
+        """Period of the drive [s]."""
+        return period_of(self.setup.motor.drive)
+
+    @property
+    def closure(self) -> float:
+        """Distance of what was found from a closed orbit, |P(z) - z| / (1 - |lambda|) over |z| [1].
+
+        At least what shooting is content with.
+        """
+        if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
+            return 0.0
+        gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
+        slow = 1.0 - float(abs(self.orbit.multipliers[0]))
+        return max(gap / size, CLOSED) / max(slow, float(np.finfo(float).eps))
+
+    def mean(self, rates: Array) -> Estimate:
+        """Return the mean of rates over the record intervals of the motion, and its error.
+
+        That of an orbit is what its closure leaves; a motion that was run until it repeated itself has the
+        range of its rates, another one its statistical error. What steps and tolerance do comes on top, see
+        `contactlab.steady_state.converged`.
+        """
+        if self.orbit is not None or rates.size == 1:
+            mean = float(rates.mean())
+            return Estimate(mean, self.closure * abs(mean))
+        if self.periods:
+            cycles = rates[rates.size % self.periods :].reshape(-1, self.periods).mean(axis=1)
+            return Estimate(float(cycles[-1]), float(np.ptp(cycles)))
+        return mean_with_error(rates)
+
+    def average(self, name: str) -> Estimate:
+        """Return the mean of a series over time, and its error.
+
+        Args:
+            name: a force, 'normal_force' [N]; or what adds up, whose rate is meant: 'rotor_angle' [rad/s],
+                'drive_work', 'damping_loss', 'friction_loss', 'contact_loss', 'load_work' [W].
+
+        Raises:
+            ValueError: the series has values at its records alone, which say nothing of its mean.
+        """
+        if name in CUMULATIVE:
+            return self.mean(np.diff(self.motion.series[name]) / np.diff(self.motion.time))
+        if name in OF_INTERVALS:
+            return self.mean(self.motion.series[name][1:])
+        raise ValueError(
+            f"{name} has no mean here; it must be one of {', '.join((*OF_INTERVALS, *CUMULATIVE))}. Take the "
+            "mean of another from `curves`."
+        )
+
+    @property
+    def velocity(self) -> Estimate:
+        """Mean rotor velocity and its error at this step [rad/s]; `contactlab.converged` adds the step's."""
+        if self.belt is not None:
+            return Estimate(self.belt, 0.0)
+        mean, error = self.average("rotor_angle")
+        # The rotor's part of a state whose size is mostly the resonator's.
+        size = float(np.linalg.norm(self.orbit.state)) if self.orbit is not None else 0.0
+        return Estimate(
+            mean, max(error, self.closure * size / float(np.sqrt(self.setup.motor.rotor.inertia)))
+        )
+
+    @property
+    def torque(self) -> Estimate:
+        """Mean torque of the contact on the rotor, -R F, and its error [N m]."""
+        radius = self.setup.motor.geometry.rotor_radius
+        mean, error = self.mean(-radius * self.motion.series["friction_force"][1:])
+        # Forward and backward parts may cancel; each of them has its error.
+        return Estimate(mean, max(error, self.closure * radius * self.average("normal_force").value))
+
+    @property
+    def impulse(self) -> Estimate:
+        """Normal impulse of a period of the drive, and its error [N s]."""
+        mean, error = self.average("normal_force")
+        return Estimate(mean * self.period, error * self.period)
+
+    @property
+    def peak_force(self) -> Estimate:
+        """Largest normal force of the motion and its error [N]; of a rigid law, an impulse over its step.
+
+        No error is known of the largest force of a motion that does not repeat itself.
+        """
+        peaks = self.motion.contacts["peak_normal_force"]
+        largest = float(peaks.max(initial=0.0))
+        if self.orbit is not None or not peaks.size:
+            return Estimate(largest, self.closure * largest)
+        if not self.periods:
+            return Estimate(largest, np.nan)
+        passed = (self.motion.contacts["start_time"] - self.motion.time[0]) / (self.periods * self.period)
+        cycles = pandas.Series(peaks).groupby(np.floor(passed)).max()
+        return Estimate(largest, float(np.ptp(cycles)))
+
+    @property
+    def contact_share(self) -> Estimate:
+        """Share of the time in which tip and rotor touch, and its error [1]."""
+        touched, lasted = (self.motion.contacts[name] for name in ("start_time", "duration"))
+        if not touched.size:
+            return Estimate(0.0, 0.0)
+        # The time in contact until an instant grows by one a second in contact, and rests in flight.
+        edges = np.column_stack([touched, touched + lasted]).ravel()
+        until = np.column_stack([np.cumsum(lasted) - lasted, np.cumsum(lasted)]).ravel()
+        return self.mean(np.diff(np.interp(self.motion.time, edges, until)) / np.diff(self.motion.time))
+
+    @property
+    def end(self) -> tuple[float, ModalState, float, Array]:
+        """Where another motion may go on: phase of the drive [periods], modal state, rotor velocity, memory.
+
+        The memory is that of the law's internal variables whose life is the run.
+        """
+        passed = (self.motion.time[-1] - self.motion.time[0]) / self.period
+        velocity = float(self.motion.series["rotor_velocity"][-1])
+        return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity, memory_at_end(self.motion)
+
+    def curves(self, records: int = 1000) -> Trajectory:
+        """Give one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""
+        if self.orbit is not None:
+            return self.orbit.map.run(self.orbit.state, 1.0, records)
+        phase, modal, velocity, memory = self.end
+        clock = PeriodMap(self.setup, phase, max(self.periods, 1), self.belt)
+        return clock.run(clock.state_of(modal, velocity, memory), 1.0, records)

@@ -1,0 +1,107 @@
+"""Period maps, branches and events against what is published of the oscillator with a stop."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from contactlab.steady_state.continuation import Followed, follow
+from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.shooting import Orbit, orbit_from
+from contactlab.testing.impact_oscillator import ImpactOscillator, doubling_between
+
+
+def oscillator(frequency: float) -> ImpactOscillator:
+    return ImpactOscillator(stop=0.0, restitution=0.8, force=1.0, frequency=frequency)
+
+
+def damped(stop: float) -> ImpactOscillator:
+    return ImpactOscillator(stop, restitution=0.8, force=1.0, frequency=2.8, damping=0.1)
+
+
+def ball(force: float) -> ImpactOscillator:
+    return ImpactOscillator(0.0, restitution=0.5, force=force, frequency=1.0, stiffness=0.0, weight=1.0)
+
+
+def orbit_of(plant: ImpactOscillator, number: int = 0) -> Orbit:
+    phase, z = plant.impacts()[number].later(0.5)
+    section = PeriodMap(plant.setup(), phase=phase, belt=0.0)
+    return orbit_from(section, z * np.append(section.scale, 1.0))
+
+
+def branch(family: Callable[[float], ImpactOscillator], start: float, end: float) -> Followed:
+    first = orbit_of(family(start))
+    return follow(lambda value: PeriodMap(family(value).setup(), belt=0.0), first, start, end, step=0.1)
+
+
+@pytest.fixture(scope="module")
+def bouncing() -> Followed:
+    return branch(ball, 1.9, 1.0)
+
+
+def only(found: Followed, mark: Mark) -> float:
+    (event,) = [point for point in found.points if point.mark is mark]
+    return event.value
+
+
+@pytest.mark.parametrize(
+    ("plant", "number"),
+    [(oscillator(2.55), 0), (oscillator(2.9), 0), (damped(0.05), 0), (ball(1.3), 0), (ball(1.3), 1)],
+)
+def test_a_motion_of_one_impact_has_the_multipliers_of_the_closed_form(
+    plant: ImpactOscillator, number: int
+) -> None:
+    """Trace and determinant, of stable motions and of others; an impact is as sharp as its step."""
+    impact, orbit = plant.impacts()[number], orbit_of(plant, number)
+    trace, determinant = np.trace(impact.jacobian), np.linalg.det(impact.jacobian)
+    assert np.sum(orbit.multipliers).real == pytest.approx(trace, rel=1e-6)
+    assert np.prod(orbit.multipliers).real == pytest.approx(determinant, rel=1e-6)
+    (speed,) = -orbit.map.run(orbit.state).contacts["approach_velocity"]
+    assert speed == pytest.approx(impact.speed, rel=1e-7)
+
+
+def test_the_period_of_the_oscillator_doubles_where_shaw_and_holmes_say() -> None:
+    """Where 1 + tr + det = 0, and the other multiplier is e^2 there, without damping, negative."""
+    found = branch(oscillator, 2.6, 2.7)
+    published = doubling_between(oscillator, 2.6, 2.7)
+    assert only(found, Mark.PERIOD_DOUBLING) == pytest.approx(published, rel=1e-6)
+    assert published == pytest.approx(2.653348, abs=1e-6)
+    event = next(point for point in found.points if point.mark)
+    assert np.sort(event.orbit.multipliers.real) == pytest.approx([-1.0, -(0.8**2)], abs=1e-6)
+
+
+def test_the_ball_doubles_its_period_and_folds_where_the_closed_form_says(bouncing: Followed) -> None:
+    """The fold is that of Guckenheimer and Holmes, the doubling that of a table that moves on meanwhile."""
+    assert only(bouncing, Mark.PERIOD_DOUBLING) == pytest.approx(ball(1.0).ball_doubles_at, rel=1e-6)
+    assert only(bouncing, Mark.FOLD) == pytest.approx(ball(1.0).ball_begins_at, rel=1e-6)
+
+
+def test_a_branch_goes_through_a_fold_and_comes_back_unstable(bouncing: Followed) -> None:
+    """It ends at the force where it began, in the other motion of the closed form."""
+    last = bouncing.points[-1]
+    assert last.value == pytest.approx(1.9, rel=1e-12)
+    expected = np.linalg.eigvals(ball(1.9).impacts()[1].jacobian)
+    assert np.sort(last.orbit.multipliers.real) == pytest.approx(np.sort(expected), rel=1e-6)
+    assert bouncing.end.startswith("It ends where the range of the parameter does, at 1.9")
+
+
+def test_a_branch_of_impacts_ends_in_the_grazing_of_the_motion_without() -> None:
+    """The impact loses its speed where the stop stands at the amplitude |X| of the response."""
+    found = branch(damped, 0.1, 0.16)
+    grazing = damped(0.0).grazing_stop
+    assert found.points[-1].value == pytest.approx(grazing, rel=1e-2)
+    assert "1 contact a period, 0 within 0.0001 of its state" in found.end
+    told = float(found.end.partition("without speed at ")[2].partition(":")[0])
+    assert told == pytest.approx(grazing, rel=1e-6)
+
+
+def test_a_motion_that_swings_free_ends_where_it_reaches_the_stop() -> None:
+    """The orbit without impact is no orbit any more, to the digits that the sentence has."""
+    section = PeriodMap(damped(0.2).setup(), belt=0.0)
+    response = damped(0.2).response
+    free = orbit_from(section, np.array([response.real, -2.8 * response.imag]))
+    found = follow(lambda stop: PeriodMap(damped(stop).setup(), belt=0.0), free, 0.2, 0.1)
+    assert "0 contacts a period before and would have 1 beyond" in found.end
+    told = float(found.end.partition("ends at ")[2].partition(" ")[0])
+    assert told == pytest.approx(damped(0.0).grazing_stop, rel=1e-6)

@@ -1,0 +1,282 @@
+"""Steady states: which one it is, what it does on average, how stable it is, and where there is none."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.motor import NormalModes
+from contactlab.steady_state import NoPeriodError, NotSettledError, converged
+from contactlab.steady_state.arrival import _goes_to
+from contactlab.steady_state.shooting import Orbit, derivative_of
+from contactlab.testing.plants import FLAT
+
+
+@cache
+def setup_of(*overrides: str) -> cl.Setup:
+    return cl.build(overrides)
+
+
+@cache
+def free(*overrides: str) -> cl.Steady:
+    return cl.steady(setup_of(*overrides))
+
+
+@cache
+def held(*overrides: str) -> cl.Steady:
+    return cl.steady(setup_of(*overrides), belt=0.0)
+
+
+NEGATIVE, POSITIVE, RIGID = (), ("contact.clearance=3 um",), ("law=newton",)
+"""The default motor, which turns negative, one that turns positive, and a rigid one."""
+
+
+@pytest.mark.parametrize("overrides", [NEGATIVE, POSITIVE, RIGID])
+def test_a_motor_on_its_orbit_stays_there_and_comes_to_it_from_elsewhere(overrides: tuple[str, ...]) -> None:
+    found = free(*overrides)
+    assert found.kind == "periodic"
+    assert found.orbit is not None
+    velocity = found.velocity[0]
+    for start in (found, (found.end[1], 1.5 * velocity)):
+        again = cl.steady(found.setup, start=start).velocity[0]
+        assert again == pytest.approx(velocity, rel=1e-8)
+
+
+@pytest.mark.parametrize("overrides", [NEGATIVE, RIGID])
+def test_a_run_comes_to_the_orbit_as_fast_as_its_largest_multiplier_says(overrides: tuple[str, ...]) -> None:
+    orbit = free(*overrides).orbit
+    assert orbit is not None
+    times = np.arange(12, 37)
+    state, away = orbit.state.copy(), []
+    state[-1] *= 1.0 + 1e-3
+    for _ in range(times[-1] + 1):
+        state = orbit.map(state)
+        away.append(np.linalg.norm(state - orbit.state))
+    slope = np.polyfit(times, np.log(np.array(away)[times]), 1)[0]
+    # The way there is straight but for the square of the distance.
+    assert slope == pytest.approx(np.log(abs(orbit.multipliers[0])), rel=1e-3)
+
+
+@pytest.mark.parametrize("overrides", [NEGATIVE, POSITIVE, RIGID])
+def test_multipliers_hang_on_no_step_of_their_differences(overrides: tuple[str, ...]) -> None:
+    orbit = free(*overrides).orbit
+    assert orbit is not None
+    assert orbit.roughness < 1e-4
+
+    def jacobian(step: float) -> np.ndarray:
+        every = np.eye(orbit.state.size)
+        return np.column_stack([derivative_of(orbit.map, orbit.state, along, step) for along in every])
+
+    # The error of central differences falls with the square of their step.
+    extrapolated = (4.0 * jacobian(2e-6) - jacobian(4e-6)) / 3.0
+    for other in (jacobian(1e-7), extrapolated):
+        values = np.linalg.eigvals(other)
+        for value in orbit.multipliers:
+            assert np.abs(values - value).min() < 1e-6
+
+
+@pytest.mark.parametrize("overrides", [NEGATIVE, RIGID, ("law=lagrange_stick", "rotor.damping=1e-4")])
+def test_what_the_drive_gives_is_lost_or_taken_from_the_rotor(overrides: tuple[str, ...]) -> None:
+    found = cl.steady(setup_of(*overrides), load=-1e-3)
+    losses = ("damping_loss", "friction_loss", "contact_loss", "load_work")
+    drive = found.average("drive_work")[0]
+    # The rigid laws put the tip back onto the closed gap, which is in no term.
+    assert sum(found.average(name)[0] for name in losses) == pytest.approx(drive, rel=2e-4)
+    rotor, velocity = found.setup.motor.rotor, found.velocity[0]
+    assert rotor.load_torque == found.setup.configuration["rotor"]["load_torque"] == -1e-3
+    torque = rotor.load_torque + rotor.damping * velocity
+    assert found.torque[0] == pytest.approx(torque, abs=1e-9)
+    assert found.average("load_work")[0] == pytest.approx(-1e-3 * velocity, rel=1e-6)
+
+
+@pytest.mark.parametrize("overrides", [NEGATIVE, POSITIVE])
+def test_a_brake_slows_either_rotation_and_beyond_the_holding_torque_the_rotor_stands(
+    overrides: tuple[str, ...],
+) -> None:
+    holding, velocity = abs(held(*overrides).torque[0]), free(*overrides).velocity[0]
+    setup = setup_of(*overrides)
+    braked = cl.steady(setup, brake=0.5 * holding)
+    assert 0.0 < braked.velocity[0] / velocity < 1.0
+    assert braked.setup.motor.rotor.load_torque == pytest.approx(0.5 * holding * np.sign(velocity))
+    stands = cl.steady(setup, brake=1.1 * holding)
+    assert (stands.kind, stands.velocity) == ("standing", (0.0, 0.0))
+    assert stands.torque[0] == pytest.approx(np.sign(velocity) * holding, rel=1e-6)
+
+
+def test_a_belt_as_fast_as_the_free_rotor_is_hardly_pushed() -> None:
+    found = free()
+    ripple = float(np.abs(found.curves().series["rotor_velocity"] - found.velocity[0]).max())
+    on_belt = cl.steady(found.setup, belt=found.velocity[0])
+    slope = held().torque[0] / found.velocity[0]
+    assert on_belt.velocity == (found.velocity[0], 0.0)
+    assert abs(on_belt.torque[0] / slope) < ripple
+
+
+def test_a_belt_gives_the_slope_that_the_rotor_settles_by() -> None:
+    found, step = free(*RIGID), 0.1
+    v = found.velocity[0]
+    before, after = (cl.steady(found.setup, belt=v + s).torque[0] for s in (-step, step))
+    slow = -(after - before) / (2.0 * step)
+    assert found.orbit is not None
+    # The rotor is slow and the resonator fast, but not endlessly so.
+    settling = found.setup.motor.rotor.inertia / slow
+    assert found.orbit.settling_time == pytest.approx(settling, rel=0.05)
+
+
+def test_without_contact_the_rotor_keeps_its_velocity_or_that_of_load_and_damping() -> None:
+    far = ("contact.clearance=100 um", "rotor.initial_velocity=2")
+    found = free(*far)
+    assert (found.kind, found.contact_share, found.peak_force) == ("without contact", (0.0, 0.0), (0.0, 0.0))
+    assert found.velocity[0] == pytest.approx(2.0, rel=1e-12)
+    damped = cl.steady(setup_of(*far, "rotor.damping=1e-5"), load=1e-5)
+    assert damped.velocity[0] == pytest.approx(-1.0, rel=1e-9)
+    with pytest.raises(NotSettledError, match="nothing holds it against its load"):
+        cl.steady(setup_of(*far), load=1e-5)
+
+
+@pytest.mark.parametrize(
+    "overrides", [("drive.voltage_2=0",), ("drive.frequency_ratio=1.5", "rotor.damping=1e-3")]
+)
+def test_a_drive_of_one_tone_or_of_a_broken_ratio_has_its_period(overrides: tuple[str, ...]) -> None:
+    found = free(*overrides)
+    assert found.kind == "periodic"
+    frequency = found.setup.motor.drive.frequency
+    assert found.period * frequency == pytest.approx(np.round(found.period * frequency), abs=1e-9)
+    again = found.setup.run(duration=600 * found.period, record_interval=found.period)
+    velocity = np.diff(again.series["rotor_angle"])[-1] / found.period
+    assert velocity == pytest.approx(found.velocity[0], abs=1e-4)
+
+
+@pytest.mark.parametrize("law", [cl.HertzPenalty(1e10, 0.3), cl.LagrangeStick(0.3)])
+def test_a_motor_pressed_together_has_means_and_no_multipliers(law: cl.ContactLaw) -> None:
+    motor = setup_of("rotor.damping=0.05").motor
+    # Far more than what the drive lifts.
+    pressed = replace(motor, preload=60.0 * motor.modes.tip_displacement)
+    pressed = replace(pressed, geometry=replace(motor.geometry, clearance=0.0))
+    found = cl.steady(pressed, law, contact_step=5e-7, longest=200)
+    assert (found.kind, found.orbit) == ("periodic", None)
+    assert found.contact_share.value == pytest.approx(1.0, abs=1e-9)
+    assert found.average("normal_force")[0] > 0.0
+    # What turns the rotor is what its damping takes.
+    torque = motor.rotor.damping * found.velocity[0]
+    assert found.torque[0] == pytest.approx(torque, abs=1e-6)
+
+
+def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> None:
+    modes = NormalModes(
+        stiffness=np.array([1e6, 0.0]),
+        damping=np.array([300.0, 0.0]),
+        coupling=np.array([[1.0, 0.0], [0.0, 0.0]]),
+        tip_displacement=np.array([1.0, 0.0]),
+        tip_slope=np.array([0.0, -1.0 / FLAT]),
+        shape_coupling=np.zeros((2, 2)),
+    )
+    drive = cl.Drive(np.array([100.0]), np.array([[10.0], [0.0]], dtype=complex))
+    geometry = cl.ContactGeometry(FLAT, FLAT, 5e-6)
+    motor = cl.Motor(modes, drive, geometry, cl.Rotor(inertia=FLAT**2))
+    found = cl.steady(motor, cl.HertzPenalty(1e10, 0.3), belt=0.0)
+    assert found.kind == "periodic"
+    assert found.contact_share.value > 0.0
+
+
+def test_what_steps_leave_is_told_with_the_mean() -> None:
+    rough, fine = (setup_of(*RIGID, f"solver.contact_step={step}") for step in (2e-7, 2e-9))
+    mean, error = converged(rough).velocity
+    assert 1e-5 < error < 1e-2
+    assert abs(cl.steady(fine).velocity[0] - mean) < 1.1 * error
+    assert converged(setup_of(), refine=False).velocity[1] < 1e-7
+
+
+class Line:
+    """A map of one state that goes down a slope from 0 to where it stays first, at -1; it stays at -2 too."""
+
+    periods = 1
+
+    def step(self, z: np.ndarray) -> np.ndarray:
+        return z - 0.05 * (z + 1.0) * (z + 1.5) * (z + 2.0)
+
+    def run(self, z: np.ndarray, times: int) -> np.ndarray:
+        for _ in range(times):
+            z = self.step(z)
+        return z
+
+    def end_of(self, run: np.ndarray) -> np.ndarray:
+        return run
+
+
+@pytest.mark.parametrize(("place", "goes"), [(-1.0, True), (-2.0, False)])
+def test_an_orbit_behind_another_is_not_where_a_motor_goes(place: float, goes: bool) -> None:
+    line: Any = Line()
+    orbit = Orbit(line, np.array([place]), np.array([[1.0 - 0.025]]), 0.0)
+    # From about -0.4 it goes down as fast as if it went to -2; half way there it does not.
+    for start in (0.0, *np.linspace(-0.5, -0.3, 9), -0.6, -0.9):
+        before = np.array([start])
+        assert not _goes_to(orbit, before, line.run(before, 5), 5) or goes
+    assert _goes_to(orbit, np.array([place + 0.05]), line.run(np.array([place + 0.05]), 5), 5)
+
+
+def test_an_orbit_that_the_motor_is_not_seen_to_go_to_is_not_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    setup = cl.build(["law=newton"])
+    assert cl.steady(setup, belt=0.0, longest=200).orbit is not None
+    monkeypatch.setattr("contactlab.steady_state.arrival._goes_to", lambda *_: False)
+    assert cl.steady(setup, belt=0.0, longest=200).orbit is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ({"belt": 1.0, "load": 1.0}, ValueError, "belt and load are given"),
+        ({"brake": -1.0}, ValueError, "it must be positive"),
+        ({"belt": np.nan}, ValueError, "it must be finite"),
+        ({"load": "much"}, TypeError, "it must be a number"),
+        ({"longest": 3}, ValueError, "must be at least"),
+        ({"start": (1.0, 2.0)}, TypeError, "The modal state of the start"),
+        ({"law": cl.Newton()}, ValueError, "A setup has a law of its own"),
+        ({"load": 0.05, "longest": 400}, NotSettledError, "The rotor has not settled"),
+    ],
+)
+def test_what_makes_no_steady_state_is_told_in_a_sentence(
+    arguments: dict[str, Any], error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        cl.steady(setup_of(), **arguments)
+
+
+def test_a_drive_without_a_period_has_no_steady_state() -> None:
+    with pytest.raises(NoPeriodError, match="do not repeat themselves"):
+        free("drive.frequency_ratio=1.41421356")
+
+
+def test_series_without_a_mean_are_refused_and_the_others_told() -> None:
+    with pytest.raises(ValueError, match="gap has no mean here; it must be one of normal_force"):
+        free().average("gap")
+
+
+@pytest.mark.parametrize("law", ["newton", "hertz_penalty"])
+def test_a_motor_and_a_law_made_in_python_have_the_steady_states_of_their_setup(law: str) -> None:
+    setup = setup_of(f"law={law}")
+    given = {"contact_step": setup.contact_step}
+    of_setup, of_parts = cl.converged(setup), cl.converged(setup.motor, setup.law, **given)
+    for name in ("velocity", "torque"):
+        assert getattr(of_parts, name) == getattr(of_setup, name)
+    for name in ("velocity", "torque", "impulse", "peak_force", "contact_share"):
+        value, error = number = getattr(of_parts.best, name)
+        assert (number.value, number.error) == (value, error)
+        # The torque of a free rotor is zero, whatever its error.
+        assert 0.0 <= error <= max(1e-6 * abs(value), 1e-9)
+
+
+@pytest.mark.parametrize("refused", [{"law": cl.Newton()}, {"tolerance": "tight"}])
+def test_what_a_setup_has_of_its_own_is_not_given_beside_it(refused: dict[str, Any]) -> None:
+    with pytest.raises((TypeError, ValueError)):
+        cl.converged(setup_of(), **refused)
+
+
+def test_the_peak_of_a_motion_without_period_has_no_known_error() -> None:
+    found = cl.steady(setup_of("law=newton", "resonator=finite_element"), longest=200)
+    chaotic = replace(found.details, orbit=None, periods=0)
+    assert chaotic.peak_force.value == found.peak_force.value
+    assert np.isnan(chaotic.peak_force.error)
