@@ -25,7 +25,10 @@ class Asked:
         self.law, self.variables = law, law.internal_variables
         self.own = law.coupled if isinstance(law, PenaltyLaw) else 0
         self.initial = np.array([one.initial for one in self.variables], dtype=np.float64)
-        self._kernels, self._row = functions_of(law), guarded(row_of(law), canary)
+        row = row_of(law)
+        # Behind the internal variables, too.
+        row[HEAD + len(self.variables)] = canary
+        self._kernels, self._row = functions_of(law), guarded(row, canary)
         # What kernels may only read is written here.
         self._written: Any = np.asarray(self._row.base)[CANARIES:]
         self._count = len(self.variables)
