@@ -33,9 +33,9 @@ def main(arguments: list[str]) -> int:
     from contactlab.laws import LawError
     from contactlab.measured.faults import MeasurementError
     from contactlab.measured.files import read_impacts
+    from contactlab.processes import WorkerError
     from contactlab.studies import validate_tables as tables
     from contactlab.studies.validate_page import write
-    from contactlab.sweeps.batch import WorkerError
 
     models = models_of(given.words)
     try:

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from contactlab.inference.models import Model
 from contactlab.inference.prediction import Held, held_out
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.processes import START_METHOD, begin_worker
-from contactlab.sweeps.batch import WorkerError
+from contactlab.processes import START_METHOD, WorkerError, begin_worker
 
 Done = Callable[[int, list[Held]], object]
 """Told the place of a model and its folds when all of them have ended."""

@@ -1,34 +1,369 @@
-"""Sweeps from Python: over keys of the configuration, or over arguments of a function that makes motors."""
+"""The study `sweep`: many runs, or another study many times, whose numbers lie in one dataset.
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+    DIR/sweep.json        the plan of the runs, and the digest of the code
+    DIR/tasks/*.nc        finished tasks, see `contactlab.studies.runner`
+    DIR/sweep.nc          the dataset; the tasks are removed once it is on the disk
+    DIR/sweep.nc.sha256   its digest, in the format of `sha256sum -c`
+    DIR/unfinished.nc     the finished runs of an unfinished sweep, where `collect` was called
+
+Every file appears whole or not at all, and the numbers of a task do not depend on when or where it runs.
+Several processes may therefore work on one sweep: they write the same bytes.
+"""
+
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias, final
+from typing import Any, ClassVar, Final, TypeAlias, final
 
 import numpy as np
 import pandas
 import xarray
+import yaml
 
 from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.composition import compose, options_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import Value
-from contactlab.laws import ContactLaw
+from contactlab.engine.callback import is_of_a_signal
+from contactlab.laws import ContactLaw, LawError
+from contactlab.metrics import Run, assess
 from contactlab.motor import Motor
+from contactlab.processes import processors
+from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
+from contactlab.results.internal import internal_series
+from contactlab.settling.statistics import Estimate
+from contactlab.settling.until import STEADY
 from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
-from contactlab.sweeps.batch import Batch, Outputs, Report, SetupAt
-from contactlab.sweeps.dataset import Axis, dataset_of
-from contactlab.sweeps.plan import NOTHING, Columns, Configuration, Plan, full_keys, planned, with_key
-from contactlab.sweeps.store import Store
-from contactlab.sweeps.values import in_si, listed, spread
+from contactlab.studies.runner import TASKS, Progress, done_parts, kept_parts, run
+from contactlab.studies.study import Part, Setups, Study, Task
+from contactlab.sweeps.dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
+from contactlab.sweeps.outputs import Outputs
+from contactlab.sweeps.plan import (
+    NOTHING,
+    ONE_PROCESS,
+    Columns,
+    Configuration,
+    Plan,
+    full_keys,
+    planned,
+    size_of_tasks,
+    with_key,
+)
+from contactlab.sweeps.state import Status, status_of
+from contactlab.sweeps.values import SweepError, in_si, listed, spread
 
 Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 
+Maker: TypeAlias = Callable[[Plan, int], Setup]
+"""Makes the setup of a cell; a `ConfigurationError` makes the cell a refused one."""
+
+MANIFEST: Final = "sweep.json"
+DIGEST: Final = f"{DATASET}.sha256"
+UNFINISHED: Final = "unfinished.nc"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep(Study):
+    """What becomes of every combination of values, or of every row of a table?
+
+    Args:
+        plan: of the runs.
+        make: makes the setup of a cell from the plan.
+        question: the study that is put to each setup, where the configuration does not name it.
+    """
+
+    name: ClassVar[str] = "sweep"
+    delay: ClassVar[float] = 2.0
+
+    plan: Plan
+    make: Maker = Plan.setup_at
+    question: Study | None = None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The plan, on which alone the numbers depend."""
+        return {"plan": self.plan.text()}
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return tasks of as many cells as the plan has in a chunk, whatever the number of workers."""
+        del setups
+        plan = self.plan
+        for start in range(0, plan.cells, plan.chunk):
+            cells = range(start, min(start + plan.chunk, plan.cells))
+            yield Task(str(start), _done, (Cells(plan, cells, self.make, self.question),))
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the dataset of all runs, their time series included."""
+        del setups
+        return xarray.DataTree(combined(self.plan, parts, with_series=True))
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return none: the numbers of a sweep are variables of its dataset."""
+        del data
+        return {}
+
+
+@final
+@dataclass(frozen=True)
+class Cells:
+    """Some cells of a plan; pickled they bring the values of these cells alone."""
+
+    plan: Plan
+    cells: range
+    make: Maker
+    question: Study | None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rows = self.plan.rows(self.cells)
+        return Cells, (rows, range(rows.cells), self.make, self.question)
+
+
+@final
+@dataclass
+class Outcome:
+    """Status of a run, the reason where it has no numbers, its numbers and its time series."""
+
+    status: Status = Status.FAILED
+    reason: str = ""
+    numbers: Mapping[str, float] | None = None
+    time: Any = None
+    series: Mapping[str, Any] | None = None
+
+
+def _done(work: Cells) -> Part:
+    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
+    outputs = work.plan.outputs
+    runs = [_outcome(work, cell) for cell in work.cells]
+    root = xarray.Dataset(
+        {
+            **{
+                name: ("run", [each.numbers[name] if each.numbers else np.nan for each in runs])
+                for name in outputs.metrics
+            },
+            "status": ("run", np.array([each.status for each in runs], dtype=np.int8)),
+            "reason": ("run", np.array([each.reason for each in runs], dtype=object)),
+        }
+    )
+    groups = {"/": root}
+    time = next((each.time for each in runs if each.time is not None), None)
+    if time is not None:
+        none = np.full(time.size, np.nan)
+        rows = {
+            name: (("run", "time"), np.stack([each.series[name] if each.series else none for each in runs]))
+            for name in outputs.series
+        }
+        groups["/series"] = xarray.Dataset({**rows, "times": ("time", time)})
+    return Part(xarray.DataTree.from_dict(groups))
+
+
+def _outcome(work: Cells, cell: int) -> Outcome:
+    """Run one cell."""
+    outputs = work.plan.outputs
+    try:
+        setup = work.make(work.plan, cell)
+        if outputs.study:
+            return _numbers(work.question or work.plan.study_at(cell), setup)
+        sampled = outputs.sampled or setup.until == STEADY
+        trajectory = setup.run(record_interval=setup.record_interval if sampled else setup.duration)
+        outcome = Outcome(status_of(trajectory.ending), trajectory.message)
+        if trajectory.ending.reached_end:
+            outcome.numbers = assess(Run.of_trajectory(trajectory, setup.configuration), outputs.metrics)
+            if outputs.series:
+                # A copy: a view would keep all that the run has recorded in memory.
+                there = {*SERIES, *(variable.name for variable in internal_series(trajectory.law))}
+                none = np.full(trajectory.time.size, np.nan)
+                outcome.time = trajectory.time
+                outcome.series = {
+                    name: trajectory.series[name].copy() if name in there else none for name in outputs.series
+                }
+    except ConfigurationError as error:
+        return Outcome(Status.REFUSED, " ".join(error.faults))
+    except LawError as error:
+        return Outcome(reason=str(error))
+    # One of ten thousand runs must not end the others.
+    except Exception as error:
+        # The end of a cluster's time is no result of the cell: the task is to be done again.
+        if is_of_a_signal(error):
+            raise
+        return Outcome(reason=f"The run ended in {type(error).__name__}: {error}")
+    return outcome
+
+
+def _numbers(study: Study, setup: Setup) -> Outcome:
+    """Put a study to a setup; return its numbers and their errors."""
+    every = study.result(setup).numbers
+    values = {q.name: every[q.name].value for q in study.quantities}
+    errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
+    return Outcome(Status.COMPLETE, numbers=values | errors)
+
+
+def combined(
+    plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
+) -> xarray.Dataset:
+    """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
+    columns: dict[str, Any] = {
+        **{key: np.full(plan.cells, np.nan) for key in plan.outputs.metrics},
+        "status": np.full(plan.cells, Status.ABSENT, dtype=np.int8),
+        "reason": np.full(plan.cells, REASONS[Status.ABSENT], dtype=object),
+    }
+    scalars = [*columns]
+    for start, part in _by_start(parts):
+        size = part.sizes["run"]
+        for name in scalars:
+            columns[name][start : start + size] = part[name].values
+        if with_series and "series" in part.children:
+            series = part["series"].to_dataset()
+            columns.setdefault("time", series["times"].values)
+            for name in plan.outputs.series:
+                empty = partial(np.full, (plan.cells, series.sizes["time"]), np.nan)
+                column = columns.setdefault(f"{name}_series", None)
+                if column is None:
+                    column = columns[f"{name}_series"] = empty()
+                column[start : start + size] = series[name].values
+    attributes: dict[str, Any] = {}
+    if plan.bases != ({},):
+        shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
+        attributes["configuration"] = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
+    return dataset_of(
+        plan.axes,
+        columns,
+        attributes,
+        samples=plan.samples,
+        series=plan.outputs.kept,
+        numbers=plan.outputs.numbers,
+    )
+
+
+def _by_start(parts: Mapping[str, xarray.DataTree]) -> Iterator[tuple[int, xarray.DataTree]]:
+    """Yield the tasks with the number of their first cell."""
+    return ((int(key), part) for key, part in parts.items())
+
+
+def _slabs(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> Iterator[Slab]:
+    """Yield the time series of every run, one task in memory at a time."""
+    for start, part in _by_start(parts):
+        if "series" in part.children:
+            group = part["series"].to_dataset()
+            time = group["times"].values
+            rows = {name: group[name].values for name in plan.outputs.series}
+            for row in range(part.sizes["run"]):
+                place = tuple(map(int, np.unravel_index(start + row, plan.shape)))
+                yield place, time, {name: values[row] for name, values in rows.items()}
+
+
+def begin(folder: Path, plan: Plan) -> None:
+    """Write the plan of a sweep; a sweep of folders may be extended.
+
+    Raises:
+        SweepError: the folder contains another sweep, or one by other code.
+        OSError: the folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    file, there = folder / MANIFEST, read_plan(folder)
+    extends = plan.keep == "runs" and (there is None or there.keep == "runs")
+    # Of several processes that begin at once one writes the file.
+    if extends or not file.exists():
+        with suppress(FileExistsError), whole_file(file, fresh=not extends) as partly:
+            partly.write_text(plan.text(), encoding="utf-8")
+    if not extends and file.read_bytes() != plan.text().encode():
+        raise SweepError(
+            f"'{folder}' holds another sweep, or one made by other code; a sweep goes on only with what it "
+            "began with. Choose another folder by hydra.sweep.dir=DIR, or remove this one."
+        )
+
+
+def read_plan(folder: Path) -> Plan | None:
+    """Return the plan of the sweep in a folder; None where there is none that can be read."""
+    try:
+        return Plan.of_text((folder / MANIFEST).read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def continued(study: Sweep, folder: Path, progress: Progress | None = None) -> xarray.Dataset:
+    """Do what is left of a sweep in its folder, write sweep.nc and return the dataset.
+
+    Series are in the file only, which is the attribute `source` of its `encoding`.
+
+    Raises:
+        SweepError: sweep.nc is damaged.
+        WorkerError: a worker process died.
+        OSError: the folder cannot be written to.
+    """
+    return _finished(study, folder, partial(done_parts, study, {}, folder, progress))
+
+
+def collected(folder: Path, plan: Plan) -> xarray.Dataset:
+    """Write and return the dataset of the runs that are finished; see `continued`."""
+    study = Sweep(plan=plan)
+    return _finished(study, folder, lambda: (kept_parts(study, {}, folder), None))
+
+
+def _finished(study: Sweep, folder: Path, parts_of: Callable[[], Any]) -> xarray.Dataset:
+    file = folder / DATASET
+    while not file.exists():
+        try:
+            parts, _ = parts_of()
+            dataset = _written(study.plan, parts, folder, whole=not parts.missing)
+            if parts.missing:
+                return dataset
+        except OSError:
+            # Another process may have finished the sweep, and removed its tasks, meanwhile.
+            if not file.exists():
+                raise
+    dataset = _stored(folder)
+    shutil.rmtree(folder / TASKS, ignore_errors=True)
+    (folder / UNFINISHED).unlink(missing_ok=True)
+    return dataset
+
+
+def _written(
+    plan: Plan, parts: Mapping[str, xarray.DataTree], folder: Path, *, whole: bool
+) -> xarray.Dataset:
+    """Write the dataset of tasks, that of all as the sweep's."""
+    dataset, kept = combined(plan, parts), plan.outputs.kept
+    path = folder / (DATASET if whole else UNFINISHED)
+    with whole_netcdf(path) as partly:
+        write(dataset, partly, kept, lambda: _slabs(plan, parts))
+        if whole:
+            # Before the sweep has its name: killed in between, the tasks make the same again.
+            with whole_file(folder / DIGEST) as digest:
+                digest.write_text(_digest_line(partly), encoding="utf-8")
+    dataset.encoding["source"] = str(path)
+    return dataset
+
+
+def _stored(folder: Path) -> xarray.Dataset:
+    """Read the dataset of a whole sweep."""
+    file, digest = folder / DATASET, folder / DIGEST
+    if digest.exists() and digest.read_text(encoding="utf-8") != _digest_line(file):
+        raise SweepError(
+            f"'{file}' is not as the sweep left it, by its digest in {DIGEST}; it is damaged or was changed. "
+            "Move it away and give the command again: its runs are made anew. If the change is yours, "
+            f"remove {DIGEST}."
+        )
+    with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as opened:
+        dataset = opened.load()
+    dataset.encoding["source"] = str(file)
+    return dataset
+
+
+def _digest_line(file: Path) -> str:
+    return f"{digest_of_file(file)}  {DATASET}\n"
+
+
+def runs_of(plan: Plan, report: Callable[[int], object]) -> Progress:
+    """Return what converts finished tasks to finished runs."""
+    return lambda done, _: report(min(done * plan.chunk, plan.cells))
+
 
 def sweep(
-    over: Over,
+    study: Study | Over | None = None,
+    over: Over | None = None,
     *,
     motor: Callable[..., Motor] | None = None,
     law: ContactLaw | Callable[..., ContactLaw] | str | None = None,
@@ -41,9 +376,9 @@ def sweep(
     series: Sequence[str] = (),
     folder: str | Path | None = None,
     workers: int | None = None,
-    report: Report | None = None,
+    report: Callable[[int], object] | None = None,
 ) -> xarray.Dataset:
-    """Run every combination of values, or every row of a table, and give the metrics of each.
+    """Run every combination of values, or every row of a table, and return the metrics of each.
 
         >>> values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
         >>> dict(sweep(values, duration=1e-3, workers=1).sizes)
@@ -57,6 +392,10 @@ def sweep(
         >>> found["law_restitution"].values
         array([0.4, 0.6])
 
+    Any study can be swept:
+
+        sweep(cl.Steady(), over={"drive.phase": "linspace(-3, 3, 100)"}, base=["law=newton"])
+
     With a function that makes the motor anything may vary:
 
         sweep({"gap": gaps}, motor=lambda gap: Motor(..., ContactGeometry(clearance=gap)), law=law, ...)
@@ -64,6 +403,7 @@ def sweep(
     Every number is that of the run alone to the last bit, whatever the number of workers.
 
     Args:
+        study: the study that is put to every setup; without one it is run, and the values may come first.
         over: values by name: a key of the configuration, 'contact.clearance' or 'clearance', or a group
             of it, 'law'; with `motor` an argument of functions. Values are a list, an array (a DataArray
             brings its unit), or a text as on the command line. A table, a DataFrame or a list of mappings,
@@ -78,11 +418,11 @@ def sweep(
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
             internal_NAME of what a law remembers, NaN under laws that do not.
-        folder: where chunks are kept as they are finished, so that the same sweep goes on where it was
+        folder: where tasks are kept as they are finished, so that the same sweep goes on where it was
             stopped; for sweeps over keys of the configuration alone, as of a function or a motor made in
             Python nobody can tell whether it is the same.
-        workers: processes at work; None is one a processor.
-        report: told now and then how many runs have ended.
+        workers: processes at work; None is one a processor. They begin once a second of work is done.
+        report: receives the number of runs that have ended, now and then.
 
     Returns:
         The metrics over the parameters, or over `run` for a table, with `status` (see `Status`) and
@@ -94,13 +434,18 @@ def sweep(
         SweepError: the folder holds another sweep.
         WorkerError: a worker process died.
     """
+    question = study if isinstance(study, Study) else None
+    if over is None and question is None:
+        over = study
     samples = not isinstance(over, Mapping)
     table: Any = pandas.DataFrame(over) if samples else over
     columns = {str(name): _values(table[name]) for name in table}
     units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
     if not columns:
         raise ValueError(NOTHING)
-    outputs = Outputs.named(metrics, series)
+    outputs = Outputs.named(metrics, series) if question is None else Outputs.of_study(question.name)
+    if question is not None and (metrics is not None or series):
+        raise ValueError("A study has numbers of its own; metrics and series are those of runs.")
     numbers = (duration, record_interval, contact_step, tolerance)
     solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
     if isinstance(base, Motor):
@@ -109,18 +454,12 @@ def sweep(
                 "The base is a motor made in Python; there must be a law and a duration beside it, and "
                 "neither a folder nor a function that makes motors."
             )
-        made = setup_of(base, law, solver)
-        plan = Plan(axes=_axes_of_numbers(made, columns, samples), samples=samples, outputs=outputs)
-        outputs = outputs.of_laws([made.law])
-        setup_at: SetupAt = partial(_with_numbers, plan, made)
-        # Every value is checked before the first run.
-        for cell in range(plan.cells):
-            setup_at(cell)
+        swept = _over_numbers(setup_of(base, law, solver), columns, samples, outputs)
     elif motor is None:
-        composer = ScriptComposer(base, law, solver)
-        plan = planned(composer, full_keys(columns, composer), outputs, samples=samples)
-        outputs = plan.outputs
-        setup_at = plan.setup_at
+        composer = ScriptComposer(base, law, solver, question)
+        full, chunk = full_keys(columns, composer), 1 if question else None
+        swept = Sweep(plan=planned(composer, full, outputs, samples=samples, chunk=chunk))
+        question = None
     else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
             raise ValueError(
@@ -130,20 +469,31 @@ def sweep(
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
         plan = Plan(axes=axes, samples=samples, outputs=outputs)
         _refuse(plan, law, record_interval)
-        outputs = outputs.of_laws(_laws(plan, law))
-        setup_at = partial(_setup, plan, motor, law, solver)
-    if folder is not None:
-        store = Store(Path(folder), plan)
-        store.begin()
-        store.run_missing(workers, report)
-        return store.merge()
-    with Batch(setup_at, outputs, workers, report) as batch:
-        answers = batch.answers(range(plan.cells))
-    return dataset_of(plan.axes, answers, samples=samples, series=outputs.kept)
+        plan = replace(plan, outputs=outputs.of_laws(_laws(plan, law)))
+        swept = Sweep(plan=plan, make=partial(_setup, motor, law, solver))
+    plan = swept.plan
+    if not plan.code:
+        plan = replace(plan, chunk=1 if question else size_of_tasks(plan.cells))
+    scheduler = study.scheduler if isinstance(study, Study) else None
+    swept = replace(swept, plan=plan, question=question, workers=workers or processors(), scheduler=scheduler)
+    progress = runs_of(plan, report) if report else None
+    if folder is None:
+        return run(swept, {}, None, progress).data.to_dataset()
+    begin(Path(folder), plan)
+    return continued(swept, Path(folder), progress)
+
+
+def _over_numbers(setup: Setup, columns: Columns, samples: bool, outputs: Outputs) -> Sweep:
+    """Return a sweep over numbers of a motor made in Python; every value is checked before the first run."""
+    outputs = outputs.of_laws([setup.law])
+    plan = Plan(axes=_axes_of_numbers(setup, columns, samples), samples=samples, outputs=outputs)
+    for cell in range(plan.cells):
+        _with_numbers(setup, plan, cell)
+    return Sweep(plan=plan, make=partial(_with_numbers, setup))
 
 
 def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
-    """Refuse what no function can make runs of."""
+    """Refuse a sweep of functions without values, law or the records that it needs."""
     if empty := [axis.key for axis in plan.axes if not axis.values]:
         raise ValueError(
             f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list "
@@ -159,14 +509,14 @@ def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
 
 
 def _laws(plan: Plan, law: Any) -> Iterator[ContactLaw]:
-    """Give the laws at both ends of a sweep; what a function raises there its runs tell."""
+    """Yield the laws at both ends of a sweep; what a function raises there, its runs raise too."""
     for cell in (0, plan.cells - 1):
         with suppress(Exception):
             yield law(**plan.point(cell)) if callable(law) else law
 
 
-def _setup(plan: Plan, motor: Callable[..., Motor], law: Any, solver: dict[str, Any], cell: int) -> Setup:
-    """Make what runs in a cell by functions of its values."""
+def _setup(motor: Callable[..., Motor], law: Any, solver: dict[str, Any], plan: Plan, cell: int) -> Setup:
+    """Return the setup of a cell by functions of its values."""
     point = plan.point(cell)
     return setup_of(motor(**point), law(**point) if callable(law) else law, solver)
 
@@ -196,15 +546,15 @@ def _axes_of_numbers(setup: Setup, columns: Columns, samples: bool) -> tuple[Axi
     return tuple(axes)
 
 
-def _with_numbers(plan: Plan, setup: Setup, cell: int) -> Setup:
-    """Return what runs in a cell over numbers of a motor made in Python."""
+def _with_numbers(setup: Setup, plan: Plan, cell: int) -> Setup:
+    """Return the setup of a cell of a sweep over numbers of a motor made in Python."""
     for key, value in plan.point(cell).items():
         setup = with_number(setup, key, value)
     return setup
 
 
 def _values(given: Any) -> list[Value]:
-    """Give the values of one parameter: as listed, or as a text spells them."""
+    """Return the values of one parameter: as listed, or as a text spells them."""
     if isinstance(given, str):
         return [*listed(given)]
     if np.ndim(given) > 1:
@@ -227,10 +577,12 @@ class ScriptComposer:
         base: Sequence[str] | Configuration | Setup,
         law: object = None,
         solver: Mapping[str, float] | None = None,
+        question: Study | None = None,
     ) -> None:
         self._base = base.configuration if isinstance(base, Setup) else base
         self._chosen = {} if law is None else {"law": law}
         self._solver = solver or {}
+        self._question = question
         if isinstance(self._base, str):
             raise TypeError(
                 f"The base is the text {self._base!r}; it must be a list of overrides or a mapping. Write "
@@ -243,7 +595,7 @@ class ScriptComposer:
             )
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Give the configuration with these options, all else as it is set."""
+        """Return the configuration with these options, all else as it is set."""
         options = {**self._chosen, **chosen}
         lines = [f"{group}={option}" for group, option in options.items()]
         if isinstance(self._base, Mapping):
@@ -253,4 +605,7 @@ class ScriptComposer:
             found = compose([*self._base, *lines])
         for name, value in self._solver.items():
             found = with_key(found, ".".join(KEYS[name]), value)
-        return {name: section for name, section in found.items() if name not in NOT_OF_A_RUN}
+        composition = {name: section for name, section in found.items() if name not in NOT_OF_A_RUN}
+        if self._question is not None:
+            composition["study"] = {"name": self._question.name, **self._question.options, **ONE_PROCESS}
+        return composition
