@@ -19,8 +19,9 @@ def tests(session: nox.Session) -> None:
 def lint(session: nox.Session) -> None:
     """Check style, format, types and import contracts."""
     session.install("-e", ".[test]")
-    for command in (("ruff", "check"), ("ruff", "format", "--check"), ("mypy",), ("lint-imports",)):
-        session.run(*command)
+    checks = "ruff check", "ruff format --check", "mypy", "lint-imports", "python docs/tools/plain_words.py"
+    for command in checks:
+        session.run(*command.split())
 
 
 @nox.session

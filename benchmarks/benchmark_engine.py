@@ -70,7 +70,7 @@ def numpy_side(motor: Motor) -> RightHandSide:
 
 
 def compiled_side(motor: Motor) -> RightHandSide:
-    """The same right-hand side, compiled."""
+    """Return the compiled right-hand side."""
     modes, shape, omega = motor.modes, motor.geometry, motor.drive.angular_frequency
     force = modes.coupling @ motor.drive.phasors
     in_phase, quadrature = force.real.copy(), force.imag.copy()
@@ -107,10 +107,10 @@ def integrate(
     count = motor.modes.stiffness.size
     scale = np.repeat([1e-7, 1e-3], count)
     start = np.zeros(2 * count)
-    found = solve_ivp(
+    result = solve_ivp(
         side, (0.0, duration), start, method=method, rtol=rtol, atol=rtol * scale, max_step=step
     )
-    q = found.y[:count, -1]
+    q = result.y[:count, -1]
     return float(motor.modes.tip_displacement @ q), float(motor.modes.tip_slope @ q)
 
 

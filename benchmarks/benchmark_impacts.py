@@ -52,7 +52,7 @@ def drawn(count: int, seed: int = 0) -> tuple[Any, Any]:
 
 
 def other(law: cl.ContactLaw, call: int) -> cl.ContactLaw:
-    """Give the law with another friction coefficient for each call."""
+    """Return the law with another friction coefficient for each call."""
     mu = 0.3 - 1e-3 * (call + 1)
     if isinstance(law, cl.Composed):
         return replace(law, friction=replace(law.friction, friction_coefficient=mu))
@@ -68,19 +68,19 @@ def measure(count: int, tolerance: float) -> list[Timing]:
     laws |= {name: cl.Composed(**parts) for name, parts in COMPOSED.items()}
     timings = []
     for name, law in laws.items():
-        given = None if isinstance(law, MultiplierLaw) else tolerance
+        options = None if isinstance(law, MultiplierLaw) else tolerance
         # Compiles what there is to compile.
-        cl.impact(law, matrices[:1], rates[:1], tolerance=given)
-        impacts.velocities_after(law, given)
+        cl.impact(law, matrices[:1], rates[:1], tolerance=options)
+        impacts.velocities_after(law, options)
         times: list[tuple[float, float]] = []
         for call in range(CALLS):
             start = perf_counter()
-            found = cl.impact(law, matrices, rates, tolerance=given)
+            result = cl.impact(law, matrices, rates, tolerance=options)
             between = perf_counter()
-            impacts.velocities_after(other(law, call), given)
+            impacts.velocities_after(other(law, call), options)
             times.append((between - start, perf_counter() - between))
         dataset, arrays = (min(column) for column in zip(*times, strict=True))
-        timings.append(Timing(name, dataset, arrays, int((found.status != 0).sum())))
+        timings.append(Timing(name, dataset, arrays, int((result.status != 0).sum())))
     return timings
 
 

@@ -103,7 +103,7 @@ def timed(work: Callable[[range], object], cells: range) -> float:
 def in_sweeps(jobs: int, repeats: int) -> list[Row]:
     """A job of a sweep by Hydra's launchers, as whole commands."""
     launchers = {"job of -m, basic launcher": []}
-    if "hydra-joblib-launcher" in {found.name for found in distributions()}:
+    if "hydra-joblib-launcher" in {result.name for result in distributions()}:
         launchers["job of -m, joblib with two workers"] = ["hydra/launcher=joblib", "hydra.launcher.n_jobs=2"]
     few = max(jobs // 4, 1)
     return [
@@ -133,15 +133,15 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=2000, help="in a batch")
     parser.add_argument("--jobs", type=int, default=16, help="of a sweep")
     parser.add_argument("--repeats", type=int, default=5)
-    given = parser.parse_args()
-    batches = in_batches(plan_with(given.runs), given.repeats)
-    alone, one, two, ceiling = (row.seconds for row in batches)
+    options = parser.parse_args()
+    batches = in_batches(plan_with(options.runs), options.repeats)
+    alone, item, two, ceiling = (row.seconds for row in batches)
     print("| way | time a run | runs a second |\n|---|---|---|")
-    for row in (*batches, *in_sweeps(given.jobs, max(given.repeats // 2, 1))):
+    for row in (*batches, *in_sweeps(options.jobs, max(options.repeats // 2, 1))):
         print(f"| {row.way} | {1e3 * row.seconds:.3g} ms | {1.0 / row.seconds:.3g} |")
     print(
-        f"\nA run in a batch takes {one / alone:.3f} times as long as alone. Two processes of a batch are "
-        f"{one / two:.2f} times as quick as one; this machine lets two independent processes of the bare "
+        f"\nA run in a batch takes {item / alone:.3f} times as long as alone. Two processes of a batch are "
+        f"{item / two:.2f} times as quick as one; this machine lets two independent processes of the bare "
         f"engine be {alone / ceiling:.2f} times as quick."
     )
 

@@ -24,10 +24,10 @@ LONGEST = 60.0
 """Seconds that it may take."""
 
 
-def timed(*words: str) -> float:
+def timed(*text: str) -> float:
     """Run the command to its end, and give how long it took [s]."""
     began = perf_counter()
-    subprocess.run([*COMMAND, *words], check=True)
+    subprocess.run([*COMMAND, *text], check=True)
     return perf_counter() - began
 
 

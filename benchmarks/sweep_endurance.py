@@ -28,7 +28,7 @@ LOOK = 0.2
 
 
 def command(runs: int, workers: int, folder: Path) -> list[str]:
-    """Give the sweep of some runs over clearance and phase."""
+    """Return the sweep of some runs over clearance and phase."""
     rows = max(round(np.sqrt(runs)), 1)
     return [
         *(sys.executable, "-m", "contactlab", "-m", "sweep.keep=metrics"),
@@ -58,7 +58,7 @@ def undisturbed(runs: int, workers: int, folder: Path) -> tuple[float, list[floa
 def killed(runs: int, kills: int, workers: int, folder: Path, seconds: float) -> list[int]:
     """Kill the sweep some times, then let it end; the chunks that were finished at each kill."""
     choice = random.Random(0)
-    found = []
+    result = []
     for _ in range(kills):
         with subprocess.Popen(command(runs, workers, folder), stdout=subprocess.DEVNULL) as running:
             before = finished(folder)
@@ -66,9 +66,9 @@ def killed(runs: int, kills: int, workers: int, folder: Path, seconds: float) ->
                 sleep(0.01)
             sleep(choice.uniform(0.0, 0.5 * seconds / (kills + 1)))
             running.send_signal(signal.SIGKILL)
-        found.append(finished(folder))
+        result.append(finished(folder))
     subprocess.run(command(runs, workers, folder), check=True, stdout=subprocess.DEVNULL)
-    return found
+    return result
 
 
 def finished(folder: Path) -> int:
@@ -103,22 +103,22 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=100_000)
     parser.add_argument("--kills", type=int, default=3)
     parser.add_argument("--workers", type=int, default=2)
-    given = parser.parse_args()
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         whole, cut = Path(place) / "whole", Path(place) / "cut"
-        seconds, memory = undisturbed(given.runs, given.workers, whole)
+        seconds, memory = undisturbed(options.runs, options.workers, whole)
         third = max(len(memory) // 3, 1)
         print(
-            f"{given.runs} runs of {DURATION:g} s by {given.workers} processes in {seconds:.1f} s, "
-            f"{1e3 * seconds / given.runs:.3f} ms each."
+            f"{options.runs} runs of {DURATION:g} s by {options.workers} processes in {seconds:.1f} s, "
+            f"{1e3 * seconds / options.runs:.3f} ms each."
         )
         if memory:
             print(
                 f"Memory: at most {max(memory[:third]):.0f} MB in the first third, "
                 f"{max(memory[-third:]):.0f} MB in the last."
             )
-        chunks = killed(given.runs, given.kills, given.workers, cut, seconds)
-        print(f"Killed {given.kills} times, with {', '.join(map(str, chunks))} chunks finished.")
+        chunks = killed(options.runs, options.kills, options.workers, cut, seconds)
+        print(f"Killed {options.kills} times, with {', '.join(map(str, chunks))} chunks finished.")
         same = (whole / DATASET).read_bytes() == (cut / DATASET).read_bytes()
     print("The two files are the same." if same else "The two files differ.")
     return 0 if same else 1

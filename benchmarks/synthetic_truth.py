@@ -7,10 +7,10 @@ counted that hold the truth: of impacts under `newton`, with and without a state
 velocity under `hertz_penalty`, where stiffness, friction and noise are free. Nine of ten must, within the
 binomial error of the count.
 
-Laws: each of ten makes data, and the evidence of all ten is found from them. "Right" is the true law with the
-largest evidence and a Bayes factor over the second that can be told (above 3 and above three of its errors),
-"wrong" another one so; all else is "cannot tell". A law whose largest likelihood is below the largest
-evidence by `MARGIN` and more is not sampled: its evidence is smaller than its likelihood.
+Laws: each of ten makes data, and the evidence of all ten is computed from them. "Right" is the true law with
+the largest evidence and a Bayes factor over the second that is significant (above 3 and above three of its
+errors), "wrong" another law so; all else is "inconclusive". A law whose largest likelihood is below the
+largest evidence by `MARGIN` and more is not sampled: its evidence is smaller than its likelihood.
 """
 
 import argparse
@@ -57,7 +57,7 @@ CLEAN = 0.02
 """Of those that tell laws apart."""
 
 COUNTS = (100, 20, 5)
-"""Impacts from which laws are told apart, the data that are long enough first."""
+"""Numbers of impacts from which laws are distinguished, the data that are long enough first."""
 
 LAWS: dict[str, tuple[Any, dict[str, tuple[float, float]], dict[str, tuple[float, float]]]] = {
     law.name: (law, FRICTION | ranges, {"friction_coefficient": (0.1, 0.4)} | truths)
@@ -100,11 +100,11 @@ def drawn(ranges: dict[str, tuple[float, float]], seed: int) -> dict[str, float]
 
 
 def of_impacts(stated: bool, seed: int) -> dict[str, bool]:
-    """Tell which intervals cover, of one fit to impacts; without a stated error its size is found."""
+    """Return which intervals cover, of one fit to impacts; without a stated error its size is found."""
     law, ranges, _ = LAWS["newton"]
     free = free_parameters(law, ranges)
     truth = drawn(ranges, seed)
-    made = with_values(law, free, [truth[one.name] for one in free])
+    made = with_values(law, free, [truth[item.name] for item in free])
     data: Any = made_impacts(made, IMPACTS, NOISE, seed)
     model = ImpactModel(data if stated else without_errors(data), law, free, free, spread=not stated)
     if not stated:
@@ -113,25 +113,25 @@ def of_impacts(stated: bool, seed: int) -> dict[str, bool]:
 
 
 def of_series(seed: int) -> dict[str, bool]:
-    """Tell which intervals cover, of one fit to a rotor's velocity."""
+    """Return which intervals cover, of one fit to a rotor's velocity."""
     ranges = {"law.stiffness": (1e9, 1e11), "contact.friction_coefficient": (0.1, 0.5)}
     truth = drawn(ranges, seed)
-    words = [f"{key}={value!r}" for key, value in truth.items()]
-    setup = cl.build(["law=hertz_penalty", "solver.duration=2e-3", "record.interval=2e-5", *words])
+    label = [f"{key}={value!r}" for key, value in truth.items()]
+    setup = cl.build(["law=hertz_penalty", "solver.duration=2e-3", "record.interval=2e-5", *label])
     data = without_errors(made_series(setup, ["rotor_velocity"], 0.01, seed))
-    said = declared_in(setup.configuration)
-    keys = [Free(key, *ends, key == "law.stiffness", said[key]) for key, ends in ranges.items()]
+    text = declared_in(setup.configuration)
+    keys = [Free(key, *ends, key == "law.stiffness", text[key]) for key, ends in ranges.items()]
     model = series_model(data, setup.configuration, keys, discrepancy=False)
     errors = made_series(setup, ["rotor_velocity"], 0.01, seed).errors["rotor_velocity"]
     return covered(model, truth | {"noise.rotor_velocity": float(errors[0])}, seed)
 
 
 def covered(model: Any, truth: dict[str, float], seed: int) -> dict[str, bool]:
-    """Tell which of the intervals of a posterior hold the truth."""
+    """Return which of the intervals of a posterior hold the truth."""
     ends = sample(model, points=COVERING, seed=seed, workers=1, one_mode=True).quantiles(ENDS)
     return {
-        one.name: bool(low <= truth[one.name] <= high)
-        for one, (low, high) in zip(model.free, ends, strict=True)
+        item.name: bool(low <= truth[item.name] <= high)
+        for item, (low, high) in zip(model.free, ends, strict=True)
     }
 
 
@@ -142,7 +142,7 @@ def contest(count: int, case: int) -> dict[str, Any]:
     law, ranges, truths = LAWS[true]
     free = free_parameters(law, ranges)
     values = drawn(truths, case)
-    made = with_values(law, free, [values[one.name] for one in free])
+    made = with_values(law, free, [values[item.name] for item in free])
     data = made_impacts(made, count, CLEAN, case)
     models, most = {}, {}
     for name, (other, priors, _) in LAWS.items():
@@ -154,14 +154,14 @@ def contest(count: int, case: int) -> dict[str, Any]:
     for name in sorted(names, key=lambda each: -most[each]):
         largest = max((z for z, _ in evidences.values()), default=-np.inf)
         if most[name] > largest - MARGIN:
-            found = sample(models[name], points=POINTS, seed=case, workers=1, one_mode=True)
-            evidences[name] = found.log_evidence, found.error
+            result = sample(models[name], points=POINTS, seed=case, workers=1, one_mode=True)
+            evidences[name] = result.log_evidence, result.error
     first, *others = sorted(evidences, key=lambda name: -evidences[name][0])
     lead, error = np.inf, 0.0
     if others:
         (z, e), (z_2, e_2) = evidences[first], evidences[others[0]]
         lead, error = z - z_2, hypot(e, e_2)
-    word = ("right" if first == true else "wrong") if told(lead, error) else "cannot tell"
+    word = ("right" if first == true else "wrong") if told(lead, error) else "inconclusive"
     return {
         "impacts": count,
         "true": true,
@@ -180,7 +180,7 @@ def mapped(work: Any, count: int, workers: int, what: str) -> Iterator[dict[str,
 
 
 def work_name(kind: str) -> str:
-    """Give the name of a file from what is fitted."""
+    """Return the name of a file from what is fitted."""
     return kind.replace(",", "").replace(" ", "_")
 
 
@@ -200,12 +200,12 @@ def coverage(kind: str, rows: list[dict[str, bool]]) -> pandas.DataFrame:
 
 
 def verdicts(rows: pandas.DataFrame) -> pandas.DataFrame:
-    """Give the shares of right, wrong and cannot tell over the number of impacts."""
+    """Return the shares of right, wrong and inconclusive over the number of impacts."""
     lines = []
     for count, group in rows.groupby("impacts"):
         shares = group["verdict"].value_counts(normalize=True)
         line = {"impacts": count, "sets": len(group)}
-        line |= {f"{word} [%]": 100.0 * shares.get(word, 0.0) for word in ("right", "wrong", "cannot tell")}
+        line |= {f"{word} [%]": 100.0 * shares.get(word, 0.0) for word in ("right", "wrong", "inconclusive")}
         line["true law first [%]"] = 100.0 * float((group["first"] == group["true"]).mean())
         line["median error of ln B"] = float(group["error"][np.isfinite(group["lead"])].median())
         lines.append(line)
@@ -221,41 +221,41 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--short", type=int, default=50, help="sets of few impacts: %(default)s")
     parser.add_argument("--workers", type=int, default=2, help="processes: %(default)s")
     parser.add_argument("--output", type=Path, default=Path("outputs/synthetic_truth"))
-    given = parser.parse_args(arguments)
-    given.output.mkdir(parents=True, exist_ok=True)
+    options = parser.parse_args(arguments)
+    options.output.mkdir(parents=True, exist_ok=True)
     began, parts = perf_counter(), []
     # What is compiled or loaded here the forks have.
     contest(min(COUNTS), 0), of_series(0)
     works = {
-        "impacts, error stated": (partial(of_impacts, True), given.fits),
-        "impacts, error found": (partial(of_impacts, False), given.fits),
-        "rotor velocity": (of_series, given.series),
+        "impacts, error stated": (partial(of_impacts, True), options.fits),
+        "impacts, error found": (partial(of_impacts, False), options.fits),
+        "rotor velocity": (of_series, options.series),
     }
     for kind, (work, count) in works.items():
         if count:
-            found = []
-            for row in mapped(work, count, given.workers, kind):
-                found.append(row)
+            result = []
+            for row in mapped(work, count, options.workers, kind):
+                result.append(row)
                 # What there is by now is kept, whatever stops the rest.
-                pandas.DataFrame(found).to_csv(given.output / f"{work_name(kind)}.csv", index=False)
-            parts.append(coverage(kind, found))
+                pandas.DataFrame(result).to_csv(options.output / f"{work_name(kind)}.csv", index=False)
+            parts.append(coverage(kind, result))
     if parts:
         covering = pandas.concat(parts, ignore_index=True)
-        covering.to_csv(given.output / "coverage.csv", index=False)
+        covering.to_csv(options.output / "coverage.csv", index=False)
         print(covering.to_string(index=False, float_format="{:.1f}".format), flush=True)
-    if given.sets:
+    if options.sets:
         rows = []
         for count in COUNTS:
-            sets = given.sets if count == max(COUNTS) else given.short
-            for row in mapped(partial(contest, count), sets, given.workers, f"{count} impacts"):
+            sets = options.sets if count == max(COUNTS) else options.short
+            for row in mapped(partial(contest, count), sets, options.workers, f"{count} impacts"):
                 rows.append(row)
-                pandas.DataFrame(rows).to_csv(given.output / "laws.csv", index=False)
+                pandas.DataFrame(rows).to_csv(options.output / "laws.csv", index=False)
         every = pandas.DataFrame(rows)
         print(verdicts(every).to_string(index=False, float_format="{:.2g}".format))
         longest = every[every["impacts"] == max(COUNTS)]
         missed = longest[longest["verdict"] != "right"]
         print(missed.to_string(index=False, float_format="{:.2g}".format))
-    print(f"{perf_counter() - began:.0f} s with {given.workers} processes. Written to {given.output}.")
+    print(f"{perf_counter() - began:.0f} s with {options.workers} processes. Written to {options.output}.")
 
 
 if __name__ == "__main__":

@@ -103,7 +103,7 @@ from contactlab.studies.characterise import Characterise as Characterise, charac
 from contactlab.studies.collection import collect as collect
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
-from contactlab.studies.sweep import Sweep as Sweep, sweep as sweep
+from contactlab.studies.sweep import sweep as sweep
 from contactlab.sweeps import SweepError as SweepError
 from contactlab.trajectory import Ending as Ending
 

@@ -2,18 +2,21 @@
 
     python experiments/all.py [output=DIR]
 
-The page, index.html, holds its pictures itself. Exit status 1 if a finding does not hold.
+The page, index.html, contains its pictures. Exit status 1 if a finding does not hold.
 """
 
 import sys
 from base64 import b64encode
 from collections.abc import Sequence
-from html import escape
-from importlib import import_module
 from pathlib import Path
 
-from harness import CONTRADICTED, DONE, NINE_DIGITS, Result, perform
+from experiment import CONTRADICTED, DONE, OUTPUTS, REFUSED, Experiment, class_of, perform
+from jinja2 import Environment
 from tqdm import tqdm
+
+from contactlab.processes import processors
+from contactlab.studies.study import Result
+from contactlab.studies.tables import as_html
 
 PAPER = (
     "table1_placement",
@@ -25,7 +28,7 @@ PAPER = (
     "fig9_normal_force",
     "fig10_sticking",
 )
-"""In the paper's order."""
+"""Experiments on the paper, in its order."""
 
 BEYOND = (
     "identify_table1",
@@ -40,63 +43,65 @@ BEYOND = (
     "optimise_motor",
     "steady_states",
 )
-STYLE = """
+"""Experiments beyond it."""
+
+PAGE = """<!doctype html><html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>The paper, reproduced and extended</title><style>
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; color: #222 }
-img { max-width: 100%; height: auto }
+img { max-width: 100%; height: auto } section { margin: 2.5rem 0 } .says { color: #555 }
 .table { overflow-x: auto } table { border-collapse: collapse; font-size: 0.8rem }
 td, th { padding: 0.15rem 0.6rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #ddd }
-.holds { color: #00623f } .not { color: #a33c00 } .says { color: #555 } section { margin: 2.5rem 0 }
+</style></head><body>
+<h1>The paper, reproduced and extended</h1>
+<p>Andersen, Blanke and Helbo (2001), <i>Two Mode Resonator and Contact Model for Standing Wave
+Piezomotor</i>. {{ sections | selectattr("holds") | list | length }} of {{ sections | length }} findings
+hold.</p>
+{% for section in sections %}
+<section id="{{ section.name }}"><h2>{{ section.title }}</h2><p class="says">{{ section.says }}</p>
+<img alt="{{ section.title }}" src="data:image/png;base64,{{ section.picture }}">
+<p><b>{{ "Holds" if section.holds else "Does not hold" }}.</b> {{ section.finding }}</p>
+<details><summary>Numbers</summary><div class="table">{{ section.table | safe }}</div></details>
+<p><code>python experiments/{{ section.name }}.py</code></p></section>
+{% endfor %}
+</body></html>
 """
 
 
-def page(results: Sequence[Result]) -> str:
-    """The page: what the paper says, the picture, the numbers, what we find."""
-    inside = sum(result.holds for result in results)
-    parts = [
-        "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
-        "<meta name='viewport' content='width=device-width, initial-scale=1'>",
-        f"<title>The paper, reproduced and extended</title><style>{STYLE}</style></head><body>",
-        "<h1>The paper, reproduced and extended</h1>",
-        "<p>Andersen, Blanke and Helbo (2001), <i>Two Mode Resonator and Contact Model for Standing Wave "
-        f"Piezomotor</i>. {inside} of {len(results)} findings hold.</p>",
-        *(section(result) for result in results),
-        "</body></html>",
-    ]
-    return "\n".join(parts)
+def page(results: Sequence[tuple[Result, Path]]) -> str:
+    """Return the page: claim, figure, finding and numbers of each experiment.
 
-
-def section(result: Result) -> str:
-    """One experiment on the page."""
-    picture = b64encode((result.folder / "figure.png").read_bytes()).decode()
-    mark, word = ("holds", "Holds") if result.holds else ("not", "Does not hold")
-    table = result.rows.to_html(index=False, border=0, float_format=NINE_DIGITS)
-    return (
-        f"<section id='{result.name}'><h2>{escape(result.title)}</h2>"
-        f"<p class='says'>{escape(result.says)}</p>"
-        f"<img alt='{escape(result.title)}' src='data:image/png;base64,{picture}'>"
-        f"<p><b class='{mark}'>{word}.</b> {escape(result.sentence)}</p>"
-        f"<details><summary>Numbers</summary><div class='table'>{table}</div>"
-        f"</details><p><code>python experiments/{result.name}.py</code></p></section>"
-    )
+    Args:
+        results: each with the folder of its files.
+    """
+    sections = []
+    for result, folder in results:
+        study, about = result.study, result.data.attrs
+        assert isinstance(study, Experiment)
+        picture = b64encode((folder / f"{study.name}.png").read_bytes()).decode()
+        table = as_html(result.tables["table"])
+        sections.append({**about, "name": study.name, "picture": picture, "table": table})
+    return Environment(autoescape=True).from_string(PAGE).render(sections=sections)
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run everything and write the page; returns the exit status."""
-    folder = Path("outputs") / "experiments"
+    """Run everything, write the page and return the exit status."""
+    folder = OUTPUTS
     for word in arguments:
         if not word.startswith("output="):
             print(f"{word} is not understood; the one argument is output=DIR.", file=sys.stderr)
-            return 2
+            return REFUSED
         folder = Path(word.removeprefix("output="))
-    # All of them first: one that lacks a package says so before any has run.
-    modules = {name: import_module(name) for name in (*PAPER, *BEYOND)}
+    # All are imported first: a missing package is reported before any has run.
+    names = [class_of(name).name for name in (*PAPER, *BEYOND)]
     results = []
-    for name, module in tqdm(modules.items(), unit=" experiments", disable=None):
-        results.append(perform(module, folder / name))
-        tqdm.write(f"{name}: {'holds' if results[-1].holds else 'DOES NOT HOLD'}")
+    for name in tqdm(names, unit=" experiments", disable=None):
+        results.append((perform(name, folder / name, workers=processors()), folder / name))
+        holds = results[-1][0].data.attrs["holds"]
+        tqdm.write(f"{name}: {'holds' if holds else 'DOES NOT HOLD'}")
     (folder / "index.html").write_text(page(results), encoding="utf-8")
     print(f"Written to {folder / 'index.html'}")
-    return DONE if all(result.holds for result in results) else CONTRADICTED
+    return DONE if all(result.data.attrs["holds"] for result, _ in results) else CONTRADICTED
 
 
 if __name__ == "__main__":

@@ -5,20 +5,18 @@ frequency moves at the tip, 1 / sum u_j^2; the compliance is what a constant for
 """
 
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main
+from experiment import Experiment, main
 from matplotlib.figure import Figure
+from variations import laws_of
 
 import contactlab as cl
 
-SAYS = (
-    "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
-    "four are enough is not asked."
-)
 SHAPES = (2, 3, 4, 6, 8, 12, 16, 24, 40)
 CONVERGED = 24
 """Kept modes of the reference, with static correction."""
@@ -33,90 +31,97 @@ QUANTITIES = {
 }
 
 
-def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """Every basis at the converged first natural frequency and its double, and at the configured drive."""
-    shapes = SHAPES[1:4] if short else SHAPES
-    kept = 6 if short else CONVERGED
-    given = {k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")}
-    elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
-    bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
-    bases[f"finite_element {kept}"] = elements
-    modes = {
-        name: cl.build({**setup.configuration, "resonator": given | basis}).motor.modes
-        for name, basis in bases.items()
-    }
-    *_, reference = modes.values()
-    tones = reference.natural_frequency[0] * np.array([1.0, 2.0])
-    motor = replace(setup.motor, drive=replace(setup.motor.drive, frequency=tones))
-    found = cl.sweep(
-        {"basis": [*bases]},
-        motor=lambda basis: replace(motor, modes=modes[basis]),
-        law=laws_of(setup)["hertz_penalty"],
-        duration=setup.duration,
-        metrics=("peak_force", "final_rotor_velocity"),
+@dataclass(frozen=True, kw_only=True)
+class BasisConvergence(Experiment):
+    """How do frequencies and contact depend on the number of shapes?"""
+
+    name: ClassVar[str] = "basis_convergence"
+    says: ClassVar[str] = (
+        "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
+        "four are enough is not asked."
     )
-    numbers = [
-        [
-            *one.natural_frequency[:2],
-            np.sum(one.tip_displacement**2 / one.stiffness),
-            1.0 / np.sum(one.tip_displacement**2),
+
+    def compute(self, setup: cl.Setup) -> xarray.Dataset:
+        """Return every basis at the converged first natural frequency and its double."""
+        shapes = SHAPES[1:4] if self.short else SHAPES
+        kept = 6 if self.short else CONVERGED
+        options = {k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")}
+        elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
+        bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
+        bases[f"finite_element {kept}"] = elements
+        modes = {
+            name: cl.build({**setup.configuration, "resonator": options | basis}).motor.modes
+            for name, basis in bases.items()
+        }
+        *_, reference = modes.values()
+        tones = reference.natural_frequency[0] * np.array([1.0, 2.0])
+        motor = replace(setup.motor, drive=replace(setup.motor.drive, frequency=tones))
+        result = cl.sweep(
+            {"basis": [*bases]},
+            motor=lambda basis: replace(motor, modes=modes[basis]),
+            law=laws_of(setup)["hertz_penalty"],
+            duration=setup.duration,
+            metrics=("peak_force", "final_rotor_velocity"),
+        )
+        numbers = [
+            [
+                *item.natural_frequency[:2],
+                np.sum(item.tip_displacement**2 / item.stiffness),
+                1.0 / np.sum(item.tip_displacement**2),
+            ]
+            for item in modes.values()
         ]
-        for one in modes.values()
-    ]
-    columns = (*np.transpose(numbers), found.peak_force, found.final_rotor_velocity)
-    return xarray.Dataset(
-        {
-            name: ("basis", np.array(column), {"units": units})
-            for (name, units), column in zip(QUANTITIES.items(), columns, strict=True)
-        },
-        coords={"basis": [*bases], "shapes": ("basis", [*shapes, kept])},
-    )
+        columns = (*np.transpose(numbers), result.peak_force, result.final_rotor_velocity)
+        return xarray.Dataset(
+            {
+                name: ("basis", np.array(column), {"units": units})
+                for (name, units), column in zip(QUANTITIES.items(), columns, strict=True)
+            },
+            coords={"basis": [*bases], "shapes": ("basis", [*shapes, kept])},
+        )
 
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """One row a basis."""
+        return [
+            {"basis": str(basis)}
+            | {f"{name} [{units}]": float(data[name][i]) for name, units in QUANTITIES.items()}
+            for i, basis in enumerate(data.basis.values)
+        ]
 
-def table(data: xarray.Dataset) -> list[dict[str, object]]:
-    """One row a basis."""
-    return [
-        {"basis": str(basis)}
-        | {f"{name} [{units}]": float(data[name][i]) for name, units in QUANTITIES.items()}
-        for i, basis in enumerate(data.basis.values)
-    ]
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """Every quantity over the number of shapes, relative to the converged one."""
+        figure, axes = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained", sharex=True)
+        ritz = data.isel(basis=slice(None, -1))
+        names = list(QUANTITIES)
+        for ax, group in zip(axes, (names[:4], names[4:]), strict=True):
+            ax.axhline(1.0, color="0.6", lw=0.8)
+            for k, name in enumerate(group):
+                relative = ritz[name] / float(data[name][-1])
+                ax.semilogx(ritz.shapes, relative, "os^D"[k] + "-", label=name.replace("_", " "))
+            ax.set_xlabel("Ritz shapes")
+            ax.set_xticks([2, 4, 8, 16, 40], ["2", "4", "8", "16", "40"])
+            ax.minorticks_off()
+            ax.legend()
+        axes[0].set_ylabel("over the converged value")
+        return figure
 
-
-def draw(data: xarray.Dataset) -> Figure:
-    """Every quantity over the number of shapes, relative to the converged one."""
-    figure, axes = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained", sharex=True)
-    ritz = data.isel(basis=slice(None, -1))
-    names = list(QUANTITIES)
-    for ax, group in zip(axes, (names[:4], names[4:]), strict=True):
-        ax.axhline(1.0, color="0.6", lw=0.8)
-        for k, name in enumerate(group):
-            relative = ritz[name] / float(data[name][-1])
-            ax.semilogx(ritz.shapes, relative, "os^D"[k] + "-", label=name.replace("_", " "))
-        ax.set_xlabel("Ritz shapes")
-        ax.set_xticks([2, 4, 8, 16, 40], ["2", "4", "8", "16", "40"])
-        ax.minorticks_off()
-        ax.legend()
-    axes[0].set_ylabel("over the converged value")
-    return figure
-
-
-def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """What truncation does to frequencies and contact, and whether the basis falls towards the limit."""
-    four = data.isel(basis=list(data.shapes.values[:-1]).index(4))
-    end, most = data.isel(basis=-1), data.isel(basis=-2)
-    falls = bool(np.all(np.diff(data.first_frequency.values) < 1e-6))
-    return (
-        f"Converged, the patched beam has f1 = {float(end.first_frequency):.1f} Hz and f2 = "
-        f"{float(end.second_frequency):.1f} Hz; four shapes give {float(four.first_frequency):.0f} "
-        f"and {float(four.second_frequency):.0f}, {int(most.shapes)} still "
-        f"{float(most.first_frequency):.0f} and {float(most.second_frequency):.0f}. At the "
-        "converged frequency the motor with four shapes peaks at "
-        f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N and "
-        f"turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
-        "rad/s: the printed frequencies are those of the truncated basis.",
-        falls,
-    )
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """What truncation does to frequencies and contact, and whether the basis falls towards the limit."""
+        four = data.isel(basis=list(data.shapes.values[:-1]).index(4))
+        end, most = data.isel(basis=-1), data.isel(basis=-2)
+        falls = bool(np.all(np.diff(data.first_frequency.values) < 1e-6))
+        return (
+            f"Converged, the patched beam has f1 = {float(end.first_frequency):.1f} Hz and f2 = "
+            f"{float(end.second_frequency):.1f} Hz; four shapes give {float(four.first_frequency):.0f} "
+            f"and {float(four.second_frequency):.0f}, {int(most.shapes)} still "
+            f"{float(most.first_frequency):.0f} and {float(most.second_frequency):.0f}. At the "
+            "converged frequency the motor with four shapes peaks at "
+            f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N and "
+            f"turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
+            "rad/s: the printed frequencies are those of the truncated basis.",
+            falls,
+        )
 
 
 if __name__ == "__main__":
-    sys.exit(main(__name__))
+    sys.exit(main(__file__))

@@ -5,81 +5,22 @@ they differ, what the impact does decides what the motor does.
 """
 
 import sys
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main, quantity, settled
+from experiment import main
 from matplotlib.figure import Figure
+from variations import SettledMap, laws_of, quantity
 
 import contactlab as cl
 
-SAYS = (
-    "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, "
-    "though not the highest "
-    "final velocity. No map is given, and the frequency of the contact runs is not stated."
-)
 LAWS = ("hertz_penalty", "lagrange_stick")
 STICK_STEP = 2e-7
 """Contact step of the rigid law [s]: its first-order error is 0.5 % in the reference case."""
-
-
-def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """The map for both laws; the short form is three by two cells."""
-    drive = setup.configuration["drive"]
-    frequency = drive["frequency"] * np.linspace(0.95, 1.02, 2 if short else 15)
-    found = settled(
-        setup,
-        {
-            "frequency": quantity(frequency, "Hz"),
-            "phase": quantity(np.linspace(-np.pi, np.pi, 3 if short else 21), "rad"),
-        },
-        motor=lambda **tone: replace(setup.motor, drive=cl.Drive.two_mode(**{**drive, **tone})),
-        laws={name: laws_of(setup)[name] for name in LAWS},
-        rigid_step=STICK_STEP,
-        metrics=("contact_count",),
-    )
-    for name, units in (("rotor_velocity", "rad s-1"), ("error", "rad s-1"), ("periods", "1")):
-        found[name].attrs["units"] = units
-    return found
-
-
-def table(data: xarray.Dataset) -> list[dict[str, object]]:
-    """The fastest cell of each direction, and how far the laws are apart."""
-    rows: list[dict[str, object]] = []
-    for law in LAWS:
-        for word, cell in (
-            ("fastest forward", data.rotor_velocity.sel(law=law).argmax(...)),
-            ("fastest backward", data.rotor_velocity.sel(law=law).argmin(...)),
-        ):
-            place = data.rotor_velocity.sel(law=law).isel(cell)
-            rows.append(
-                {
-                    "law": law,
-                    "cell": word,
-                    "frequency [Hz]": float(place.frequency),
-                    "phase [rad]": float(place.phase),
-                    "rotor velocity [rad/s]": float(place),
-                }
-            )
-    return rows
-
-
-def draw(data: xarray.Dataset) -> Figure:
-    """Both maps on one scale, and their difference."""
-    figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.6), layout="constrained", sharey=True)
-    most = float(np.nanmax(np.abs(data.rotor_velocity)))
-    maps = [*(data.rotor_velocity.sel(law=law) for law in LAWS), _difference(data)]
-    for ax, values, title in zip(axes, maps, [*LAWS, "difference"], strict=True):
-        mesh = ax.pcolormesh(
-            data.phase / np.pi, 1e-3 * data.frequency, values, cmap="RdBu_r", vmin=-most, vmax=most
-        )
-        ax.set_title(title)
-        ax.set_xlabel("phase (π rad)")
-    axes[0].set_ylabel("first tone (kHz)")
-    figure.colorbar(mesh, ax=axes, label="rotor velocity (rad/s)")
-    return figure
 
 
 def _difference(data: xarray.Dataset) -> xarray.DataArray:
@@ -96,29 +37,102 @@ def turn(data: xarray.DataArray) -> tuple[float, float]:
     return 2.0 * abs(mean), 0.5 * float(np.angle(mean))
 
 
-def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """In how many cells the laws agree, and how far their maps are turned against each other."""
-    hertz, stick = (data.rotor_velocity.sel(law=law).values for law in LAWS)
-    moves = (np.abs(hertz) > 0.1) | (np.abs(stick) > 0.1)
-    apart = np.abs(stick - hertz)[moves] / np.maximum(np.abs(hertz), np.abs(stick))[moves]
-    ratio = np.maximum(np.abs(stick), 1e-12)[moves] / np.maximum(np.abs(hertz), 1e-12)[moves]
-    twofold = np.abs(np.log(ratio)) > np.log(2.0)
-    opposite = (stick[moves] * hertz[moves] < 0.0).mean()
-    (size_hertz, best_hertz), (size_stick, best_stick) = (
-        turn(data.rotor_velocity.sel(law=law)) for law in LAWS
+@dataclass(frozen=True, kw_only=True)
+class DrivePhaseMap(SettledMap):
+    """Where do a rigid and a compliant law agree over phase and frequency of the drive?"""
+
+    name: ClassVar[str] = "drive_phase_map"
+    says: ClassVar[str] = (
+        "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, "
+        "though not the highest "
+        "final velocity. No map is given, and the frequency of the contact runs is not stated."
     )
-    shift = (best_hertz - best_stick + 0.5 * np.pi) % np.pi - 0.5 * np.pi
-    sentence = (
-        f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 "
-        f"% in {100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
-        f"{100.0 * twofold.mean():.0f} %, and turn in opposite directions in "
-        f"{100.0 * opposite:.0f} %. The maps are alike, of {size_hertz:.2f} (Hertz) and "
-        f"{size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} pi: a rigid impact "
-        "gives its impulse at the touch-down, a compliant contact later, when the tip moves "
-        "sideways otherwise. They agree where the map is flat."
-    )
-    return sentence, bool((apart < 0.1).any() and twofold.any())
+
+    rigid_step: ClassVar[float] = STICK_STEP
+    metrics: ClassVar[tuple[str, ...]] = ("contact_count",)
+
+    def axes(self, setup: cl.Setup) -> dict[str, xarray.DataArray]:
+        """Return frequencies and phases; the short form has two by three."""
+        frequency = setup.configuration["drive"]["frequency"] * np.linspace(
+            0.95, 1.02, 2 if self.short else 15
+        )
+        phase = np.linspace(-np.pi, np.pi, 3 if self.short else 21)
+        return {"frequency": quantity(frequency, "Hz"), "phase": quantity(phase, "rad")}
+
+    def laws(self, setup: cl.Setup) -> dict[str, cl.ContactLaw]:
+        """Return a compliant law and a rigid one."""
+        return {name: laws_of(setup)[name] for name in LAWS}
+
+    def varied(self, setup: cl.Setup, law: cl.ContactLaw, **values: float) -> tuple[cl.Motor, cl.ContactLaw]:
+        """Return the motor with another drive."""
+        drive = cl.Drive.two_mode(**{**setup.configuration["drive"], **values})
+        return replace(setup.motor, drive=drive), law
+
+    def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
+        """Return the maps."""
+        data = SettledMap.join(self, setup, parts)
+        for name, units in (("rotor_velocity", "rad s-1"), ("error", "rad s-1"), ("periods", "1")):
+            data[name].attrs["units"] = units
+        return data
+
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """The fastest cell of each direction, and how far the laws are apart."""
+        rows: list[dict[str, object]] = []
+        for law in LAWS:
+            for word, cell in (
+                ("fastest forward", data.rotor_velocity.sel(law=law).argmax(...)),
+                ("fastest backward", data.rotor_velocity.sel(law=law).argmin(...)),
+            ):
+                place = data.rotor_velocity.sel(law=law).isel(cell)
+                rows.append(
+                    {
+                        "law": law,
+                        "cell": word,
+                        "frequency [Hz]": float(place.frequency),
+                        "phase [rad]": float(place.phase),
+                        "rotor velocity [rad/s]": float(place),
+                    }
+                )
+        return rows
+
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """Both maps on one scale, and their difference."""
+        figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.6), layout="constrained", sharey=True)
+        most = float(np.nanmax(np.abs(data.rotor_velocity)))
+        maps = [*(data.rotor_velocity.sel(law=law) for law in LAWS), _difference(data)]
+        for ax, values, title in zip(axes, maps, [*LAWS, "difference"], strict=True):
+            mesh = ax.pcolormesh(
+                data.phase / np.pi, 1e-3 * data.frequency, values, cmap="RdBu_r", vmin=-most, vmax=most
+            )
+            ax.set_title(title)
+            ax.set_xlabel("phase (π rad)")
+        axes[0].set_ylabel("first tone (kHz)")
+        figure.colorbar(mesh, ax=axes, label="rotor velocity (rad/s)")
+        return figure
+
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """In how many cells the laws agree, and how far their maps are turned against each other."""
+        hertz, stick = (data.rotor_velocity.sel(law=law).values for law in LAWS)
+        moves = (np.abs(hertz) > 0.1) | (np.abs(stick) > 0.1)
+        apart = np.abs(stick - hertz)[moves] / np.maximum(np.abs(hertz), np.abs(stick))[moves]
+        ratio = np.maximum(np.abs(stick), 1e-12)[moves] / np.maximum(np.abs(hertz), 1e-12)[moves]
+        twofold = np.abs(np.log(ratio)) > np.log(2.0)
+        opposite = (stick[moves] * hertz[moves] < 0.0).mean()
+        (size_hertz, best_hertz), (size_stick, best_stick) = (
+            turn(data.rotor_velocity.sel(law=law)) for law in LAWS
+        )
+        shift = (best_hertz - best_stick + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+        sentence = (
+            f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 "
+            f"% in {100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
+            f"{100.0 * twofold.mean():.0f} %, and turn in opposite directions in "
+            f"{100.0 * opposite:.0f} %. The maps are alike, of {size_hertz:.2f} (Hertz) and "
+            f"{size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} pi: a rigid impact "
+            "gives its impulse at the touch-down, a compliant contact later, when the tip moves "
+            "sideways otherwise. They agree where the map is flat."
+        )
+        return sentence, bool((apart < 0.1).any() and twofold.any())
 
 
 if __name__ == "__main__":
-    sys.exit(main(__name__))
+    sys.exit(main(__file__))

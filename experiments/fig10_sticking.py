@@ -1,54 +1,20 @@
 """Figure 10: rotor and tip velocity where the contact would stick, with and without that state."""
 
 import sys
+from dataclasses import dataclass
+from typing import ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import laws_of, main
+from experiment import Experiment, main
 from matplotlib.figure import Figure
+from variations import laws_of
 
 import contactlab as cl
 
-SAYS = (
-    "Figure 10 shows the velocities of rotor and tip during a contact. For a while both "
-    "oscillate about each "
-    "other, from which the paper concludes that tip and rotor stick and the model needs that state."
-)
 COARSE, FINE = 2e-7, 1e-7
 """Contact steps [s]."""
-
-
-def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """The same run under the slip law at two steps and under the law with stick."""
-    laws = laws_of(setup)
-    cases = {
-        "lagrange_slip, coarse": (laws["lagrange_slip"], COARSE),
-        "lagrange_slip, fine": (laws["lagrange_slip"], FINE),
-        "lagrange_stick": (laws["lagrange_stick"], FINE),
-    }
-    runs = [
-        cl.simulate(
-            setup.motor,
-            law,
-            duration=setup.duration,
-            record_interval=setup.record_interval,
-            contact_step=step,
-        )
-        for law, step in cases.values()
-    ]
-    names = ["rotor_velocity", "slip_velocity", "contact_mode"]
-    found = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
-    rim = setup.motor.geometry.rotor_radius * found.rotor_velocity
-    speed = {"units": "m s-1"}
-    return xarray.Dataset(
-        {
-            "rim_velocity": rim.drop_attrs(deep=False).assign_attrs(speed),
-            "tip_velocity": (rim + found.slip_velocity).drop_attrs(deep=False).assign_attrs(speed),
-            "contact_mode": found.contact_mode,
-        },
-        coords={"case": [*cases]},
-    )
 
 
 def longest(flags: np.ndarray) -> slice:
@@ -85,58 +51,98 @@ def chatter(data: xarray.Dataset, case: int) -> tuple[float, float, int]:
     return length, float(np.sqrt(np.mean(slip**2))), changes
 
 
-def table(data: xarray.Dataset) -> list[dict[str, object]]:
-    """One row a case."""
-    rows: list[dict[str, object]] = []
-    for i, case in enumerate(data.case.values):
-        length, slip, changes = chatter(data, i)
-        rows.append(
-            {
-                "case": str(case),
-                "longest stick or chatter [us]": 1e6 * length,
-                "slip in it, rms [m/s]": slip,
-                "changes of sign": changes,
-            }
-        )
-    return rows
+@dataclass(frozen=True, kw_only=True)
+class Fig10Sticking(Experiment):
+    """Is the oscillation of the slip velocity under the slip-only law a stick?"""
 
-
-def draw(data: xarray.Dataset) -> Figure:
-    """The slip law's contact and a zoom into its chatter, and the same of the law with stick."""
-    figure, axes = plt.subplots(2, 2, figsize=(7.0, 4.4), layout="constrained")
-    for row, i in zip(axes, (1, 2), strict=True):
-        part = stretch(data, i)
-        begin, end = (float(x) for x in data.time.values[part][[0, -1]])
-        for ax, left, right in zip(
-            row,
-            (begin - 2e-5, 0.5 * (begin + end) - 1e-6),
-            (end + 2e-5, 0.5 * (begin + end) + 1e-6),
-            strict=True,
-        ):
-            shown = data.isel(case=i).sel(time=slice(left, right))
-            ax.plot(1e6 * (shown.time - begin), shown.tip_velocity, "-", label="tip")
-            ax.plot(1e6 * (shown.time - begin), shown.rim_velocity, "--", label="rotor's rim")
-            ax.set_xlabel("time since it began (µs)")
-        row[0].set_title(str(data.case.values[i]).partition(",")[0])
-        row[1].set_title("zoom")
-        row[0].set_ylabel("velocity (m/s)")
-    axes[0, 0].legend()
-    return figure
-
-
-def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """Whether the oscillation is the slip law's way to stick: at the step, and smaller with it."""
-    _, coarse, _ = chatter(data, 0)
-    length, fine, changes = chatter(data, 1)
-    sticks, stuck, _ = chatter(data, 2)
-    return (
-        f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} us, "
-        f"by {1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
-        f"{1e6 * FINE:g} us: a chatter at the step, which is how it says stick. The law with stick "
-        f"holds {stuck:.0e} m/s for {1e6 * sticks:.0f} us.",
-        changes > 20 and stuck < 1e-6 and fine < 0.8 * coarse,
+    name: ClassVar[str] = "fig10_sticking"
+    says: ClassVar[str] = (
+        "Figure 10 shows the velocities of rotor and tip during a contact. For a while both "
+        "oscillate about each "
+        "other, from which the paper concludes that tip and rotor stick and the model needs that state."
     )
+
+    def compute(self, setup: cl.Setup) -> xarray.Dataset:
+        """Return a run under the slip law at two steps and under the law with stick."""
+        laws = laws_of(setup)
+        cases = {
+            "lagrange_slip, coarse": (laws["lagrange_slip"], COARSE),
+            "lagrange_slip, fine": (laws["lagrange_slip"], FINE),
+            "lagrange_stick": (laws["lagrange_stick"], FINE),
+        }
+        runs = [
+            cl.simulate(
+                setup.motor,
+                law,
+                duration=setup.duration,
+                record_interval=setup.record_interval,
+                contact_step=step,
+            )
+            for law, step in cases.values()
+        ]
+        names = ["rotor_velocity", "slip_velocity", "contact_mode"]
+        result = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
+        rim = setup.motor.geometry.rotor_radius * result.rotor_velocity
+        speed = {"units": "m s-1"}
+        return xarray.Dataset(
+            {
+                "rim_velocity": rim.drop_attrs(deep=False).assign_attrs(speed),
+                "tip_velocity": (rim + result.slip_velocity).drop_attrs(deep=False).assign_attrs(speed),
+                "contact_mode": result.contact_mode,
+            },
+            coords={"case": [*cases]},
+        )
+
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """One row a case."""
+        rows: list[dict[str, object]] = []
+        for i, case in enumerate(data.case.values):
+            length, slip, changes = chatter(data, i)
+            rows.append(
+                {
+                    "case": str(case),
+                    "longest stick or chatter [us]": 1e6 * length,
+                    "slip in it, rms [m/s]": slip,
+                    "changes of sign": changes,
+                }
+            )
+        return rows
+
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """The slip law's contact and a zoom into its chatter, and the same of the law with stick."""
+        figure, axes = plt.subplots(2, 2, figsize=(7.0, 4.4), layout="constrained")
+        for row, i in zip(axes, (1, 2), strict=True):
+            part = stretch(data, i)
+            begin, end = (float(x) for x in data.time.values[part][[0, -1]])
+            for ax, left, right in zip(
+                row,
+                (begin - 2e-5, 0.5 * (begin + end) - 1e-6),
+                (end + 2e-5, 0.5 * (begin + end) + 1e-6),
+                strict=True,
+            ):
+                shown = data.isel(case=i).sel(time=slice(left, right))
+                ax.plot(1e6 * (shown.time - begin), shown.tip_velocity, "-", label="tip")
+                ax.plot(1e6 * (shown.time - begin), shown.rim_velocity, "--", label="rotor's rim")
+                ax.set_xlabel("time since it began (µs)")
+            row[0].set_title(str(data.case.values[i]).partition(",")[0])
+            row[1].set_title("zoom")
+            row[0].set_ylabel("velocity (m/s)")
+        axes[0, 0].legend()
+        return figure
+
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """Whether the oscillation is the slip law's way to stick: at the step, and smaller with it."""
+        _, coarse, _ = chatter(data, 0)
+        length, fine, changes = chatter(data, 1)
+        sticks, stuck, _ = chatter(data, 2)
+        return (
+            f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} us, "
+            f"by {1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
+            f"{1e6 * FINE:g} us: a chatter at the step, which is how it says stick. The law with stick "
+            f"holds {stuck:.0e} m/s for {1e6 * sticks:.0f} us.",
+            changes > 20 and stuck < 1e-6 and fine < 0.8 * coarse,
+        )
 
 
 if __name__ == "__main__":
-    sys.exit(main(__name__))
+    sys.exit(main(__file__))

@@ -1,87 +1,93 @@
 """Figure 9: the normal force over time under the paper's law at two steps, and under Hertz."""
 
 import sys
+from dataclasses import dataclass
+from typing import ClassVar
 
 import matplotlib.pyplot as plt
 import xarray
-from harness import laws_of, main
+from experiment import Experiment, main
 from matplotlib.figure import Figure
+from variations import laws_of
 
 import contactlab as cl
 
-SAYS = (
-    "Figure 9 shows the normal force with a high peak at every impact. The peak is called without "
-    "physical meaning, made by a multiplier that stops the tip within one step."
-)
 STEPS = (1e-6, 2.5e-7)
 """Contact steps of the paper's law [s]; records are as fine as the finer one."""
 
 
-def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """Forces over the same stretch of time."""
-    laws = laws_of(setup)
-    cases = {f"lagrange_slip, step {1e6 * h:g} µs": (laws["lagrange_slip"], h) for h in STEPS}
-    cases["hertz_penalty"] = (laws["hertz_penalty"], None)
-    runs = [
-        cl.simulate(
-            setup.motor,
-            law,
-            duration=setup.duration,
-            record_interval=setup.record_interval,
-            contact_step=step,
-        )
-        for law, step in cases.values()
-    ]
-    force = xarray.concat([run["normal_force"] for run in runs], "case")
-    return xarray.Dataset(
-        {
-            "normal_force": force,
-            "peak": ("case", [run.contacts.peak_normal_force.max() for run in runs], {"units": "N"}),
-            "impulse": ("case", [run.contacts.normal_impulse.sum() for run in runs], {"units": "N s"}),
-        },
-        coords={"case": [*cases]},
+@dataclass(frozen=True, kw_only=True)
+class Fig9NormalForce(Experiment):
+    """Does the peak of the normal force depend on the contact step?"""
+
+    name: ClassVar[str] = "fig9_normal_force"
+    says: ClassVar[str] = (
+        "Figure 9 shows the normal force with a high peak at every impact. The peak is called without "
+        "physical meaning, made by a multiplier that stops the tip within one step."
     )
 
-
-def table(data: xarray.Dataset) -> list[dict[str, object]]:
-    """One row a case."""
-    return [
-        {"case": str(case), "peak [N]": float(data.peak[i]), "impulse [N s]": float(data.impulse[i])}
-        for i, case in enumerate(data.case.values)
-    ]
-
-
-def draw(data: xarray.Dataset) -> Figure:
-    """All forces over one period, the peaks on a logarithmic axis."""
-    figure, axes = plt.subplots(figsize=(5.0, 2.8), layout="constrained")
-    late = data.time >= data.time[-1] - 4.2e-4
-    for i, case in enumerate(data.case.values):
-        force = data.normal_force[i][late]
-        axes.semilogy(
-            1e6 * data.time[late],
-            force.where(force > 1e-2),
-            ["-", "--", "-"][i],
-            lw=[0.8, 0.8, 1.4][i],
-            label=str(case),
+    def compute(self, setup: cl.Setup) -> xarray.Dataset:
+        """Forces over the same stretch of time."""
+        laws = laws_of(setup)
+        cases = {f"lagrange_slip, step {1e6 * h:g} µs": (laws["lagrange_slip"], h) for h in STEPS}
+        cases["hertz_penalty"] = (laws["hertz_penalty"], None)
+        runs = [
+            cl.simulate(
+                setup.motor,
+                law,
+                duration=setup.duration,
+                record_interval=setup.record_interval,
+                contact_step=step,
+            )
+            for law, step in cases.values()
+        ]
+        force = xarray.concat([run["normal_force"] for run in runs], "case")
+        return xarray.Dataset(
+            {
+                "normal_force": force,
+                "peak": ("case", [run.contacts.peak_normal_force.max() for run in runs], {"units": "N"}),
+                "impulse": ("case", [run.contacts.normal_impulse.sum() for run in runs], {"units": "N s"}),
+            },
+            coords={"case": [*cases]},
         )
-    axes.set_xlabel("time (µs)")
-    axes.set_ylabel("normal force (N)")
-    axes.legend()
-    return figure
 
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """One row a case."""
+        return [
+            {"case": str(case), "peak [N]": float(data.peak[i]), "impulse [N s]": float(data.impulse[i])}
+            for i, case in enumerate(data.case.values)
+        ]
 
-def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """Whether the peak is the step's and not the motor's."""
-    coarse, fine, hertz = (float(x) for x in data.peak)
-    change = float(data.impulse[1] / data.impulse[0]) - 1.0
-    ratio = fine / coarse
-    return (
-        f"A step {STEPS[0] / STEPS[1]:g} times as short makes the peak {ratio:.2f} times as high "
-        f"({coarse:.0f} to {fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The "
-        f"Hertz contact peaks at {hertz:.1f} N.",
-        abs(ratio / (STEPS[0] / STEPS[1]) - 1.0) < 0.05 and abs(change) < 0.01,
-    )
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """All forces over one period, the peaks on a logarithmic axis."""
+        figure, axes = plt.subplots(figsize=(5.0, 2.8), layout="constrained")
+        late = data.time >= data.time[-1] - 4.2e-4
+        for i, case in enumerate(data.case.values):
+            force = data.normal_force[i][late]
+            axes.semilogy(
+                1e6 * data.time[late],
+                force.where(force > 1e-2),
+                ["-", "--", "-"][i],
+                lw=[0.8, 0.8, 1.4][i],
+                label=str(case),
+            )
+        axes.set_xlabel("time (µs)")
+        axes.set_ylabel("normal force (N)")
+        axes.legend()
+        return figure
+
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """Whether the peak is the step's and not the motor's."""
+        coarse, fine, hertz = (float(x) for x in data.peak)
+        change = float(data.impulse[1] / data.impulse[0]) - 1.0
+        ratio = fine / coarse
+        return (
+            f"A step {STEPS[0] / STEPS[1]:g} times as short makes the peak {ratio:.2f} times as high "
+            f"({coarse:.0f} to {fine:.0f} N) and changes the impulse by {100 * change:.2f} %. The "
+            f"Hertz contact peaks at {hertz:.1f} N.",
+            abs(ratio / (STEPS[0] / STEPS[1]) - 1.0) < 0.05 and abs(change) < 0.01,
+        )
 
 
 if __name__ == "__main__":
-    sys.exit(main(__name__))
+    sys.exit(main(__file__))

@@ -6,14 +6,17 @@ how well every combination is known.
 """
 
 import sys
+from dataclasses import dataclass
+from typing import ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import changed, main
+from experiment import Experiment, main
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 from table1_placement import HALF_UNITS, PRINTED, row_of
+from variations import changed
 
 import contactlab as cl
 from contactlab.testing.references import PLACEMENTS
@@ -40,48 +43,6 @@ KEYS = (
 
 QUANTITIES = ("G11", "G21", "G31", "f1", "f2")
 
-SAYS = (
-    "Table 1 gives couplings and frequencies for two placements of the patches. Where the patches "
-    "lie is drawn, not written, and neither mass nor inertia of the tip nor the constants of the "
-    "ceramic are given."
-)
-
-
-def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """Fit all inputs to the table; a fit takes a second, so the short form is the whole one."""
-    names, defaults = list(INPUTS), np.array([value for value, _ in INPUTS.values()])
-
-    def misses(relative: np.ndarray) -> np.ndarray:
-        """Misses of a set of inputs, in half units of the printed digit."""
-        return ((_table_of(setup, relative * defaults) - PRINTED) / HALF_UNITS).ravel()
-
-    # A rectangle of half width 1 has a standard deviation of 1/sqrt(3).
-    start = 1.0 + 0.03 * np.array([1.0, -1.0] * 4)
-    fit = least_squares(lambda x: np.sqrt(3.0) * misses(x), start, x_scale="jac", xtol=1e-12)
-    covariance = np.linalg.inv(fit.jac.T @ fit.jac)
-    _, singular, combinations = np.linalg.svd(fit.jac)
-    return xarray.Dataset(
-        {
-            "fitted": ("input", fit.x * defaults, {"long_name": "fitted input"}),
-            "default": ("input", defaults, {"long_name": "default of the project"}),
-            "uncertainty": ("input", np.sqrt(np.diag(covariance)) * fit.x * defaults),
-            "relative_uncertainty": ("input", np.sqrt(np.diag(covariance)) * fit.x, {"units": "1"}),
-            "miss": (
-                ("placement", "quantity"),
-                misses(fit.x).reshape(2, 5),
-                {"units": "1", "long_name": "miss over half a unit of the printed digit"},
-            ),
-            "singular_value": ("combination", singular, {"units": "1"}),
-            "combination_vector": (("combination", "input"), combinations, {"units": "1"}),
-        },
-        coords={
-            "input": names,
-            "unit": ("input", [unit for _, unit in INPUTS.values()]),
-            "placement": list(PLACEMENTS),
-            "quantity": list(QUANTITIES),
-        },
-    )
-
 
 def _table_of(setup: cl.Setup, inputs: np.ndarray) -> np.ndarray:
     """The numbers of Table 1 that these inputs give [N/V], [Hz], a row a placement."""
@@ -93,52 +54,96 @@ def _table_of(setup: cl.Setup, inputs: np.ndarray) -> np.ndarray:
     return np.array(rows)
 
 
-def table(data: xarray.Dataset) -> list[dict[str, object]]:
-    """One row an input."""
-    return [
-        {
-            "input": name,
-            "unit": str(data.unit[i].item()),
-            "fitted": float(data.fitted[i]),
-            "one sigma": float(data.uncertainty[i]),
-            "default": float(data.default[i]),
-        }
-        for i, name in enumerate(data.input.values)
-    ]
+@dataclass(frozen=True, kw_only=True)
+class IdentifyTable1(Experiment):
+    """Which inputs of the resonator follow from the numbers of Table 1?"""
 
-
-def draw(data: xarray.Dataset) -> Figure:
-    """Uncertainty of every input, and what the fit leaves of every number of the table."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
-    order = np.argsort(data.relative_uncertainty.values)
-    left.barh(data.input.values[order], 100.0 * data.relative_uncertainty.values[order])
-    left.set_xlabel("uncertainty, one sigma (%)")
-    places = np.arange(len(QUANTITIES))
-    for i, placement in enumerate(data.placement.values):
-        right.plot(places, data.miss[i], "os"[i], label=str(placement))
-    right.axhspan(-1.0, 1.0, alpha=0.15, color="0.5", label="rounding")
-    right.set_xticks(places, [r"$\Gamma_{11}$", r"$\Gamma_{21}$", r"$\Gamma_{31}$", "$f_1$", "$f_2$"])
-    right.set_ylabel("miss (half units)")
-    right.legend()
-    return figure
-
-
-def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """Whether the ten numbers are met and eight inputs follow from them."""
-    worst = float(np.abs(data.miss).max())
-    loosest = int(np.argmax(data.relative_uncertainty.values))
-    vector = data.combination_vector[-1]
-    share = vector.values**2
-    pair = data.input.values[np.argsort(share)[-2:]]
-    sentence = (
-        f"All ten numbers are met within {worst:.2f} half units. Each of the eight inputs follows, "
-        f"the least sure is the {data.input.values[loosest]} to "
-        f"{100.0 * float(data.relative_uncertainty[loosest]):.1f} %; {pair[1]} and {pair[0]} are "
-        "known less together than each alone. Friction, drive frequency, tip radius, rotor damping "
-        "and time steps do not enter Table 1 and stay undetermined."
+    name: ClassVar[str] = "identify_table1"
+    says: ClassVar[str] = (
+        "Table 1 gives couplings and frequencies for two placements of the patches. Where the patches "
+        "lie is drawn, not written, and neither mass nor inertia of the tip nor the constants of the "
+        "ceramic are given."
     )
-    return sentence, worst <= 1.0 and float(data.relative_uncertainty.max()) < 0.1
+
+    def compute(self, setup: cl.Setup) -> xarray.Dataset:
+        """Fit all inputs to the table; a fit takes a second, so the short form is the whole one."""
+        names, defaults = list(INPUTS), np.array([value for value, _ in INPUTS.values()])
+
+        def misses(relative: np.ndarray) -> np.ndarray:
+            """Misses of a set of inputs, in half units of the printed digit."""
+            return ((_table_of(setup, relative * defaults) - PRINTED) / HALF_UNITS).ravel()
+
+        # A rectangle of half width 1 has a standard deviation of 1/sqrt(3).
+        start = 1.0 + 0.03 * np.array([1.0, -1.0] * 4)
+        fit = least_squares(lambda x: np.sqrt(3.0) * misses(x), start, x_scale="jac", xtol=1e-12)
+        covariance = np.linalg.inv(fit.jac.T @ fit.jac)
+        _, singular, combinations = np.linalg.svd(fit.jac)
+        return xarray.Dataset(
+            {
+                "fitted": ("input", fit.x * defaults, {"long_name": "fitted input"}),
+                "default": ("input", defaults, {"long_name": "default of the project"}),
+                "uncertainty": ("input", np.sqrt(np.diag(covariance)) * fit.x * defaults),
+                "relative_uncertainty": ("input", np.sqrt(np.diag(covariance)) * fit.x, {"units": "1"}),
+                "miss": (
+                    ("placement", "quantity"),
+                    misses(fit.x).reshape(2, 5),
+                    {"units": "1", "long_name": "miss over half a unit of the printed digit"},
+                ),
+                "singular_value": ("combination", singular, {"units": "1"}),
+                "combination_vector": (("combination", "input"), combinations, {"units": "1"}),
+            },
+            coords={
+                "input": names,
+                "unit": ("input", [unit for _, unit in INPUTS.values()]),
+                "placement": list(PLACEMENTS),
+                "quantity": list(QUANTITIES),
+            },
+        )
+
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """One row an input."""
+        return [
+            {
+                "input": name,
+                "unit": str(data.unit[i].item()),
+                "fitted": float(data.fitted[i]),
+                "one sigma": float(data.uncertainty[i]),
+                "default": float(data.default[i]),
+            }
+            for i, name in enumerate(data.input.values)
+        ]
+
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """Uncertainty of every input, and what the fit leaves of every number of the table."""
+        figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.8), layout="constrained")
+        order = np.argsort(data.relative_uncertainty.values)
+        left.barh(data.input.values[order], 100.0 * data.relative_uncertainty.values[order])
+        left.set_xlabel("uncertainty, one sigma (%)")
+        places = np.arange(len(QUANTITIES))
+        for i, placement in enumerate(data.placement.values):
+            right.plot(places, data.miss[i], "os"[i], label=str(placement))
+        right.axhspan(-1.0, 1.0, alpha=0.15, color="0.5", label="rounding")
+        right.set_xticks(places, [r"$\Gamma_{11}$", r"$\Gamma_{21}$", r"$\Gamma_{31}$", "$f_1$", "$f_2$"])
+        right.set_ylabel("miss (half units)")
+        right.legend()
+        return figure
+
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """Whether the ten numbers are met and eight inputs follow from them."""
+        worst = float(np.abs(data.miss).max())
+        loosest = int(np.argmax(data.relative_uncertainty.values))
+        vector = data.combination_vector[-1]
+        share = vector.values**2
+        pair = data.input.values[np.argsort(share)[-2:]]
+        sentence = (
+            f"All ten numbers are met within {worst:.2f} half units. Each of the eight inputs follows, "
+            f"the least sure is the {data.input.values[loosest]} to "
+            f"{100.0 * float(data.relative_uncertainty[loosest]):.1f} %; {pair[1]} and {pair[0]} are "
+            "known less together than each alone. Friction, drive frequency, tip radius, rotor damping "
+            "and time steps do not enter Table 1 and stay undetermined."
+        )
+        return sentence, worst <= 1.0 and float(data.relative_uncertainty.max()) < 0.1
 
 
 if __name__ == "__main__":
-    sys.exit(main(__name__))
+    sys.exit(main(__file__))

@@ -1,25 +1,22 @@
 """Contact laws over clearance, phase and friction coefficient: where they differ, and what they break.
 
-python experiments/law_comparison.py [LAW ...] [output=DIR] [KEY=VALUE ...]
-
-The paper's three laws, and those that are named, each in the motor once it has settled: at three steps, so
-that every difference between laws stands beside the numerical error of both, and on the converged basis.
+Each law in the motor once it has settled: at three steps, so that every difference between laws stands beside
+the numerical error of both, and on the converged basis.
 """
 
+import re
 import sys
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
-from functools import cache, partial
-from multiprocessing import get_context
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Annotated, Any, ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
-from harness import REFUSED, changed, laws_of, main
+from experiment import Experiment, main, part_of
 from matplotlib.figure import Figure
-from tqdm import tqdm
+from variations import changed, laws_of
 
 import contactlab as cl
 from contactlab.comparison.reruns import on_other_basis
@@ -29,16 +26,9 @@ from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.orbits import BrokenOffError, NotSettledError
-from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.studies.study import Part, Setups, Task, option
 
-SAYS = (
-    "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "
-    "compared by eye."
-)
 PAPER = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
-NAMED: list[str] = []
-"""Laws that the command line adds."""
-
 SWEEPS = {
     "contact.clearance": np.linspace(0.25e-6, 2.5e-6, 19),
     "drive.phase": np.linspace(-np.pi, np.pi, 25),
@@ -51,6 +41,15 @@ AXES = {
     "drive.phase": ("phase of the first tone (rad)", 1.0),
     "contact.friction_coefficient": ("friction coefficient", 1.0),
 }
+NUMBERS = {
+    "rotor_velocity": {"units": "rad s-1", "long_name": "settled rotor velocity"},
+    "numerical_error": {"units": "rad s-1"},
+    "basis_change": {"units": "rad s-1", "long_name": "its change on the converged basis"},
+    "stick_share": {"units": "1"},
+}
+JUDGED = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.judges_law]
+"""Metrics with a threshold for laws."""
+
 WITHOUT_ORBIT = ("lagrange_slip",)
 """Laws whose means take long runs."""
 
@@ -58,18 +57,26 @@ CLEAR = 3.0
 """A range of this many numerical errors is a difference between laws."""
 
 
-def laws_with(setup: cl.Setup, named: Sequence[str]) -> dict[str, cl.ContactLaw]:
-    """The paper's laws and those named, with the configured friction and rotor."""
-    solver = {**setup.configuration["solver"], "contact_step": None, "tolerance": None}
-    given = {**setup.configuration, "solver": solver}
-    return laws_of(setup) | {name: cl.build({**given, "law": section(name)}).law for name in named}
-
-
 @cache
 def section(name: str) -> dict[str, Any]:
     """The parameters of a law where nothing is said of them."""
     chosen: dict[str, Any] = compose([f"law={name}"])["law"]
     return chosen
+
+
+def laws_with(setup: cl.Setup, others: Sequence[str]) -> dict[str, cl.ContactLaw]:
+    """Return the paper's laws and others with the configured friction and rotor.
+
+    Raises:
+        ValueError: there is no law of a name.
+    """
+    if unknown := {*others} - {*cl.law_names()}:
+        names = ", ".join(cl.law_names())
+        raise ValueError(f"others is {', '.join(sorted(unknown))}; it must be among {names}.")
+    solver = {**setup.configuration["solver"], "contact_step": None, "tolerance": None}
+    options = {**setup.configuration, "solver": solver}
+    own = {name: cl.build({**options, "law": section(name)}).law for name in others if name not in PAPER}
+    return laws_of(setup) | own
 
 
 def measured(setup: cl.Setup, law: cl.ContactLaw) -> tuple[float, float, float, float, list[str]]:
@@ -100,47 +107,6 @@ def measured(setup: cl.Setup, law: cl.ContactLaw) -> tuple[float, float, float, 
     return float(velocities[-1]), float(error), float(change), float(means[-1].values[2]), broken
 
 
-def at_point(setup: cl.Setup, names: Sequence[str], point: tuple[str, float]) -> list[Any]:
-    """What every law does at one point."""
-    there = changed(setup, dict([point]))
-    laws = laws_with(there, NAMED)
-    return [measured(there, laws[name]) for name in names]
-
-
-def study(setup: cl.Setup, short: bool = False) -> xarray.Dataset:
-    """Every law at every point of every sweep; the short form is one point each, with short means."""
-    points = [
-        (key, float(value)) for key, values in SWEEPS.items() for value in (values[[4]] if short else values)
-    ]
-    names = [name for name in laws_with(setup, NAMED) if not short or name not in WITHOUT_ORBIT]
-    judged = [key for key, metric in {**METRICS, **STEP_METRICS}.items() if metric.judges_law]
-    task = partial(at_point, setup, names)
-    if short:
-        found = [*map(task, points)]
-    else:
-        context = get_context(START_METHOD)
-        with ProcessPoolExecutor(processors(), mp_context=context, initializer=begin_worker) as executor:
-            found = [*tqdm(executor.map(task, points), total=len(points), unit=" points", disable=None)]
-    numbers = np.array([[law[:4] for law in point] for point in found]).transpose(2, 1, 0)
-    fails = [[[metric in point[i][4] for metric in judged] for point in found] for i in range(len(names))]
-    both, rate = ("law", "point"), {"units": "rad s-1"}
-    return xarray.Dataset(
-        {
-            "rotor_velocity": (both, numbers[0], rate | {"long_name": "settled rotor velocity"}),
-            "numerical_error": (both, numbers[1], rate),
-            "basis_change": (both, numbers[2], rate | {"long_name": "its change on the converged basis"}),
-            "stick_share": (both, numbers[3], {"units": "1"}),
-            "fails": ((*both, "metric"), np.array(fails, dtype=np.int8), {"units": "1"}),
-        },
-        coords={
-            "law": names,
-            "metric": judged,
-            "key": ("point", [key for key, _ in points]),
-            "value": ("point", [value for _, value in points]),
-        },
-    )
-
-
 def apart(data: xarray.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Range of the laws at every point, errors of the two outermost, what the basis changes [rad/s]."""
     velocity, error, basis = (
@@ -156,86 +122,114 @@ def apart(data: xarray.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return spread, errors, most
 
 
-def table(data: xarray.Dataset) -> list[dict[str, object]]:
-    """One row a point: velocities, their range and numerical errors, thresholds that fail."""
-    spread, error, basis = apart(data)
-    return [
-        {"key": str(data.key.values[j]), "value": float(data.value[j])}
-        | {f"{law} [rad/s]": float(data.rotor_velocity.sel(law=law)[j]) for law in data.law.values}
-        | {"range [rad/s]": float(spread[j]), "numerical errors [rad/s]": float(error[j])}
-        | {"change by the basis [rad/s]": float(basis[j])}
-        | {f"{law} fails": int(data.fails.sel(law=law)[j].sum()) for law in data.law.values}
-        for j in range(data.sizes["point"])
-    ]
-
-
-def draw(data: xarray.Dataset) -> Figure:
-    """Velocities above; below how far the laws are apart, against numerical errors and basis."""
-    figure, panels = plt.subplots(
-        2, len(SWEEPS), figsize=(7.0, 4.2), sharey="row", sharex="col", layout="constrained"
+def at_point(setup: cl.Setup, names: Sequence[str], others: Sequence[str], key: str, value: float) -> Part:
+    """Compute every law at one point."""
+    there = changed(setup, {key: value})
+    laws = laws_with(there, others)
+    result = [measured(there, laws[name]) for name in names]
+    numbers = dict(zip(NUMBERS, np.array([law[:4] for law in result]).T, strict=True))
+    fails = np.array([[metric in law[4] for metric in JUDGED] for law in result], dtype=np.int8)
+    return part_of(
+        xarray.Dataset(
+            {name: ("law", column, NUMBERS[name]) for name, column in numbers.items()}
+            | {"fails": (("law", "metric"), fails, {"units": "1"})},
+            coords={"law": [*names], "metric": JUDGED, "key": key, "value": value},
+        )
     )
-    spread, error, basis = apart(data)
-    for column, key in enumerate(SWEEPS):
-        words, scale = AXES[key]
-        here = data.key.values == key
-        x = data.value.values[here] * scale
-        above, below = panels[:, column]
-        for i, law in enumerate(data.law.values):
-            mark = "os^Dv<>P"[i % 8] + "-"
-            above.plot(x, data.rotor_velocity.values[i, here], mark, label=str(law))
-        below.semilogy(x, spread[here], "o-", color="black", label="range of the laws")
-        below.semilogy(x, basis[here], "^:", color="#a33c00", label="change by the basis")
-        below.semilogy(x, error[here], "s--", color="0.5", label="numerical errors")
-        below.set_xlabel(words)
-    panels[0, 0].set_ylabel("settled velocity (rad/s)")
-    panels[1, 0].set_ylabel("difference (rad/s)")
-    handles = [*panels[0, 0].get_lines(), *panels[1, 0].get_lines()]
-    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 5))
-    return figure
 
 
-def finding(data: xarray.Dataset) -> tuple[str, bool]:
-    """Where the laws differ beyond numerical errors and basis, and what each of them breaks."""
-    spread, error, basis = apart(data)
-    sound = np.isfinite(spread)
-    clear = spread[sound] > CLEAR * error[sound]
-    beyond = clear & (spread[sound] > basis[sound])
-    opposite = np.ptp(np.sign(data.rotor_velocity.values[:, sound]), axis=0) > 1.0
-    mean = np.abs(data.rotor_velocity.values).mean(axis=0)[sound]
-    share = np.median(spread[sound] / np.maximum(mean, 1e-300))
-    widest = int(np.nanargmax(spread))
-    parts = [
-        f"Settled, at {np.count_nonzero(clear)} of {data.sizes['point']} points the laws differ by more than "
-        f"{CLEAR:.0f} times their numerical errors; in the median by {100.0 * share:.0f} % of their mean "
-        f"speed, most, {spread[widest]:.2g} rad/s, at {data.key.values[widest]} "
-        f"{float(data.value[widest]):.3g}. At {np.count_nonzero(beyond)} they differ by more than the "
-        f"converged basis changes either, and at {np.count_nonzero(opposite)} they turn in opposite "
-        "directions."
-    ]
-    if lost := np.count_nonzero(~sound):
-        parts.append(f"At {lost} some law is not brought to a steady state.")
-    for law in data.law.values:
-        counts = data.fails.sel(law=law).sum("point")
-        broken = [f"{m} at {int(n)}" for m, n in zip(data.metric.values, counts, strict=True) if n]
-        said = f"fails {', '.join(broken)}" if broken else "fails no threshold at any"
-        parts.append(f"{law} {said}.")
-    return " ".join(parts), bool(2 * np.count_nonzero(clear) > data.sizes["point"])
+@dataclass(frozen=True, kw_only=True)
+class LawComparison(Experiment):
+    """Where do contact laws differ in the settled motor, and which thresholds do they fail?
 
+    Over clearance, phase and friction coefficient, one at a time; LAW ... adds laws to the paper's three.
+    """
 
-def run(words: Sequence[str]) -> int:
-    """Take the laws out of the arguments and run the experiment; returns the exit status."""
-    names = [word for word in words if "=" not in word and not word.startswith("-")]
-    for name in names:
-        if name not in cl.law_names():
-            print(
-                f"There is no law '{name}'; it must be one of {', '.join(cl.law_names())}. "
-                "`contactlab laws` describes them.",
-                file=sys.stderr,
-            )
-            return REFUSED
-    NAMED[:] = [name for name in names if name not in PAPER]
-    return main(__name__, [word for word in words if word not in names])
+    name: ClassVar[str] = "law_comparison"
+    says: ClassVar[str] = (
+        "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "
+        "compared by eye."
+    )
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"others": re.compile(r"[a-z_]+")}
+
+    others: Annotated[list[str] | None, option("further laws")] = None
+
+    def tasks(self, setups: Setups) -> Iterator[Task]:
+        """Yield a task a point; the short form has one of each sweep, without the laws that take long."""
+        (setup,) = setups.values()
+        others = self.others or []
+        names = [name for name in laws_with(setup, others) if not self.short or name not in WITHOUT_ORBIT]
+        for key, values in SWEEPS.items():
+            for value in map(float, values[[4]] if self.short else values):
+                yield Task(f"{key}={value!r}", at_point, (setup, names, others, key, value))
+
+    def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
+        """Return all points."""
+        return xarray.concat(parts, "point").transpose("law", "point", "metric")
+
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """One row a point: velocities, their range and numerical errors, thresholds that fail."""
+        spread, error, basis = apart(data)
+        return [
+            {"key": str(data.key.values[j]), "value": float(data.value[j])}
+            | {f"{law} [rad/s]": float(data.rotor_velocity.sel(law=law)[j]) for law in data.law.values}
+            | {"range [rad/s]": float(spread[j]), "numerical errors [rad/s]": float(error[j])}
+            | {"change by the basis [rad/s]": float(basis[j])}
+            | {f"{law} fails": int(data.fails.sel(law=law)[j].sum()) for law in data.law.values}
+            for j in range(data.sizes["point"])
+        ]
+
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """Velocities above; below how far the laws are apart, against numerical errors and basis."""
+        figure, panels = plt.subplots(
+            2, len(SWEEPS), figsize=(7.0, 4.2), sharey="row", sharex="col", layout="constrained"
+        )
+        spread, error, basis = apart(data)
+        for column, key in enumerate(SWEEPS):
+            texts, scale = AXES[key]
+            here = data.key.values == key
+            x = data.value.values[here] * scale
+            above, below = panels[:, column]
+            for i, law in enumerate(data.law.values):
+                mark = "os^Dv<>P"[i % 8] + "-"
+                above.plot(x, data.rotor_velocity.values[i, here], mark, label=str(law))
+            below.semilogy(x, spread[here], "o-", color="black", label="range of the laws")
+            below.semilogy(x, basis[here], "^:", color="#a33c00", label="change by the basis")
+            below.semilogy(x, error[here], "s--", color="0.5", label="numerical errors")
+            below.set_xlabel(texts)
+        panels[0, 0].set_ylabel("settled velocity (rad/s)")
+        panels[1, 0].set_ylabel("difference (rad/s)")
+        handles = [*panels[0, 0].get_lines(), *panels[1, 0].get_lines()]
+        figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 5))
+        return figure
+
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """Where the laws differ beyond numerical errors and basis, and what each of them breaks."""
+        spread, error, basis = apart(data)
+        sound = np.isfinite(spread)
+        clear = spread[sound] > CLEAR * error[sound]
+        beyond = clear & (spread[sound] > basis[sound])
+        opposite = np.ptp(np.sign(data.rotor_velocity.values[:, sound]), axis=0) > 1.0
+        mean = np.abs(data.rotor_velocity.values).mean(axis=0)[sound]
+        share = np.median(spread[sound] / np.maximum(mean, 1e-300))
+        widest = int(np.nanargmax(spread))
+        parts = [
+            f"Settled, at {np.count_nonzero(clear)} of {data.sizes['point']} points the laws differ by more "
+            f"than {CLEAR:.0f} times their numerical errors; in the median by {100.0 * share:.0f} % of their "
+            f"mean speed, most, {spread[widest]:.2g} rad/s, at {data.key.values[widest]} "
+            f"{float(data.value[widest]):.3g}. At {np.count_nonzero(beyond)} they differ by more than the "
+            f"converged basis changes either, and at {np.count_nonzero(opposite)} they turn in opposite "
+            "directions."
+        ]
+        if lost := np.count_nonzero(~sound):
+            parts.append(f"At {lost} some law is not brought to a steady state.")
+        for law in data.law.values:
+            counts = data.fails.sel(law=law).sum("point")
+            broken = [f"{m} at {int(n)}" for m, n in zip(data.metric.values, counts, strict=True) if n]
+            text = f"fails {', '.join(broken)}" if broken else "fails no threshold at any"
+            parts.append(f"{law} {text}.")
+        return " ".join(parts), bool(2 * np.count_nonzero(clear) > data.sizes["point"])
 
 
 if __name__ == "__main__":
-    sys.exit(run(sys.argv[1:]))
+    sys.exit(main(__file__))

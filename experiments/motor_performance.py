@@ -21,8 +21,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from harness import tip_phasors
 from scipy.optimize import brentq
+from variations import tip_phasors
 
 import contactlab as cl
 from contactlab.orbits.period_map import BrokenOffError, PeriodMap
@@ -80,20 +80,14 @@ def refuse_unfit(setup: cl.Setup) -> None:
         ConfigurationError: a load, a start in motion, or a drive without a short period.
     """
     settings = setup.configuration
-    faults = [
-        f"rotor.{key} is {settings['rotor'][key]:.12g} {unit}; it must be 0: the motor is judged by its "
-        "velocity without load and by its torque at rest. Leave it out."
-        for key, unit in (("load_torque", "N m"), ("initial_velocity", "rad/s"))
-        if settings["rotor"][key] != 0.0
-    ]
+    for key, unit in (("load_torque", "N m"), ("initial_velocity", "rad/s")):
+        if settings["rotor"][key] != 0.0:
+            raise cl.ConfigurationError(
+                [f"rotor.{key} is {settings['rotor'][key]:.12g} {unit}; it must be 0."]
+            )
     ratio = settings["drive"]["frequency_ratio"]
     if ratio != round(ratio):
-        faults.append(
-            f"drive.frequency_ratio is {ratio:.12g}; it must be a whole number, so that the drive repeats "
-            "itself with its first tone and means over a period are means for ever. The paper takes 2."
-        )
-    if faults:
-        raise cl.ConfigurationError(faults)
+        raise cl.ConfigurationError([f"drive.frequency_ratio is {ratio:.12g}; it must be a whole number."])
 
 
 def on_belt(setup: cl.Setup, velocity: float) -> OnBelt:
@@ -138,12 +132,12 @@ def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = No
         NoMotorError: there is nothing to measure.
         KeyboardInterrupt: as it comes.
     """
-    held = on_belt(setup, 0.0)
-    if held.torque == 0.0:
+    fixed = on_belt(setup, 0.0)
+    if fixed.torque == 0.0:
         raise NoMotorError("The contact does not turn the rotor.")
-    forward = float(np.sign(held.torque))
+    forward = float(np.sign(fixed.torque))
     damping = setup.motor.rotor.damping
-    pushes = {0.0: abs(held.torque)}
+    pushes = {0.0: abs(fixed.torque)}
 
     def push(speed: float) -> float:
         """Mean torque in the direction of motion [N m]."""
@@ -160,7 +154,7 @@ def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = No
             raise NoMotorError(f"The contact still pushes the rotor at {fast:.3g} rad/s.")
         fast *= 2.0
     root = brentq(push, 0.0, fast, xtol=CLOSE * fast, rtol=CLOSE)
-    return Performance(float(root), abs(held.torque), held.peak_force, len(pushes))
+    return Performance(float(root), abs(fixed.torque), fixed.peak_force, len(pushes))
 
 
 def _estimate(pushes: dict[float, float]) -> float:

@@ -10,7 +10,7 @@ from sphere_rebounds import FRICTION, MASS, RADIUS, RESTITUTION, SPEED
 
 import contactlab as cl
 
-Answers = Callable[[np.ndarray], dict[str, np.ndarray]]
+Predictions = Callable[[np.ndarray], dict[str, np.ndarray]]
 """The quantities at incidences [degrees]."""
 
 AVERAGE = gamma(0.6) * sqrt(pi) / gamma(1.1) / 2.0
@@ -64,8 +64,8 @@ class Candidate:
 
     name: str
     kind: str
-    predicted: Answers
-    averaged: Answers | None = None
+    predicted: Predictions
+    averaged: Predictions | None = None
     free: str = ""
 
 
@@ -83,7 +83,7 @@ def candidates(rebounds: spheres.Rebounds, pair: Pair) -> Iterator[Candidate]:
     }
     for name, (friction, free) in over_hertz.items():
         law = _over_hertz(pair, friction)
-        yield Candidate(name, "friction", spheres.law_answers(lambda _, law=law: law), free=free)
+        yield Candidate(name, "friction", spheres.law_predictions(lambda _, law=law: law), free=free)
     # Their tangential stiffness is sigma N, Hertz's is kappa dN/dd: equal at one depth only.
     of_stiffness: dict[str, tuple[Callable[[float], cl.Friction], str]] = {
         "iwan": (lambda sigma: cl.Iwan(mu, full_slip=1.5 * mu / sigma), "depth"),
@@ -102,9 +102,9 @@ def candidates(rebounds: spheres.Rebounds, pair: Pair) -> Iterator[Candidate]:
         both = [_of_depth(pair, make, share) for share in (1.0, AVERAGE)]
         yield Candidate(name, "friction", both[0], both[1], free)
     for rigid, free in _rigid(pair):
-        answers = spheres.law_answers(lambda _, law=rigid: law)
+        predictions = spheres.law_predictions(lambda _, law=rigid: law)
         kind = "rigid" if rigid.exact_stick else "rigid, no stick"
-        yield Candidate(rigid.name, kind, answers, free=free)
+        yield Candidate(rigid.name, kind, predictions, free=free)
     patch = spheres.microslip(pair.effective, kappa)
     yield Candidate("microslip", "reference", patch)
     yield Candidate("any curve", "bound", spheres.floor(rebounds), free="8 values")
@@ -114,14 +114,14 @@ def _over_hertz(pair: Pair, friction: cl.Friction) -> cl.Composed:
     return cl.Composed(cl.HertzPoint(pair.hertz), cl.Flores(RESTITUTION), friction)
 
 
-def _of_depth(pair: Pair, make: Callable[[float], cl.Friction], share: float) -> Answers:
+def _of_depth(pair: Pair, make: Callable[[float], cl.Friction], share: float) -> Predictions:
     """The answers of a friction of the stiffness sigma N, a share of Hertz's at the greatest depth."""
 
     def law(speed: float) -> cl.ContactLaw:
         deepest = (1.25 * MASS * speed**2 / pair.hertz) ** 0.4
         return _over_hertz(pair, make(share * 1.5 * pair.stiffness_ratio / deepest))
 
-    return spheres.law_answers(law)
+    return spheres.law_predictions(law)
 
 
 def _rigid(pair: Pair) -> Iterator[tuple[cl.ContactLaw, str]]:

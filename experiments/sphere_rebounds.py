@@ -64,7 +64,7 @@ class Rebounds:
 
     @property
     def error(self) -> Array:
-        """Of the values by digitising."""
+        """Error of the values by digitisation."""
         return DIGITISED * np.array([FULL_SCALE[str(name)] for name in self.quantity])
 
 
@@ -95,13 +95,13 @@ def read_rebounds(path: str | Path) -> Rebounds:
 
 
 def approach(incidence: Array) -> Array:
-    """Give the velocities before an impact at some incidences [degrees]: (-v_n, v_t), shape (impact, 2)."""
+    """Return the velocities before an impact at some incidences [degrees]: (-v_n, v_t), shape (impact, 2)."""
     angle = np.radians(incidence)
     return np.stack([-SPEED * np.cos(angle), SPEED * np.sin(angle)], axis=-1)
 
 
 def quantities(before: Array, after: Array) -> dict[str, Array]:
-    """Give all three quantities of impacts from the velocities of their contacts, shape (impact, 2)."""
+    """Return all three quantities of impacts from the velocities of their contacts, shape (impact, 2)."""
     taken = (before[:, 1] - after[:, 1]) / (MASS * DELASSUS[1, 1])
     left = before[:, 1] - taken
     return {
@@ -112,12 +112,12 @@ def quantities(before: Array, after: Array) -> dict[str, Array]:
 
 
 def of_points(rebounds: Rebounds, all_three: dict[str, Array]) -> Array:
-    """Give of all quantities at every point the one that was measured there."""
+    """Return of all quantities at every point the one that was measured there."""
     return np.select([rebounds.quantity == name for name in all_three], [*all_three.values()])
 
 
-def law_answers(make: Callable[[float], ContactLaw]) -> Callable[[Array], dict[str, Array]]:
-    """Give what predicts the quantities at incidences [degrees], from a law made for an approach [m/s]."""
+def law_predictions(make: Callable[[float], ContactLaw]) -> Callable[[Array], dict[str, Array]]:
+    """Return what predicts the quantities at incidences [degrees], from a law made for an approach [m/s]."""
 
     def predicted(incidence: Array) -> dict[str, Array]:
         before = approach(incidence)
@@ -125,7 +125,7 @@ def law_answers(make: Callable[[float], ContactLaw]) -> Callable[[Array], dict[s
         if len(set(laws)) == 1:
             return quantities(before, velocities_after(laws[0], DELASSUS, before))
         pairs = zip(laws, before, strict=True)
-        after = [velocities_after(law, DELASSUS, one[None])[0] for law, one in pairs]
+        after = [velocities_after(law, DELASSUS, item[None])[0] for law, item in pairs]
         return quantities(before, np.array(after))
 
     return predicted
@@ -134,7 +134,7 @@ def law_answers(make: Callable[[float], ContactLaw]) -> Callable[[Array], dict[s
 def microslip(
     modulus: float, stiffness_ratio: float, springs: int = 200, steps: int = 2000
 ) -> Callable[[Array], dict[str, Array]]:
-    """Give what predicts the quantities where the contact slips from its rim inwards, as Mindlin has it.
+    """Return what predicts the quantities where the contact slips from its rim inwards, as Mindlin has it.
 
     It is no law of contactlab, but what its laws of one contact leave out. A foundation of springs
     E* dx, which the profile x^2/R presses in and each of which slides by itself at mu of its own normal
@@ -171,7 +171,7 @@ def microslip(
 
 
 def misfits(rebounds: Rebounds, predicted: Callable[[Array], dict[str, Array]]) -> tuple[Array, Array]:
-    """Give the misfit at each point in errors of digitisation, of the value alone and of both axes.
+    """Return the misfit at each point in errors of digitisation, of the value alone and of both axes.
 
     The second has sqrt(error^2 + (slope times that of the incidence)^2) of the prediction's slope.
     """
@@ -182,12 +182,12 @@ def misfits(rebounds: Rebounds, predicted: Callable[[Array], dict[str, Array]]) 
 
 
 def rms(values: Array) -> float:
-    """Give the root of the mean square."""
+    """Return the root of the mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def any_curve(nodes: Array) -> Callable[[Array], dict[str, Array]]:
-    """Give the quantities of a tangential restitution that is any curve: linear between `NODES`."""
+    """Return the quantities of a tangential restitution that is any curve: linear between `NODES`."""
 
     def predicted(incidence: Array) -> dict[str, Array]:
         before = approach(incidence)
@@ -199,15 +199,15 @@ def any_curve(nodes: Array) -> Callable[[Array], dict[str, Array]]:
 
 
 def floor(rebounds: Rebounds, *, both_axes: bool = False) -> Callable[[Array], dict[str, Array]]:
-    """Give that curve which fits all three quantities best: what is left of its misfit no law can mend."""
-    found = least_squares(
+    """Return that curve which fits all three quantities best: what is left of its misfit no law can mend."""
+    result = least_squares(
         lambda nodes: misfits(rebounds, any_curve(nodes))[both_axes], np.full(NODES.size, 0.75)
     )
-    return any_curve(found.x)
+    return any_curve(result.x)
 
 
 def scatter_of_incidence(rebounds: Rebounds) -> float:
-    """Give how far the figures differ in the incidence of one impact [degrees], as a standard deviation.
+    """Return how far the figures differ in the incidence of one impact [degrees], as a standard deviation.
 
     The figures show the same impacts. Those within 2 degrees of one in each other figure are one.
     """

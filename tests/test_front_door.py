@@ -1,13 +1,11 @@
 """The public functions of `import contactlab`, and the result of a run."""
 
 import ast
-import re
 import subprocess
 import sys
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -21,19 +19,6 @@ from contactlab.results.netcdf import to_datatree
 from contactlab.trajectory import Ending
 
 PACKAGE = Path(cl.__file__).parent
-
-PAGE = (PACKAGE.parent / "docs" / "python.md").read_text(encoding="utf-8")
-PYTHON = re.findall(r"^```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE)[0]
-
-CONFIGURED = """
-import contactlab as cl
-
-solution = cl.simulate(cl.build(["law=newton", "contact.clearance=0.5 um", "solver.duration=5 ms"]))
-print(solution)
-solution.plot().savefig("run.png")
-solution.save("run.nc")
-longer = cl.simulate(start=cl.load("run.nc"), duration=1e-3)
-"""
 
 
 def motor() -> cl.Motor:
@@ -67,22 +52,15 @@ def test_the_plotting_is_not_imported_before_a_picture_is_asked_for() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_no_module_goes_through_the_front_door() -> None:
+def test_no_module_imports_from_the_packages_root() -> None:
     """The package's root imports all others: one that imported from it would go in a circle."""
-    rooms = {path.stem for path in PACKAGE.iterdir()}
+    modules = {path.stem for path in PACKAGE.iterdir()}
     for file in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.module == "contactlab" and not node.level:
-                assert {name.name for name in node.names} <= rooms, file
+                assert {name.name for name in node.names} <= modules, file
             if isinstance(node, ast.Import):
                 assert "contactlab" not in {name.name for name in node.names}, file
-
-
-@pytest.mark.parametrize("text", [PYTHON, CONFIGURED], ids=["page", "configured"])
-def test_an_example_runs(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    exec(dedent(text), {})
-    assert cl.load("run.nc").complete
 
 
 def test_quantities_have_their_names_and_units(solution: cl.Solution) -> None:
@@ -99,23 +77,23 @@ def test_a_quantity_that_does_not_exist_is_refused(solution: cl.Solution) -> Non
         solution["speed"]
 
 
-def test_it_tells_how_it_ended(solution: cl.Solution) -> None:
+def test_a_solution_has_its_ending(solution: cl.Solution) -> None:
     assert (solution.ending, solution.message, solution.complete) == (Ending.COMPLETE, "", True)
     cut = synthetic_trajectory(ending=Ending.DIVERGED, message="The gap is <no> number.")
-    found = cl.Solution(to_datatree(cut, CONFIGURATION))
-    assert (found.ending, found.complete) == (Ending.DIVERGED, False)
-    assert found.message == "The gap is <no> number."
-    assert "The gap is <no> number." in repr(found)
-    assert "The gap is &lt;no&gt; number." in found._repr_html_()
+    result = cl.Solution(to_datatree(cut, CONFIGURATION))
+    assert (result.ending, result.complete) == (Ending.DIVERGED, False)
+    assert result.message == "The gap is <no> number."
+    assert "The gap is <no> number." in repr(result)
+    assert "The gap is &lt;no&gt; number." in result._repr_html_()
 
 
-def test_it_shows_itself_in_a_few_lines(solution: cl.Solution) -> None:
+def test_a_solution_has_a_text_and_an_html_form(solution: cl.Solution) -> None:
     lines = repr(solution).splitlines()
     assert "hertz_penalty" in lines[0]
     assert solution._repr_html_().count("<tr>") == len(lines)
 
 
-def test_it_draws_itself(solution: cl.Solution) -> None:
+def test_a_solution_is_drawn(solution: cl.Solution) -> None:
     figure = solution.plot()
     assert isinstance(figure, Figure)
     assert len(figure.axes) == 4
@@ -123,18 +101,18 @@ def test_it_draws_itself(solution: cl.Solution) -> None:
 
 def test_what_is_saved_is_loaded(solution: cl.Solution, tmp_path: Path) -> None:
     solution.save(tmp_path / "run.nc")
-    found = cl.load(tmp_path / "run.nc")
-    assert found.to_xarray().identical(solution.to_xarray())
-    assert repr(found) == repr(solution)
-    assert found.state.keys() == solution.state.keys()
-    # What ran is not told as a whole by the numbers of a motor that was made in Python.
-    assert found.setup is None
+    result = cl.load(tmp_path / "run.nc")
+    assert result.to_xarray().identical(solution.to_xarray())
+    assert repr(result) == repr(solution)
+    assert result.state.keys() == solution.state.keys()
+    # The numbers of a motor that was made in Python do not determine it.
+    assert result.setup is None
     assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
     with pytest.raises(OSError, match="nowhere"):
         solution.save(tmp_path / "nowhere" / "run.nc")
 
 
-def test_a_run_from_python_tells_the_numbers_of_its_motor_and_law(solution: cl.Solution) -> None:
+def test_a_run_from_python_records_the_numbers_of_its_motor_and_law(solution: cl.Solution) -> None:
     configuration = yaml.safe_load(solution.to_xarray().attrs["configuration"])
     assert configuration["law"] == {"name": "hertz_penalty", **law().describe()}
     assert configuration["contact"] == {
@@ -150,11 +128,11 @@ def test_numbers_of_any_kind_and_a_motor_without_a_drive_are_recorded() -> None:
     quiet = cl.Drive(np.empty(0), np.empty((2, 0), dtype=np.complex128))
     rotor = cl.Rotor(initial_velocity=np.float64(0.5))
     still = cl.Motor(cl.RitzResonator().modes, quiet, rotor=rotor)
-    found = cl.simulate(still, law(), duration=np.float64(1e-4))
-    assert found.complete
-    assert found.contacts.sizes["contact"] == 0
-    assert found["rotor_velocity"][-1] == 0.5
-    assert isinstance(found.plot(), Figure)
+    result = cl.simulate(still, law(), duration=np.float64(1e-4))
+    assert result.complete
+    assert result.contacts.sizes["contact"] == 0
+    assert result["rotor_velocity"][-1] == 0.5
+    assert isinstance(result.plot(), Figure)
 
 
 LENGTHS = [1e-6 * records for records in (137, 250, 613)]

@@ -27,10 +27,20 @@ OWN: Final = {
 
 
 @cache
-def studies() -> Mapping[str, EntryPoint]:
+def studies() -> dict[str, EntryPoint]:
     """Return the entry points of all studies by name; a name of the package's own cannot be taken."""
     others = {point.name: point for point in entry_points(group=GROUP) if point.name.isidentifier()}
     return others | {name: EntryPoint(name, value, GROUP) for name, value in OWN.items()}
+
+
+def register(name: str, value: str) -> None:
+    """Add a study to those of this process.
+
+    Args:
+        name: of the study.
+        value: its module and class, as of an entry point: "their_module:Stroke".
+    """
+    studies().setdefault(name, EntryPoint(name, value, GROUP))
 
 
 @cache

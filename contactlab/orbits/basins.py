@@ -116,7 +116,7 @@ class Basins:
         >>> import contactlab as cl
         >>> import numpy as np
         >>> axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
-        >>> found = cl.basins(cl.build(), axes)
+        >>> found = cl.basins(cl.build(), axes).details
         >>> found
         <Basins: 2 starts over rotor_velocity and drive_phase, 1 attractors>
         >>> found.to_xarray()["label"].dims, found.unresolved
@@ -211,7 +211,7 @@ def basins(
         >>> import contactlab as cl
         >>> import numpy as np
         >>> axes = {"rotor_velocity": np.linspace(-2.0, 2.0, 3), "drive_phase": np.array([0.0, 0.5])}
-        >>> found = cl.basins(cl.build(), axes)
+        >>> found = cl.basins(cl.build(), axes).details
         >>> found.labels.tolist(), found.shares, f"{found.attractors[0].velocity[0]:.4f} rad/s"
         ([[0, 0], [0, 0], [0, 0]], (1.0,), '-2.1911 rad/s')
 

@@ -7,22 +7,16 @@ import yaml
 
 from contactlab.config import Setup
 from contactlab.results.netcdf import REFERENCES
-from contactlab.results.provenance import checkout_state, code_digest, versions
+from contactlab.results.provenance import code_attributes
 
 
 def attributes_of(setup: Setup) -> dict[str, object]:
     """Give the global attributes of a dataset about a setup: law, configuration and code."""
-    revision, dirty = checkout_state()
     return {
-        "Conventions": "CF-1.11",
-        "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {setup.law.source}.",
         "law": setup.law.name,
         "configuration": yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True),
-        **versions(),
-        "code_digest": code_digest(),
-        "git_revision": revision,
-        "git_dirty": dirty,
+        **code_attributes(),
     }
 
 

@@ -130,6 +130,7 @@ def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
         variables[name] = (), value, {"units": units, "long_name": words}
         variables[f"{name}_error"] = (), error, {"units": units, "long_name": f"error of the {words}"}
     attributes: dict[str, Any] = {"kind": best.kind, "periods": best.periods, "phase": best.phase}
+    attributes["run_duration"] = best.setup.duration
     attributes |= {"warm_up": best.warm_up, found.control: json.dumps(found.values)}
     attributes |= {"belt": best.belt} if best.belt is not None else {}
     attributes |= {"brake": best.brake} if best.brake is not None else {}

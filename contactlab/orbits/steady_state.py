@@ -34,7 +34,7 @@ class Steady:
     """The steady state that a motor comes to.
 
         >>> import contactlab as cl
-        >>> found = cl.steady(cl.build())
+        >>> found = cl.steady(cl.build()).details
         >>> found
         <Steady: periodic, -2.19111 rad/s under hertz_penalty>
         >>> value, error = found.velocity

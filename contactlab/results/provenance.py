@@ -57,6 +57,19 @@ def digest_of(package: Path) -> str:
     return digest.hexdigest()
 
 
+def code_attributes() -> dict[str, str | int]:
+    """Return the global attributes of a dataset that identify the code: conventions, versions, revision."""
+    revision, dirty = checkout_state()
+    return {
+        "Conventions": "CF-1.11",
+        "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
+        **versions(),
+        "code_digest": code_digest(),
+        "git_revision": revision,
+        "git_dirty": dirty,
+    }
+
+
 @cache
 def checkout_state() -> tuple[str, int | str]:
     """Give revision and dirty flag of the checkout that this package runs from.

@@ -19,11 +19,13 @@ from time import process_time
 from typing import Any, Final, final
 
 import xarray
+import yaml
 
 from contactlab.fingerprint import is_own
 from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
+from contactlab.results.provenance import code_attributes
 from contactlab.studies.study import Part, Result, Setups, Study, Task
 from contactlab.sweeps.state import key_of
 
@@ -84,7 +86,9 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
         KeyboardInterrupt: as it comes; finished tasks are kept.
     """
     parts, details = done_parts(study, setups, folder, progress)
-    return Result(study, setups, study.combine(setups, parts), details)
+    data = study.combine(setups, parts)
+    data.attrs = {**code_attributes(), **_settings(study, setups), **data.attrs}
+    return Result(study, setups, data, details)
 
 
 def done_parts(
@@ -117,6 +121,16 @@ def done_parts(
 def kept_parts(study: Study, setups: Setups, folder: Path) -> Parts:
     """Return the data of the tasks that are finished in a folder; none is done."""
     return Store(folder / TASKS, study, setups).kept(study.tasks(setups))
+
+
+def _settings(study: Study, setups: Setups) -> dict[str, str]:
+    """Return the attributes of a dataset that say what it was made from."""
+    configurations = [setup.configuration for setup in setups.values()]
+    shown = configurations[0] if len(configurations) == 1 else configurations
+    return {
+        "study": yaml.safe_dump({"name": study.name, **study.options}, sort_keys=False),
+        "configuration": yaml.safe_dump(shown, sort_keys=False, allow_unicode=True),
+    }
 
 
 def finish(result: Result, folder: Path) -> list[str]:
@@ -165,7 +179,11 @@ class Store:
         self.folder.mkdir(parents=True, exist_ok=True)
         fresh = self.folder / f"{self._name(key)}.nc"
         digest = write_tree(data, fresh)
-        return fresh.replace(fresh.with_name(f"{fresh.stem}-{digest}.nc"))
+        file = fresh.with_name(f"{fresh.stem}-{digest}.nc")
+        # Another process that does the same task may have moved its own.
+        with suppress(FileNotFoundError):
+            fresh.replace(file)
+        return file
 
 
 def _loaded(file: Path) -> xarray.DataTree:

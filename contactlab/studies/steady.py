@@ -87,6 +87,12 @@ class Steady(Study):
                 f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the largest "
                 f"Floquet multiplier has the modulus {largest:.6g}."
             )
+            if "belt" not in about:
+                left = 100.0 * np.exp(-about["run_duration"] / about["settling_time"])
+                sentences.append(
+                    f"A run of the configured {about['run_duration']:.6g} s lacks {left:.2g} % of the way "
+                    "from its start."
+                )
             if about["settling_time"] > NEUTRAL * float(np.ptp(data.to_dataset()["time"].values)):
                 sentences.append("A multiplier is one: the velocity is that of the initial conditions.")
             if about["roughness"] > ROUGH:

@@ -38,7 +38,7 @@ from contactlab.results.internal import internal_series
 from contactlab.settling.statistics import Estimate
 from contactlab.settling.until import STEADY
 from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
-from contactlab.studies.runner import TASKS, Progress, done_parts, kept_parts, run
+from contactlab.studies.runner import TASKS, Progress, done_parts, kept_parts
 from contactlab.studies.study import Part, Setups, Study, Task
 from contactlab.sweeps.dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
 from contactlab.sweeps.outputs import Outputs
@@ -478,7 +478,7 @@ def sweep(
     swept = replace(swept, plan=plan, question=question, workers=workers or processors(), scheduler=scheduler)
     progress = runs_of(plan, report) if report else None
     if folder is None:
-        return run(swept, {}, None, progress).data.to_dataset()
+        return combined(plan, done_parts(swept, {}, None, progress)[0], with_series=True)
     begin(Path(folder), plan)
     return continued(swept, Path(folder), progress)
 

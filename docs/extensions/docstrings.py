@@ -42,15 +42,15 @@ _LITERAL: Final = re.compile(r"`+[^`]+`+")
 _SPECIAL: Final = re.compile(r"([*|\\])|(?<=\w)_(?=\W|$)")
 
 
-def as_text(app: Sphinx, what: str, name: str, one: Any, options: Any, lines: list[str]) -> None:
+def as_text(app: Sphinx, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
     """Put the lines of a docstring into reStructuredText, Google's sections among them."""
     # Of an attribute, what stands before a colon would be taken for its type.
     kind = "method" if what in ("attribute", "property", "data") else what
-    lines[:] = GoogleDocstring(translated(lines), GOOGLE, app, kind, name, one, options).lines()
+    lines[:] = GoogleDocstring(translated(lines), GOOGLE, app, kind, name, item, options).lines()
 
 
 def translated(lines: list[str]) -> list[str]:
-    """Give a docstring in reStructuredText."""
+    """Return a docstring in reStructuredText."""
     made: list[str] = []
     section = literal = example = False
     for line in lines:
@@ -85,35 +85,35 @@ def _escaped(line: str) -> str:
     bullet = text.startswith("* ")
     if bullet:
         at = 2
-    for found in _LITERAL.finditer(text):
-        parts.append(_SPECIAL.sub(_backslash, text[at : found.start()]))
-        parts.append(f"``{found[0].strip('`')}``")
-        at = found.end()
+    for result in _LITERAL.finditer(text):
+        parts.append(_SPECIAL.sub(_backslash, text[at : result.start()]))
+        parts.append(f"``{result[0].strip('`')}``")
+        at = result.end()
     parts.append(_SPECIAL.sub(_backslash, text[at:]))
     return margin + ("* " if bullet else "") + "".join(parts)
 
 
-def _backslash(found: re.Match[str]) -> str:
-    return "\\" + found[0]
+def _backslash(result: re.Match[str]) -> str:
+    return "\\" + result[0]
 
 
-def with_parameters(app: Sphinx, what: str, name: str, one: Any, options: Any, lines: list[str]) -> None:
+def with_parameters(app: Sphinx, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
     """Add to a law, or whatever declares its numbers, what is declared of them."""
-    if what != "class" or not dataclasses.is_dataclass(one):
+    if what != "class" or not dataclasses.is_dataclass(item):
         return
-    equation = getattr(one, "equation", "")
+    equation = getattr(item, "equation", "")
     if isinstance(equation, str) and equation:
         lines += ["", "::", "", *[f"    {line}" for line in equation.splitlines()], ""]
-    declared = {n: f for n, f in declared_fields(one).items() if f.parameter}
+    declared = {n: f for n, f in declared_fields(item).items() if f.parameter}
     if not declared:
         return
     lines += ["", ".. list-table::", "   :header-rows: 1", "", *_row(HEADS)]
     for key, field in declared.items():
-        said = field.parameter
-        assert said is not None
-        default = "" if field.default is dataclasses.MISSING else f"{field.default}{said.label}"
-        meaning = f"`{said.symbol}`, {said.meaning}" if said.symbol else said.meaning
-        lines += _row([f"`{key}`", meaning, default, said.range])
+        stated = field.parameter
+        assert stated is not None
+        default = "" if field.default is dataclasses.MISSING else f"{field.default}{stated.label}"
+        meaning = f"`{stated.symbol}`, {stated.meaning}" if stated.symbol else stated.meaning
+        lines += _row([f"`{key}`", meaning, default, stated.range])
     lines.append("")
 
 
@@ -122,18 +122,18 @@ def _row(cells: list[str]) -> list[str]:
 
 
 def short_signature(
-    app: Sphinx, what: str, name: str, one: Any, options: Any, signature: str, returned: str
+    app: Sphinx, what: str, name: str, item: Any, options: Any, signature: str, returned: str
 ) -> tuple[str, str] | None:
     """Leave out of a signature what stands elsewhere, as the declarations of a dataclass in its table."""
     if what != "class":
         # A property has none.
         return (_readable(signature), _readable(returned or "")) if signature else None
-    if not dataclasses.is_dataclass(one):
+    if not dataclasses.is_dataclass(item):
         # What an enumeration or the base of laws is called with is called by nobody.
-        return ("", "") if issubclass(one, Enum | Declared) else None
+        return ("", "") if issubclass(item, Enum | Declared) else None
     parameters = [
         each.replace(annotation=inspect.Parameter.empty)
-        for each in inspect.signature(one).parameters.values()
+        for each in inspect.signature(item).parameters.values()
     ]
     shown = [
         f"{each.name}=..." if "factory" in repr(each.default) or len(repr(each.default)) > 40 else str(each)
@@ -143,22 +143,22 @@ def short_signature(
 
 
 def _readable(signature: str) -> str:
-    """Give a signature in the words of the code: names of arrays, numbers of six digits."""
-    for pattern, words in _READABLE.items():
-        signature = re.sub(pattern, words, signature)
-    return _LONG.sub(lambda found: f"={found[1]}{float(found[2]):.6g}", signature)
+    """Return a signature in the words of the code: names of arrays, numbers of six digits."""
+    for pattern, label in _READABLE.items():
+        signature = re.sub(pattern, label, signature)
+    return _LONG.sub(lambda result: f"={result[1]}{float(result[2]):.6g}", signature)
 
 
-def without_fields(app: Sphinx, what: str, name: str, one: Any, skip: bool, options: Any) -> bool | None:
+def without_fields(app: Sphinx, what: str, name: str, item: Any, skip: bool, options: Any) -> bool | None:
     """Leave out what is said already: fields, as arguments of their class, and what everything has."""
-    plain = getattr(one, "__doc__", None)
-    return True if what == "class" and not callable(one) and not plain else None
+    plain = getattr(item, "__doc__", None)
+    return True if what == "class" and not callable(item) and not plain else None
 
 
 def elsewhere(
     app: Sphinx, env: BuildEnvironment, node: pending_xref, shown: nodes.Element
 ) -> nodes.Element | None:
-    """Lead a name to where the front door has it; one that is there and not explained is plain text.
+    """Lead a name to where the public API has it; one that is there and not explained is plain text.
 
     A name that is nowhere stays missing, and the build says so.
     """
@@ -166,16 +166,16 @@ def elsewhere(
         return None
     target = str(node.get("reftarget", ""))
     last = target.rpartition(".")[2]
-    found = _found(target)
-    if found is not None and made_api.exported().get(last) is found:
+    result = _result(target)
+    if result is not None and made_api.exported().get(last) is result:
         domain = env.domains["py"]
-        kind = "class" if inspect.isclass(found) else "func"
+        kind = "class" if inspect.isclass(result) else "func"
         return domain.resolve_xref(env, node["refdoc"], app.builder, kind, f"contactlab.{last}", node, shown)
-    return shown if found is not None else None
+    return shown if result is not None else None
 
 
-def _found(target: str) -> Any:
-    """Give what a name stands for; None for nothing. One without a module is looked for in ours."""
+def _result(target: str) -> Any:
+    """Return what a name stands for; None for nothing. One without a module is looked for in ours."""
     module, _, last = target.rpartition(".")
     if not module:
         ours = [sys.modules[name] for name in sorted(sys.modules) if name.startswith("contactlab.")]
@@ -183,7 +183,7 @@ def _found(target: str) -> Any:
     try:
         return getattr(import_module(module), last)
     except (ImportError, AttributeError):
-        return getattr(_found(module), last, None) if "." in module else None
+        return getattr(_result(module), last, None) if "." in module else None
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

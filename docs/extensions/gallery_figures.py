@@ -15,10 +15,10 @@ def scraped(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]
     """Save the figures that a script has in its names, and give their directives."""
     names = block_vars["example_globals"]
     saved = []
-    for name, one in list(names.items()):
-        if isinstance(one, Figure) and one.canvas.manager is None:
+    for name, item in list(names.items()):
+        if isinstance(item, Figure) and item.canvas.manager is None:
             path = next(block_vars["image_path_iterator"])
-            one.savefig(path, dpi=DPI)
+            item.savefig(path, dpi=DPI)
             saved.append(path)
             # It is shown where it was made, and not again.
             del names[name]

@@ -1,4 +1,4 @@
-"""The reference of the front door: every name that `contactlab` exports, by what it is for."""
+"""The reference of the public API: every name that `contactlab` exports, by what it is for."""
 
 import ast
 import inspect
@@ -36,21 +36,21 @@ FURTHER: Final = {
 
 @cache
 def exported() -> dict[str, Any]:
-    """Give what the front door exports, `from ... import NAME as NAME`, by name."""
+    """Return what the public API exports, `from ... import NAME as NAME`, by name."""
     return {name: getattr(contactlab, name) for name in _passed_on(contactlab)}
 
 
 @cache
 def chapters() -> dict[str, list[str]]:
-    """Give the exported names by chapter, none left out."""
-    found: dict[str, list[str]] = {chapter: [] for chapter in CHAPTERS}
-    for name, one in exported().items():
-        found[_chapter_of(one)].append(name)
-    return found
+    """Return the exported names by chapter, none left out."""
+    result: dict[str, list[str]] = {chapter: [] for chapter in CHAPTERS}
+    for name, item in exported().items():
+        result[_chapter_of(item)].append(name)
+    return result
 
 
 def front_door() -> str:
-    """Give a chapter for every kind of name."""
+    """Return a chapter for every kind of name."""
     parts = []
     for chapter, names in chapters().items():
         if not names:
@@ -63,24 +63,24 @@ def front_door() -> str:
 
 
 def further() -> str:
-    """Give a chapter for every module beside the front door that scripts and tests import from."""
+    """Return a chapter for every module beside the public API that scripts and tests import from."""
     parts = []
-    for name, words in FURTHER.items():
+    for name, text in FURTHER.items():
         module = import_module(name)
-        parts += [f"## `{name}`: {words}\n", "```{eval-rst}"]
+        parts += [f"## `{name}`: {text}\n", "```{eval-rst}"]
         for each in sorted(getattr(module, "__all__", None) or _taken_in(module) or _made_in(module)):
-            one = getattr(module, each)
-            if inspect.isclass(one) or inspect.isfunction(one):
-                parts += _directive(each, one, name)
+            item = getattr(module, each)
+            if inspect.isclass(item) or inspect.isfunction(item):
+                parts += _directive(each, item, name)
         parts.append("```\n")
     return "\n".join(parts)
 
 
 def _taken_in(module: ModuleType) -> list[str]:
-    """Give the names that a package takes in from its modules, to be had from itself."""
+    """Return the names that a package takes in from its modules, to be had from itself."""
     inside = f"{module.__name__}."
-    found = [node for node in _imports(module) if f"{node.module}".startswith(inside)]
-    return [each.name for node in found for each in node.names]
+    result = [node for node in _imports(module) if f"{node.module}".startswith(inside)]
+    return [each.name for node in result for each in node.names]
 
 
 def _imports(module: ModuleType) -> list[ast.ImportFrom]:
@@ -89,33 +89,33 @@ def _imports(module: ModuleType) -> list[ast.ImportFrom]:
 
 
 def _passed_on(module: ModuleType) -> list[str]:
-    """Give the names that a module imports for others, `from ... import NAME as NAME`."""
+    """Return the names that a module imports for others, `from ... import NAME as NAME`."""
     return [each.name for node in _imports(module) for each in node.names if each.asname == each.name]
 
 
 def _made_in(module: ModuleType) -> list[str]:
-    """Give the public names that a module itself makes, and those that it passes on."""
-    made = {name: getattr(one, "__module__", "") for name, one in vars(module).items()}
+    """Return the public names that a module itself makes, and those that it passes on."""
+    made = {name: getattr(item, "__module__", "") for name, item in vars(module).items()}
     own = [name for name, origin in made.items() if origin == module.__name__ and not name.startswith("_")]
     return [*own, *_passed_on(module)]
 
 
-def _directive(name: str, one: Any, module: str = "contactlab") -> list[str]:
-    if inspect.isclass(one):
+def _directive(name: str, item: Any, module: str = "contactlab") -> list[str]:
+    if inspect.isclass(item):
         lines = [f".. autoclass:: {module}.{name}"]
         # What a law's kernels are called with stands at its family.
-        if not (hasattr(one, "equation") and inspect.getattr_static(one, "name", None)):
+        if not (hasattr(item, "equation") and inspect.getattr_static(item, "name", None)):
             lines.append("   :members:")
     else:
         lines = [f".. autofunction:: {module}.{name}"]
     return [*lines, ""]
 
 
-def _chapter_of(one: Any) -> str:
-    room = getattr(one, "func", one).__module__.removeprefix("contactlab.")
-    if inspect.isclass(one) and issubclass(one, Exception):
+def _chapter_of(item: Any) -> str:
+    room = getattr(item, "func", item).__module__.removeprefix("contactlab.")
+    if inspect.isclass(item) and issubclass(item, Exception):
         return "What is raised"
-    if inspect.isclass(one) and issubclass(one, get_args(Part)) and room != "laws.base":
+    if inspect.isclass(item) and issubclass(item, get_args(Part)) and room != "laws.base":
         return "Parts of a composed law"
     best = {
         max((len(start) for start in rooms if f"{room}.".startswith(f"{start}.")), default=0): chapter

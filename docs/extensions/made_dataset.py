@@ -8,18 +8,18 @@ HEAD = "| variable | dimensions | unit | symbol | meaning |\n|---|---|---|---|--
 
 
 def variables() -> str:
-    """Give a table for the root of a dataset and one for the group of its contacts."""
+    """Return a table for the root of a dataset and one for the group of its contacts."""
     parts = ["## The root\n", HEAD, *_rows([TIME, *SERIES, CONTACT_MODE, *RESONATOR]), ""]
     parts += ["## The group `contacts`\n", HEAD, *_rows(CONTACTS), ""]
     return "\n".join(parts)
 
 
-def _rows(found: Iterable[Variable]) -> Iterable[str]:
-    for one in found:
-        words = [one.long_name]
-        if one.flags:
-            words.append(", ".join(f"{number} {word}" for number, word in enumerate(one.flags)))
-        if one.comment:
-            words.append(one.comment)
-        dims = ", ".join(one.dims)
-        yield f"| `{one.name}` | {dims} | {one.units} | `{one.symbol}` | {'; '.join(words)} |"
+def _rows(result: Iterable[Variable]) -> Iterable[str]:
+    for item in result:
+        text = [item.long_name]
+        if item.flags:
+            text.append(", ".join(f"{number} {word}" for number, word in enumerate(item.flags)))
+        if item.comment:
+            text.append(item.comment)
+        dims = ", ".join(item.dims)
+        yield f"| `{item.name}` | {dims} | {item.units} | `{item.symbol}` | {'; '.join(text)} |"

@@ -19,13 +19,13 @@ _KINDS = {bool: "true, false", str: "text", list[str]: "list of texts"}
 
 
 def groups() -> str:
-    """Give a chapter for every group but the laws', with its options and keys."""
+    """Return a chapter for every group but the laws', with its options and keys."""
     parts = list(chain.from_iterable(_group(name, section) for name, section in GROUPS.items()))
     return "\n".join([*parts, *_experiments()])
 
 
 def laws() -> str:
-    """Give a chapter for the laws and one for each family of parts, with their keys."""
+    """Return a chapter for the laws and one for each family of parts, with their keys."""
     parts = ["## `law`\n", "What acts between tip and rotor: `law=NAME`, `law.KEY=VALUE`.\n"]
     seen: Counter[str] = Counter()
     parts += chain.from_iterable(_law("law", name, LAW, seen) for name in LAWS)
@@ -39,7 +39,7 @@ def laws() -> str:
 
 
 def table(prefix: str, keys: Any, *, without: Iterable[str] = ()) -> list[str]:
-    """Give the lines of a table of keys; none where there is no key to set."""
+    """Return the lines of a table of keys; none where there is no key to set."""
     rows = [
         _row(key, field) for key, field in full_keys(keys, f"{prefix}.", told=False) if key not in without
     ]
@@ -53,9 +53,9 @@ def _group(name: str, section: Section) -> Iterator[str]:
         if len(section.options) > 1 or files:
             yield f"### `{name}={option}`\n"
         yield from table(name, keys, without={f"{name}.{section.told_by}"})
-    for option, said in files:
+    for option, stated in files:
         yield f"### `{name}={option}`\n"
-        yield f"{said}\n"
+        yield f"{stated}\n"
 
 
 def _law(prefix: str, name: str, section: Section, seen: Counter[str]) -> Iterator[str]:
@@ -71,29 +71,29 @@ def _experiments() -> Iterator[str]:
     yield "## `experiment`\n"
     yield "A named set of changes to the default run: `experiment=NAME`.\n"
     yield "| name | what it is |\n|---|---|"
-    for option, said in _files("experiment"):
-        yield f"| `{option}` | {said} |"
+    for option, stated in _files("experiment"):
+        yield f"| `{option}` | {stated} |"
     yield ""
 
 
 def _files(group: str) -> list[tuple[str, str]]:
     """Options that are files, with what their first lines say."""
-    found = []
+    result = []
     for path in sorted((conf_directory() / group).glob("*.yaml")):
         lines = path.read_text(encoding="utf-8").splitlines()
-        said = [line.lstrip("# ") for line in lines if line.startswith("#") and "@package" not in line]
-        found.append((path.stem, " ".join(said)))
-    return found
+        stated = [line.lstrip("# ") for line in lines if line.startswith("#") and "@package" not in line]
+        result.append((path.stem, " ".join(stated)))
+    return result
 
 
 def _row(key: str, field: DeclaredField) -> str:
-    said = field.parameter
-    if said is None:
+    stated = field.parameter
+    if stated is None:
         return f"| `{key}` | | {_default(field)} | |"
-    words = f"`{said.symbol}`, {said.meaning}" if said.symbol else said.meaning
-    words = f"{words}. {said.hint}" if said.hint else words
-    bounds = said.range or ("" if field.is_number else _kinds(field))
-    return f"| `{key}` | {words} | {_default(field)} | {bounds} |"
+    text = f"`{stated.symbol}`, {stated.meaning}" if stated.symbol else stated.meaning
+    text = f"{text}. {stated.hint}" if stated.hint else text
+    bounds = stated.range or ("" if field.is_number else _kinds(field))
+    return f"| `{key}` | {text} | {_default(field)} | {bounds} |"
 
 
 def _default(field: DeclaredField) -> str:
@@ -108,5 +108,5 @@ def _default(field: DeclaredField) -> str:
 
 def _kinds(field: DeclaredField) -> str:
     """What may stand there in words."""
-    words = [_KINDS.get(kind) or " or ".join(map(str, get_args(kind))) for kind in field.kinds]
-    return " or ".join(word for word, kind in zip(words, field.kinds, strict=True) if kind is not NoneType)
+    text = [_KINDS.get(kind) or " or ".join(map(str, get_args(kind))) for kind in field.kinds]
+    return " or ".join(word for word, kind in zip(text, field.kinds, strict=True) if kind is not NoneType)

@@ -16,7 +16,7 @@ _SIZE: Final = re.compile(r"(?<!left)(?<!right)\|((?:[^|\\]|\\(?!left|right))*)\
 
 
 def formula(text: str, display: str) -> str:
-    """Give a formula as MathML."""
+    """Return a formula as MathML."""
     made: str = convert(_SIZE.sub(r"\\left|\1\\right|", text.strip()), display=display)
     return made
 
@@ -30,8 +30,8 @@ def visit_inline(translator: Any, node: nodes.Element) -> None:
 def visit_display(translator: Any, node: nodes.Element) -> None:
     """Write a formula of its own, with its number."""
     text, number = node.astext(), ""
-    if found := _TAG.search(text):
-        text, number = _TAG.sub(" ", text), found[1]
+    if result := _TAG.search(text):
+        text, number = _TAG.sub(" ", text), result[1]
     anchor = f' id="equation-{number}"' if number else ""
     label = f'<span class="number"><a href="#equation-{number}">({number})</a></span>' if number else ""
     made = formula(text, "block")

@@ -25,13 +25,13 @@ class Block:
         language: bash or python.
         code: as it stands on the page.
         line: how many lines stand before it.
-        said: what it prints, as the page says; None if the page says nothing.
+        output: what it prints, as the page says; None if the page says nothing.
     """
 
     language: str
     code: str
     line: int
-    said: str | None = None
+    output: str | None = None
 
 
 @final
@@ -40,7 +40,7 @@ class Picture:
     """A file that the blocks before it have made, and what it shows in words."""
 
     path: str
-    words: str
+    label: str
     line: int
 
 
@@ -49,40 +49,40 @@ class PageError(ValueError):
 
 
 def items(text: str) -> list[Block | Picture]:
-    """Give what is run on a page, and its pictures, in their order.
+    """Return what is run on a page, and its pictures, in their order.
 
     Raises:
         PageError: a block of text that follows nothing whose output it could be.
     """
-    found: list[Block | Picture] = []
+    result: list[Block | Picture] = []
     last: re.Match[str] | None = None
     for each in _ITEM.finditer(text):
         line = text[: each.start()].count("\n") + bool(each["mark"]) + 1
         if each["path"]:
-            found.append(Picture(each["path"], each["words"], line))
+            result.append(Picture(each["path"], each["words"], line))
         elif each["language"] != "text":
             last = each
             if not each["mark"]:
-                found.append(Block(each["language"], each["code"], line))
+                result.append(Block(each["language"], each["code"], line))
         elif not each["mark"]:
             if last is None:
                 raise PageError(f"Line {line} has a text that is the output of nothing; mark it as not run.")
             if not last["mark"]:
-                place = max(i for i, one in enumerate(found) if isinstance(one, Block))
-                ran = found[place]
+                place = max(i for i, item in enumerate(result) if isinstance(item, Block))
+                ran = result[place]
                 assert isinstance(ran, Block)
-                found[place] = Block(ran.language, ran.code, ran.line, each["code"])
+                result[place] = Block(ran.language, ran.code, ran.line, each["code"])
             last = None
-    return found
+    return result
 
 
 def blocks(text: str) -> list[Block]:
-    """Give what is run on a page, in its order."""
-    return [one for one in items(text) if isinstance(one, Block)]
+    """Return what is run on a page, in its order."""
+    return [item for item in items(text) if isinstance(item, Block)]
 
 
 def pictures(text: str) -> list[Picture]:
-    """Give the pictures of a page, in their order, whatever its blocks are, which may be made at build."""
+    """Return the pictures of a page, in their order, whatever its blocks are, which may be made at build."""
     return [
         Picture(each["path"], each["words"], text[: each.start()].count("\n") + 1)
         for each in _ITEM.finditer(text)
@@ -97,7 +97,7 @@ def with_pictures(text: str, folder: str) -> str:
     )
 
 
-def agrees(said: str, printed: str) -> bool:
-    """Tell whether something was printed as a page says it: `...` is anything, white space any other."""
-    parts = [re.escape(part) for part in " ".join(said.split()).split("...")]
+def agrees(output: str, printed: str) -> bool:
+    """Return whether something was printed as a page says it: `...` is anything, white space any other."""
+    parts = [re.escape(part) for part in " ".join(output.split()).split("...")]
     return re.fullmatch(".*".join(parts), " ".join(printed.split())) is not None

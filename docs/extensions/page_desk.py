@@ -27,8 +27,8 @@ for told in sys.stdin:
 """
 
 
-class _Told:
-    """A program that is told one thing after the other, and says when each is done."""
+class _Program:
+    """A program that receives one piece of code after the other and reports when each is done."""
 
     def __init__(self, command: list[str], folder: Path, environment: Mapping[str, str]) -> None:
         self._errors, self._path = mkstemp()
@@ -42,8 +42,8 @@ class _Told:
             text=True,
         )
 
-    def tell(self, words: str) -> str:
-        """Give what it prints.
+    def tell(self, label: str) -> str:
+        """Return what it prints.
 
         Raises:
             PageError: it ended before it was done; with all that it said.
@@ -55,7 +55,7 @@ class _Told:
         watch.start()
         printed: list[str] = []
         try:
-            program.stdin.write(words)
+            program.stdin.write(label)
             program.stdin.flush()
             for line in program.stdout:
                 if line == f"{_DONE}\n":
@@ -89,12 +89,12 @@ class Desk:
         self._folder = folder
         # No picture opens a window.
         self._environment = {**environment, "MPLBACKEND": "Agg"}
-        self._shell = _Told(["bash", "--noprofile", "--norc"], folder, self._environment)
-        self._session: _Told | None = None
+        self._shell = _Program(["bash", "--noprofile", "--norc"], folder, self._environment)
+        self._session: _Program | None = None
         self.shell("set -euo pipefail")
 
     def __enter__(self) -> Self:
-        """Give the desk."""
+        """Return the desk."""
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -112,7 +112,7 @@ class Desk:
         if self._session is None:
             python = self.shell("command -v python").strip()
             command = [python, "-W", "error", "-c", _SESSION]
-            self._session = _Told(command, self._folder, self._environment)
+            self._session = _Program(command, self._folder, self._environment)
         return self._session.tell(json.dumps([line, code]) + "\n")
 
     def paste(self, block: Block) -> str:
@@ -121,7 +121,7 @@ class Desk:
 
 
 def surroundings(python: Path) -> dict[str, str]:
-    """Give what a shell knows in which a Python environment is active."""
+    """Return what a shell knows in which a Python environment is active."""
     return {**os.environ, "PATH": os.pathsep.join([str(python.parent), os.environ["PATH"]])}
 
 
@@ -146,6 +146,6 @@ def follow(page: Path, folder: Path, desk: Desk) -> Iterator[tuple[Block, str]]:
             printed = desk.paste(each)
         except PageError as error:
             raise PageError(f"{where}:\n{each.code}\n{error}") from error
-        if each.said is not None and not agrees(each.said, printed):
-            raise PageError(f"{where}:\n{each.code}\nprinted\n\n{printed}\nand not\n\n{each.said}")
+        if each.output is not None and not agrees(each.output, printed):
+            raise PageError(f"{where}:\n{each.code}\nprinted\n\n{printed}\nand not\n\n{each.output}")
         yield each, printed

@@ -27,19 +27,19 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Note what an element says."""
-        given = dict(attrs)
-        self.names |= {value for name in ("id", "name") if (value := given.get(name))}
-        address = given.get("href" if tag == "a" else LOADED.get(tag, ""))
+        options = dict(attrs)
+        self.names |= {value for name in ("id", "name") if (value := options.get(name))}
+        address = options.get("href" if tag == "a" else LOADED.get(tag, ""))
         if address:
             self.links.add(address)
             if tag in LOADED and urlsplit(address).netloc:
                 self.faults.append(f"it fetches {address}")
-        if tag == "img" and "alt" not in given:
-            self.faults.append(f"the picture {given.get('src')} has no words in its place")
+        if tag == "img" and "alt" not in options:
+            self.faults.append(f"the picture {options.get('src')} has no words in its place")
 
 
 def faults_in(site: Path) -> Iterator[str]:
-    """Give what is wrong with the pages of a folder, a sentence each."""
+    """Return what is wrong with the pages of a folder, a sentence each."""
     # The theme's own files hold a template.
     written = [path for path in sorted(site.rglob("*.html")) if path.relative_to(site).parts[0] != "_static"]
     pages = {path.resolve(): Page(path.read_text(encoding="utf-8")) for path in written}
@@ -59,7 +59,7 @@ def faults_in(site: Path) -> Iterator[str]:
 
 
 def setup(app: Sphinx) -> None:
-    """Tell the faults once all pages are written."""
+    """Report the faults once all pages are written."""
     app.connect("build-finished", _tell)
 
 

@@ -6,11 +6,8 @@ The data sheet of a motor
 `contactlab characterise` writes the same as a page.
 """
 
-from contactlab.datasheet.figure import draw
-
 import contactlab as cl
-from contactlab.datasheet import as_text
 
 sheet = cl.characterise([cl.build([f"law={law}"]) for law in ("hertz_penalty", "lagrange_stick")])
-print(as_text(sheet))
-curves = draw(sheet)
+print(sheet)
+curves = sheet.plot()

@@ -94,17 +94,17 @@ class Package:
     size: float
 
 
-def found_python(asked: str) -> str:
+def python_path(wanted: str) -> str:
     """The path of a Python that can make environments, by its version or path; empty for none."""
-    made = sorted(Path.home().glob(f".pyenv/versions/{asked}.*/bin/python"))
-    found = ""
-    for candidate in (asked, f"python{asked}", *map(str, made)):
+    made = sorted(Path.home().glob(f".pyenv/versions/{wanted}.*/bin/python"))
+    result = ""
+    for candidate in (wanted, f"python{wanted}", *map(str, made)):
         # A name on the path need not lead to a Python, and Debian's need not make environments.
         if shutil.which(candidate):
-            words = [candidate, "-c", "import ensurepip, sys, venv; print(sys.executable)"]
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
-            found = done.stdout.strip() if done.returncode == 0 else found
-    return found
+            label = [candidate, "-c", "import ensurepip, sys, venv; print(sys.executable)"]
+            done = subprocess.run(label, capture_output=True, text=True, check=False)
+            result = done.stdout.strip() if done.returncode == 0 else result
+    return result
 
 
 def of_new_user(python: str, folder: Path) -> dict[str, str]:
@@ -132,19 +132,24 @@ def measured(commit: str, python: str, tests: bool, log: Path) -> Iterator[Step 
         tests: whether README's second command is run, too.
         log: what the steps print.
     """
-    version = _said([python, "-c", "import platform; print(platform.python_version())"])
+    version = _output_of([python, "-c", "import platform; print(platform.python_version())"])
     with TemporaryDirectory(prefix="first_hour_") as place:
         folder = Path(place)
         clone, settings = folder / "clone", of_new_user(python, folder)
-        _said(["git", "clone", "--quiet", str(ROOT), str(clone)])
-        _said(["git", "-C", str(clone), "checkout", "--quiet", commit])
-        short = _said(["git", "-C", str(clone), "rev-parse", "--short", "HEAD"])
+        _output_of(["git", "clone", "--quiet", str(ROOT), str(clone)])
+        _output_of(["git", "-C", str(clone), "checkout", "--quiet", commit])
+        short = _output_of(["git", "-C", str(clone), "rev-parse", "--short", "HEAD"])
         for name, command in steps_of((clone / "README.md").read_text(encoding="utf-8"), tests):
             load, before, began = os.getloadavg()[0], _processor_time(), perf_counter()
-            with log.open("a", encoding="utf-8") as told:
-                print(f"== {short}, Python {version}: {command}", file=told, flush=True)
+            with log.open("a", encoding="utf-8") as stated:
+                print(f"== {short}, Python {version}: {command}", file=stated, flush=True)
                 done = subprocess.run(
-                    ["bash", "-c", command], cwd=clone, env=settings, stdout=told, stderr=told, check=False
+                    ["bash", "-c", command],
+                    cwd=clone,
+                    env=settings,
+                    stdout=stated,
+                    stderr=stated,
+                    check=False,
                 )
             wall, spent = perf_counter() - began, _processor_time() - before
             figure = name != "first run" or any(clone.rglob("run.png"))
@@ -154,12 +159,12 @@ def measured(commit: str, python: str, tests: bool, log: Path) -> Iterator[Step 
             if not passed:
                 return
             if name == "install":
-                sizes = json.loads(_said([str(clone / ENVIRONMENT / "bin/python"), "-c", SIZES]))
-                yield from (Package(short, version, one, size / 1e6) for one, size in sizes.items())
+                sizes = json.loads(_output_of([str(clone / ENVIRONMENT / "bin/python"), "-c", SIZES]))
+                yield from (Package(short, version, item, size / 1e6) for item, size in sizes.items())
 
 
-def _said(words: Sequence[str]) -> str:
-    return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+def _output_of(label: Sequence[str]) -> str:
+    return subprocess.run(label, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def _processor_time() -> float:
@@ -189,29 +194,29 @@ def page_of(steps: Sequence[Step]) -> str:
         size = of.get("first run", [*of.values()][-1]).environment
         load = max(step.load for step in of.values())
         lines.append([commit, version, *cells, f"{size:.0f} MB", f"{load:.0f}"])
-    told = (
+    stated = (
         f"Processor time, on the clock in brackets, on {os.cpu_count()} processors ({platform.machine()}, "
         f"{platform.system()}). The load is the highest before a step: how many others wanted to run."
     )
-    return "\n".join([*(f"| {' | '.join(line)} |" for line in lines), "", told, ""])
+    return "\n".join([*(f"| {' | '.join(line)} |" for line in lines), "", stated, ""])
 
 
 def _seconds(steps: Sequence[Step]) -> str:
-    told = f"{sum(step.processor for step in steps):.0f} s ({sum(step.wall for step in steps):.0f} s)"
-    return told if all(step.passed for step in steps) else f"{told}, failed"
+    stated = f"{sum(step.processor for step in steps):.0f} s ({sum(step.wall for step in steps):.0f} s)"
+    return stated if all(step.passed for step in steps) else f"{stated}, failed"
 
 
-def write(found: Sequence[Step | Package], folder: Path) -> None:
+def write(result: Sequence[Step | Package], folder: Path) -> None:
     """Write both tables and the page."""
     for kind, name in ((Step, "steps.csv"), (Package, "packages.csv")):
-        rows = [each for each in found if isinstance(each, kind)]
+        rows = [each for each in result if isinstance(each, kind)]
         with (folder / name).open("w", encoding="utf-8", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
             table.writerow(field.name for field in fields(kind))
             table.writerows(
                 (f"{cell:.2f}" if isinstance(cell, float) else cell for cell in astuple(row)) for row in rows
             )
-    steps = [each for each in found if isinstance(each, Step)]
+    steps = [each for each in result if isinstance(each, Step)]
     (folder / "table.md").write_text(page_of(steps), encoding="utf-8")
 
 
@@ -221,58 +226,58 @@ def put_into(page: Path, table: str) -> None:
     page.write_text(f"{before}{BEGIN}\n\n{table}\n{END}{rest.partition(END)[2]}", encoding="utf-8")
 
 
-def asked(words: Sequence[str]) -> dict[str, str]:
+def wanted(label: Sequence[str]) -> dict[str, str]:
     """The values of all keys.
 
     Raises:
         ValueError: a word is no KEY=VALUE, or not one of these; a sentence.
     """
-    given = dict(GIVEN)
-    for word in words:
+    options = dict(GIVEN)
+    for word in label:
         key, sign, text = word.partition("=")
         if not sign or key not in GIVEN:
             raise ValueError(f"'{word}' is none of {', '.join(f'{key}=...' for key in GIVEN)}.")
-        given[key] = text
-    if given["tests"] not in ("true", "false"):
-        raise ValueError(f"tests={given['tests']} must be true or false.")
-    page = Path(given["page"])
-    if given["page"] and not (page.is_file() and BEGIN in page.read_text(encoding="utf-8")):
+        options[key] = text
+    if options["tests"] not in ("true", "false"):
+        raise ValueError(f"tests={options['tests']} must be true or false.")
+    page = Path(options["page"])
+    if options["page"] and not (page.is_file() and BEGIN in page.read_text(encoding="utf-8")):
         raise ValueError(f"{page} is no page with a table of this script; docs/install.md is one.")
-    return given
+    return options
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and write; returns the exit status."""
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    if "--help" in words or "-h" in words:
+    label = list(sys.argv[1:] if arguments is None else arguments)
+    if "--help" in label or "-h" in label:
         print(__doc__)
         return DONE
     try:
-        given = asked(words)
-        commits = [_commit(each) for each in (given["before"], given["commit"]) if each]
+        options = wanted(label)
+        commits = [_commit(each) for each in (options["before"], options["commit"]) if each]
     except ValueError as fault:
         print(fault, file=sys.stderr)
         return REFUSED
-    pythons = _pythons(given)
+    pythons = _pythons(options)
     if not pythons:
-        print(f"No Python of {given['python']} is on this machine.", file=sys.stderr)
+        print(f"No Python of {options['python']} is on this machine.", file=sys.stderr)
         return REFUSED
-    folder = Path(given["output"])
+    folder = Path(options["output"])
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "steps.log"
     log.unlink(missing_ok=True)
-    found: list[Step | Package] = []
+    result: list[Step | Package] = []
     for commit in commits:
         for python in pythons:
-            for each in measured(commit, python, given["tests"] == "true", log):
-                found.append(each)
-                write(found, folder)
+            for each in measured(commit, python, options["tests"] == "true", log):
+                result.append(each)
+                write(result, folder)
                 if isinstance(each, Step):
                     print(f"{each.commit}, Python {each.python}, {each.name}: {_seconds([each])}", flush=True)
-    if given["page"]:
-        put_into(Path(given["page"]), page_of([each for each in found if isinstance(each, Step)]))
+    if options["page"]:
+        put_into(Path(options["page"]), page_of([each for each in result if isinstance(each, Step)]))
     print(f"\n{(folder / 'table.md').read_text(encoding='utf-8')}\nWritten to {folder}.")
-    return DONE if all(each.passed for each in found if isinstance(each, Step)) else FAILED
+    return DONE if all(each.passed for each in result if isinstance(each, Step)) else FAILED
 
 
 def _commit(name: str) -> str:
@@ -287,12 +292,12 @@ def _commit(name: str) -> str:
     return done.stdout.strip()
 
 
-def _pythons(given: Mapping[str, str]) -> list[str]:
-    """The paths of the Pythons that are asked for, with a word on each that there is not."""
-    found = {version: found_python(version) for version in given["python"].split(",")}
-    for version in [each for each, path in found.items() if not path]:
+def _pythons(options: Mapping[str, str]) -> list[str]:
+    """Return the paths of the chosen Pythons and report those that are missing."""
+    result = {version: python_path(version) for version in options["python"].split(",")}
+    for version in [each for each, path in result.items() if not path]:
         print(f"Python {version} is not on this machine.", file=sys.stderr)
-    return [path for path in found.values() if path]
+    return [path for path in result.values() if path]
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ INSTALL = re.compile(r"^```bash\n(python3 -m venv .*?)^```", re.DOTALL | re.MULT
 
 
 def processor_time() -> float:
-    """Give the processor time of all that has ended here [s]."""
+    """Return the processor time of all that has ended here [s]."""
     spent = os.times()
     return spent.children_user + spent.children_system
 
@@ -35,21 +35,21 @@ def main() -> int:
         "--python", type=Path, default=Path(sys.executable), help="that makes the environment"
     )
     parser.add_argument("--output", type=Path, default=Path("outputs/follow_tutorial"))
-    given = parser.parse_args()
-    folder = given.output.resolve()
+    options = parser.parse_args()
+    folder = options.output.resolve()
     folder.mkdir(parents=True)
     (folder / "empty").mkdir()
     (folder / "bin").mkdir()
-    (folder / "bin" / "python3").symlink_to(given.python.resolve())
+    (folder / "bin" / "python3").symlink_to(options.python.resolve())
     subprocess.run(["git", "clone", "--quiet", str(ROOT), str(folder / "clone")], check=True)
     page = folder / "clone" / "docs" / "tutorial.md"
-    found = INSTALL.search(page.read_text(encoding="utf-8"))
-    assert found is not None
+    result = INSTALL.search(page.read_text(encoding="utf-8"))
+    assert result is not None
     environment = {"HOME": str(folder), "PATH": f"{folder / 'bin'}:{os.defpath}", "LANG": "C.UTF-8"}
     began = last = perf_counter()
     try:
         with Desk(folder / "empty", environment) as desk:
-            desk.shell(f"cd {folder / 'clone'}\n{found[1]}cd {folder / 'empty'}")
+            desk.shell(f"cd {folder / 'clone'}\n{result[1]}cd {folder / 'empty'}")
             print(f"{perf_counter() - last:6.1f} s  install")
             last = perf_counter()
             for block, _ in follow(page, folder / "empty", desk):

@@ -75,18 +75,18 @@ def page() -> str:
 
 def section(name: str, owner: type[ContactLaw] | type[Part], numbers: str) -> str:
     """What the page says of one law or part."""
-    words = inspect.getdoc(owner) or ""
-    words = words.partition("\nArgs:")[0].partition("\nSource:")[0].strip()
+    label = inspect.getdoc(owner) or ""
+    label = label.partition("\nArgs:")[0].partition("\nSource:")[0].strip()
     rows = [f"| `{n}` | {described_parameter(n, m, own=True)} |" for n, m in members_of(owner).items()]
     table = ["| parameter | symbol, unit, meaning, default, range |", "|---|---|", *rows, ""]
     declared = [f"* {word}: {text}" for word, text in declared_rows(owner).items() if text]
     # Where the words have equations of their own, it is one of their kind, and not the first.
-    derived = "\n    " in words
+    derived = "\n    " in label
     return "\n".join(
         [
             f"### {name.rpartition('/')[2]}",
             "",
-            words,
+            label,
             "",
             *([] if derived else [f"    {owner.equation}", ""]),
             *(table if rows else []),

@@ -50,7 +50,7 @@ UNPUBLISHED = "no closed form of it is held to"
 
 @dataclass(frozen=True)
 class Entry:
-    """A law or part of the table: family, class, the law it is asked in, and its first published claim."""
+    """A law or part of the table: family, class, the law that contains it, and its first published claim."""
 
     family: str
     owner: type[ContactLaw] | type[Part]
@@ -65,7 +65,7 @@ class Entry:
 
 
 def entries() -> Iterator[Entry]:
-    """Give every law and part of contactlab, then those of the package outside of it."""
+    """Return every law and part of contactlab, then those of the package outside of it."""
     for name, owner in LAWS.items():
         yield _own("law", owner, owner(), "", name)
     for family, table in PARTS.items():
@@ -81,7 +81,7 @@ def _own(group: str, owner: type, law: ContactLaw, family: str, name: str) -> En
 
 
 def outside() -> Iterator[Entry]:
-    """Give the laws of the package outside of contactlab, each with its own published number."""
+    """Return the laws of the package outside of contactlab, each with its own published number."""
     if str(OUTSIDE) not in sys.path:
         sys.path.insert(0, str(OUTSIDE))
     numbers = import_module("published_numbers")
@@ -103,13 +103,13 @@ def _first_line(proof: object) -> str:
 
 
 def row(entry: Entry) -> str:
-    """Give the row of a law, its contract run in full."""
+    """Return the row of a law, its contract run in full."""
     bench = Bench(entry.law)
     verdicts = {name: check(bench, name) for name in PROPERTIES}
     broken = [n for n, claims in verdicts.items() if any(claim.excuse for claim in claims)]
     failed = [n for n, claims in verdicts.items() if not all(claim.holds for claim in claims)]
-    held = len(verdicts) - len({*broken, *failed})
-    contract = f"{held} hold"
+    fixed = len(verdicts) - len({*broken, *failed})
+    contract = f"{fixed} hold"
     contract += f"; declared broken: {', '.join(broken)}" if broken else ""
     contract += f"; **fails**: {', '.join(failed)}" if failed else ""
     lines = len(inspect.getsourcelines(entry.owner)[0])
@@ -129,8 +129,8 @@ def _number(entry: Entry) -> str:
     size = abs(claim.expected)
     apart = f"{abs(claim.found - claim.expected) / size:.1e}" if size and not relation else ""
     wrong = "" if claim.true else "**"
-    words = f"{entry.heading} {claim.statement}".replace("|", "\\|")
-    return f"{words} | {relation}{claim.expected:.6g}{unit} | {wrong}{claim.found:.6g}{unit}{wrong} | {apart}"
+    text = f"{entry.heading} {claim.statement}".replace("|", "\\|")
+    return f"{text} | {relation}{claim.expected:.6g}{unit} | {wrong}{claim.found:.6g}{unit}{wrong} | {apart}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -20,16 +20,16 @@ def commands_of(readme: str) -> tuple[str, str]:
             fenced = not fenced and line.startswith("```bash")
         elif fenced or line.startswith("    "):
             lines.append(line.strip())
-    found = [
+    result = [
         next((line for line in lines if re.search(word, line)), "") for word in (r"-m venv", r"\bpytest$")
     ]
-    if not all(found):
+    if not all(result):
         raise ValueError("README has no command that makes an environment, or none that runs the tests.")
-    return found[0], found[1]
+    return result[0], result[1]
 
 
 def steps_of(readme: str, tests: bool) -> Iterator[tuple[str, str]]:
-    """Give the steps of both commands: their name, and what a shell is told, what it keeps included.
+    """Return the steps of both commands: name and commands, with those that set up the shell.
 
     The second run comes at the end of the first command.
     """

@@ -66,10 +66,10 @@ def draw_laws(path: Path) -> None:
     """Draw the same motor's way to its speed under every law, on both beams."""
     with plt.rc_context(STYLE | {"font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9}):
         figure, both = plt.subplots(1, 2, figsize=(7.4, 3.3), sharey=True, layout="constrained")
-        for axes, (basis, words) in zip(both, BASES.items(), strict=True):
+        for axes, (basis, text) in zip(both, BASES.items(), strict=True):
             speeds = _draw_beam(axes, basis)
             spread = np.ptp(speeds) / np.mean(speeds)
-            axes.set_title(f"{words}: laws {spread:.0%} apart", fontweight="bold", loc="left")
+            axes.set_title(f"{text}: laws {spread:.0%} apart", fontweight="bold", loc="left")
         both[0].set_ylabel("rotor speed (rad/s)")
         with whole_file(path) as partial:
             figure.savefig(partial, format="png", pad_inches=0.12, metadata={"Software": None})
@@ -79,14 +79,14 @@ def draw_laws(path: Path) -> None:
 def _draw_beam(axes: Axes, basis: str) -> list[float]:
     """Draw the transients on one beam, in the motor's own sense, and give the settled speeds [rad/s]."""
     speeds, colours, end = [], [], 1.03e3 * SHOWN
-    for words, law in LAWS.items():
+    for text, law in LAWS.items():
         setup = cl.build([*law, f"resonator={basis}", f"solver.duration={SHOWN}", "record.interval=1e-4"])
         run, (velocity, error) = cl.simulate(setup), cl.steady(setup).velocity
         (line,) = axes.plot(1e3 * run["time"], -run["rotor_velocity"], linewidth=1.6)
         colours.append(line.get_color())
         axes.errorbar(end, -velocity, error, fmt="o", color=colours[-1], markersize=5, clip_on=False)
         speeds.append(-velocity)
-        print(f"{basis}, {words}: {velocity:.5f} +- {error:.1g} rad/s")
+        print(f"{basis}, {text}: {velocity:.5f} +- {error:.1g} rad/s")
     for place, k in zip(_spread(np.sort(speeds)), np.argsort(speeds), strict=True):
         axes.annotate(
             f"{list(LAWS)[k]}  {speeds[k]:.2f}", (end, speeds[k]), (1.09 * end, place),

@@ -79,7 +79,7 @@ def test_the_commands_for_contributors_pass_in_the_checkout() -> None:
 
 def test_blocks_share_a_shell_and_a_session_and_outputs_belong_to_the_block_before(tmp_path: Path) -> None:
     assert [type(item) for item in items(PAGE)] == [Block, Block, Picture]
-    assert [block.said for block in blocks(PAGE)] == ["one two\n3.1... four\n", None]
+    assert [block.output for block in blocks(PAGE)] == ["one two\n3.1... four\n", None]
     page = tmp_path / "page.md"
     page.write_text(PAGE)
     with desk(tmp_path) as at:

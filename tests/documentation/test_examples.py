@@ -13,14 +13,14 @@ PACKAGE = Path(str(contactlab.__file__)).parent
 
 def examples() -> list[DocTest]:
     """The docstrings that have examples."""
-    found: list[DocTest] = []
+    result: list[DocTest] = []
     for path in sorted(PACKAGE.rglob("*.py")):
         # Importing every module would take longer than all examples.
         if "    >>> " in path.read_text(encoding="utf-8"):
             parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
             module = import_module(".".join(parts))
-            found += [each for each in DocTestFinder().find(module) if each.examples]
-    return found
+            result += [each for each in DocTestFinder().find(module) if each.examples]
+    return result
 
 
 @pytest.mark.parametrize("example", examples(), ids=lambda each: each.name)
@@ -28,6 +28,6 @@ def test_an_example_gives_what_it_says(
     example: DocTest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    said: list[str] = []
-    outcome = DocTestRunner(verbose=False).run(example, out=said.append)
-    assert outcome.failed == 0, "".join(said)
+    text: list[str] = []
+    outcome = DocTestRunner(verbose=False).run(example, out=text.append)
+    assert outcome.failed == 0, "".join(text)

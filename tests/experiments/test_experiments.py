@@ -1,20 +1,20 @@
-"""Every experiment in its short form: it leaves its files, and one number of it is physics."""
+"""Every experiment in its short form leaves its files, and one number of it is physics."""
 
+import subprocess
+import sys
 from collections.abc import Callable
-from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import all as everything
-import harness
+import experiment
 import law_comparison
 import numpy as np
 import pytest
-import table2_friction_signs
 import xarray
 from support.command_line import cases
 from support.configurations import CONF
 
+SCRIPTS = Path(experiment.__file__).parent
 Number = Callable[[xarray.Dataset], float]
 
 NUMBERS: dict[str, tuple[Number, float, float]] = {
@@ -96,18 +96,18 @@ COVERED = {
 
 
 @pytest.mark.parametrize("name", cases(NUMBERS, NUMBERS.keys() - COVERED))
-def test_short_form_leaves_its_files_and_its_number(name: str, tmp_path: Path) -> None:
-    result = harness.perform(import_module(name), tmp_path, short=True)
-    assert result.says
-    assert len(result.rows)
-    assert (tmp_path / "figure.png").stat().st_size > 5000
-    assert (tmp_path / "figure.pdf").read_bytes().startswith(b"%PDF")
-    assert len((tmp_path / "table.csv").read_text().splitlines()) == 1 + len(result.rows)
+def test_the_short_form_leaves_its_files_and_its_number(name: str, tmp_path: Path) -> None:
+    result = experiment.perform(name, tmp_path, short=True)
+    assert result.data.attrs["says"]
+    assert (tmp_path / f"{name}.png").stat().st_size > 5000
+    assert (tmp_path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+    assert len((tmp_path / "table.csv").read_text().splitlines()) == 1 + len(result.tables["table"])
     number, expected, tolerance = NUMBERS[name]
-    with xarray.open_dataset(tmp_path / "data.nc") as data:
-        assert data.attrs["finding"] == result.sentence
-        assert "law:" in data.attrs["configuration"]
+    with xarray.open_dataset(tmp_path / f"{name}.nc") as data:
         assert number(data) == pytest.approx(expected, rel=0.0, abs=tolerance)
+    page = everything.page([(result, tmp_path)])
+    assert "data:image/png;base64," in page
+    assert 'src="http' not in page
 
 
 def test_every_experiment_is_tested_shown_and_configured() -> None:
@@ -115,35 +115,33 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
     assert {path.stem for path in (CONF / "experiment").glob("*.yaml")} == {*NUMBERS, "case_a"}
 
 
-def test_the_page_holds_its_pictures_and_says_what_does_not_hold(tmp_path: Path) -> None:
-    result = harness.perform(table2_friction_signs, tmp_path)
-    page = everything.page([result])
-    assert "data:image/png;base64," in page
-    assert "src='http" not in page
-    assert "1 of 1 findings hold" in page
-    wrong = replace(result, holds=False, sentence="a < b")
-    assert "Does not hold.</b> a &lt; b" in everything.page([wrong])
-
-
 @pytest.mark.parametrize(
-    ("override", "words"),
-    [("contact.clearance=-1", "contact.clearance"), ("no.such=1", "no.such"), ("nonsense", "nonsense")],
+    ("words", "status", "key"),
+    [
+        (["drive.frequency=3 kHz"], 0, "finding"),
+        # Patches of another length: not the numbers of Table 1.
+        (["resonator.tip_mass=2 g"], 1, "finding"),
+        (["contact.clearance=-1"], 2, "contact.clearance"),
+        (["no.such=1"], 2, "no"),
+    ],
 )
-def test_a_fault_is_a_sentence_and_leaves_nothing(
-    override: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_the_exit_status_is_that_of_the_finding_or_of_a_refusal(
+    label: list[str], status: int, key: str, tmp_path: Path
 ) -> None:
-    folder = tmp_path / "out"
-    assert harness.main(table2_friction_signs.__name__, [f"output={folder}", override]) == 2
-    assert words in capsys.readouterr().err
-    assert not folder.exists()
+    command = [sys.executable, str(SCRIPTS / "table1_placement.py"), "output=out", *label]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == status, done.stderr
+    if status == 2:
+        assert key in done.stderr
+        assert not (tmp_path / "out").exists()
+    else:
+        assert xarray.load_dataset(tmp_path / "out" / "table1_placement.nc").attrs["holds"] == 1 - status
 
 
-def test_laws_that_are_named_are_compared_and_unknown_ones_refused(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert law_comparison.run(["nonsense"]) == 2
-    assert "There is no law 'nonsense'" in capsys.readouterr().err
-    setup = harness.setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
+def test_named_laws_are_compared_and_unknown_ones_refused() -> None:
+    setup = experiment.setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
     laws = law_comparison.laws_with(setup, ["composed", "newton"])
     assert list(laws) == [*law_comparison.PAPER, "composed", "newton"]
     assert {law.friction_limit for law in laws.values()} == {0.2}
+    with pytest.raises(ValueError, match="nonsense"):
+        law_comparison.laws_with(setup, ["nonsense"])

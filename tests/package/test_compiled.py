@@ -12,8 +12,8 @@ PROBE = "from contactlab import compiled; print(compiled.code_folder())"
 
 
 def test_the_folder_is_the_same_in_every_process() -> None:
-    found = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True, check=True)
-    assert Path(found.stdout.strip()) == compiled.code_folder()
+    result = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True, check=True)
+    assert Path(result.stdout.strip()) == compiled.code_folder()
 
 
 def test_a_chosen_cache_directory_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -27,9 +27,9 @@ def test_without_a_writable_directory_the_code_lives_for_the_process(
     blocked = tmp_path / "file"
     blocked.touch()
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
-    found = compiled.code_folder.__wrapped__()
-    assert found.is_dir()
-    assert found.name.startswith("contactlab-")
+    result = compiled.code_folder.__wrapped__()
+    assert result.is_dir()
+    assert result.name.startswith("contactlab-")
 
 
 def test_a_change_of_a_kernels_source_changes_the_folder(

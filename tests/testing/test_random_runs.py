@@ -12,6 +12,7 @@ import random_runs as script
 from random_configuration import law_groups
 from support.command_line import Command, cases
 
+from contactlab import load
 from contactlab.metrics import INVARIANTS
 
 NUMBERS = [*range(588, 600), *range(600, 1200, 5)]
@@ -53,22 +54,16 @@ def test_a_run_that_was_cut_goes_on_with_the_parts_it_has(tmp_path: Path) -> Non
 def test_the_command_line_that_is_printed_is_that_run(command: Command) -> None:
     outcome = script.outcome_of(5)
     words = shlex.split(script.command_line(5))[1:]
-    status, out, _ = command(*words, "record.picture=false", "hydra.run.dir=here")
-    assert status == 0
-    assert f"{outcome['contacts']}, " in out
+    assert command(*words, "record.picture=false", "hydra.run.dir=here")[0] == 0
+    assert load("here/run.nc").contacts.sizes["contact"] == outcome["contacts"]
     assert command("verify", "here")[0] == 0
 
 
-def test_the_table_has_every_law_and_says_what_is_broken(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_broken_invariant_is_counted() -> None:
     names = "hertz_penalty", "moreau_jean", "poisson"
     laws = [choice["law"] for choice in law_groups()]
     outcomes = script.outcomes_of([laws.index(name) for name in names])
     assert list(script.table(outcomes).index) == [*names]
-    page = script.page(outcomes, "a test")
-    assert all(key in page for key in INVARIANTS)
-    assert "Complete runs that break an invariant: 0." in page
+    assert all(key in script.page(outcomes, "a test") for key in INVARIANTS)
     wrong = outcomes.assign(phantom_contacts=[0.5, 0.0, 0.0])
     assert [script.broken(row) for row in wrong.to_dict("records")] == [["phantom_contacts"], [], []]
-    assert "Complete runs that break an invariant: 1." in script.page(wrong, "a test")
-    script.show(wrong, 0)
-    assert f"Broken: {laws.index(names[0])} hertz_penalty: phantom_contacts 0.5" in capsys.readouterr().out

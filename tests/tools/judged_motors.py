@@ -69,8 +69,8 @@ def worst(table: pd.DataFrame, effort: str) -> list[str]:
         errors = [group[f"{effort} {quantity}"].max() for quantity in QUANTITIES]
         own = group[[f"judge {quantity}" for quantity in QUANTITIES]].max().max()
         differ = int((group[f"{effort} contacts"] != group["contacts"]).sum())
-        told = ["" if error != error else f"{error:.0e}" for error in errors]
-        lines.append(cells(name, len(group), int(group["contacts"].sum()), differ, *told, f"{own:.0e}"))
+        text = ["" if error != error else f"{error:.0e}" for error in errors]
+        lines.append(cells(name, len(group), int(group["contacts"].sum()), differ, *text, f"{own:.0e}"))
     return lines
 
 

@@ -36,11 +36,11 @@ class Mutation:
     """One error put into one file.
 
     Args:
-        name: the error in words.
+        name: description of the error.
         file: below the project's root.
         old, new: text that stands exactly once in the file, however it is broken into lines, and what
             it becomes.
-        tests: the test files that are asked first.
+        tests: the test files that run first.
     """
 
     name: str
@@ -94,19 +94,19 @@ def copy_project(target: Path) -> None:
 
 
 def run_tests(project: Path, tests: Sequence[str]) -> tuple[bool, str]:
-    """Tell whether the tests of a copy are green, and the first that is not."""
+    """Return whether the tests of a copy are green, and the first that is not."""
     # Nothing of the compiled code of another copy, and nothing left behind.
     places = {"PYTHONPATH": str(project), "NUMBA_CACHE_DIR": str(project / "kernels")}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
     done = subprocess.run(
         command, cwd=project, env=os.environ | places, capture_output=True, text=True, check=False
     )
-    found = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
+    values = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
     # Only a test that fails has caught anything; a copy whose tests cannot run at all says nothing. Several
     # processes that stop at the first failure are interrupted (2).
-    if done.returncode not in (0, 1) and not (done.returncode == 2 and found):
+    if done.returncode not in (0, 1) and not (done.returncode == 2 and values):
         raise RuntimeError(f"The tests of a copy cannot run:\n{done.stdout}{done.stderr}")
-    return done.returncode == 0, found[1] if found else done.stdout[-200:].strip()
+    return done.returncode == 0, values[1] if values else done.stdout[-200:].strip()
 
 
 def try_out(mutation: Mutation | None, tests: Sequence[str]) -> Outcome:
@@ -137,8 +137,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(*(f"{m.file}: {m.name}" for m in MUTATIONS), sep="\n")
         return 0 if chosen else 2
     if (unchanged := try_out(None, sorted({t for m in chosen for t in m.tests}))).caught:
-        words = f"The unchanged project fails {unchanged.by}; mend it first."
-        print(words, file=sys.stderr)
+        label = f"The unchanged project fails {unchanged.by}; mend it first."
+        print(label, file=sys.stderr)
         return 2
     outcomes = []
     with ThreadPoolExecutor(options.workers) as pool:

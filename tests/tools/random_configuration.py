@@ -91,15 +91,15 @@ def _law_values(groups: Mapping[str, str], rng: np.random.Generator) -> dict[str
     values = {}
     for key, owner in owners.items():
         for name, member in members_of(owner).items():
-            said = member.parameter
-            if said is None or name == SHARED or member.default is None:
+            text = member.parameter
+            if text is None or name == SHARED or member.default is None:
                 continue
-            low, high = max(said.above, said.at_least), min(said.below, said.at_most)
+            low, high = max(text.above, text.at_least), min(text.below, text.at_most)
             if isfinite(low) and isfinite(high):
                 value = low + (high - low) * rng.uniform(0.02, 0.98)
             else:
                 value = member.default * 10.0 ** rng.uniform(-1.0, 1.0)
-                value = max(value, low if said.admits(low) else value)
+                value = max(value, low if text.admits(low) else value)
             # A number of elements is a whole one.
             values[f"{key}.{name}"] = float(value) if float in member.kinds else round(value)
     return values

@@ -110,7 +110,7 @@ def outcomes_of(numbers: Sequence[int], seed: int = 0, parts: Path | None = None
 
 
 def table(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Give a row a law: how its runs end, and the worst of every figure among the complete ones."""
+    """Return a row a law: how its runs end, and the worst of every figure among the complete ones."""
     by_law = outcomes.groupby("law")
     rows = by_law.agg(
         motors=("number", "size"),
@@ -123,7 +123,7 @@ def table(outcomes: pd.DataFrame) -> pd.DataFrame:
 
 
 def page(outcomes: pd.DataFrame, command: str) -> str:
-    """Give the table as Markdown: laws in rows, the worst figures of their complete runs in columns."""
+    """Return the table as Markdown: laws in rows, the worst figures of their complete runs in columns."""
     rows = table(outcomes).reset_index()
     heads = ["law", "motors", "contacts", "endings"]
     faults = sum(bool(broken(outcome)) for outcome in outcomes.to_dict("records"))
@@ -135,8 +135,8 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             f"{len(outcomes)} random configurations of the command, numbers {outcomes['number'].min()} to "
             f"{outcomes['number'].max()}, far wider than a workshop's, judged from their results alone "
-            "(`tests/tools/random_runs.py`). A refused configuration was told so in a sentence "
-            "before it ran; a run that is not complete says why. The second table has the "
+            "(`tests/tools/random_runs.py`). A refused configuration has a message "
+            "before it runs; a run that is not complete has a reason. The second table has the "
             "worst figure of every invariant among the complete runs; what each means and why its bound "
             "is what it is stands in [plausibility.md](plausibility.md). `contactlab verify RUN` holds "
             "any recorded run to them.",
@@ -164,11 +164,11 @@ def _cells(cells: Iterable[object]) -> str:
 
 
 def command_line(number: int, seed: int = 0) -> str:
-    """Give the command that runs a configuration."""
+    """Return the command that runs a configuration."""
     groups, values = random_configuration(number, seed)
-    words = [f"{group}={option}" for group, option in groups.items()]
-    words += [f"{key}={'null' if value is None else value}" for key, value in values.items()]
-    return shlex.join(["contactlab", *words])
+    text = [f"{group}={option}" for group, option in groups.items()]
+    text += [f"{key}={'null' if value is None else value}" for key, value in values.items()]
+    return shlex.join(["contactlab", *text])
 
 
 def show(outcomes: pd.DataFrame, seed: int) -> None:
@@ -179,11 +179,11 @@ def show(outcomes: pd.DataFrame, seed: int) -> None:
     worst = rows[list(FIGURES)].T.assign(bound=[METRICS[key].bound for key in FIGURES])
     print(worst.to_string(float_format="%.1e"))
     for outcome in outcomes.to_dict("records"):
-        words = f"{outcome['number']} {outcome['law']}"
+        text = f"{outcome['number']} {outcome['law']}"
         if outcome["ending"] not in {COMPLETE, REFUSED}:
-            print(f"\n{words}: {outcome['ending']}. {outcome['message']}")
+            print(f"\n{text}: {outcome['ending']}. {outcome['message']}")
         if faults := broken(outcome):
-            print(f"\nBroken: {words}: {', '.join(f'{key} {outcome[key]:.3g}' for key in faults)}")
+            print(f"\nBroken: {text}: {', '.join(f'{key} {outcome[key]:.3g}' for key in faults)}")
             print(f"  {command_line(outcome['number'], seed)}")
 
 

@@ -193,6 +193,9 @@ def steady_items() -> Iterator[Item]:
         for key, value in (("belt", -1.0), ("load", 1e-3), ("brake", 2e-3)):
             options = {"longest": LONGEST, key: value}
             yield {"id": f"{key}_{name}", "overrides": LAWS[name], "options": options}
+    for name in ("hertz_penalty", "newton", "mindlin", "walton_braun"):
+        # More than the motor can turn.
+        yield {"id": f"held_{name}", "overrides": LAWS[name], "options": {"longest": LONGEST, "brake": 0.01}}
     for item in drawn_motors()[:JUDGED]:
         yield item | {"options": {"longest": LONGEST}}
     for number in range(40):
@@ -233,8 +236,10 @@ def fit_items() -> Iterator[Item]:
     """Measured impacts, impacts and series that were made, by both methods."""
     shared = {"options": {"points": 50, "starts": 4, "seed": SEED}}
     yield {"id": "ellipses", "data": ELLIPSES, "overrides": ["law=newton,poisson"]} | shared
-    tails = {"discrepancy": "on", "degrees_of_freedom": 5.0}
-    yield {"id": "ellipses_tails", "data": ELLIPSES, "overrides": ["law=brach"]} | shared | tails
+    tails = {"data": ELLIPSES, "degrees_of_freedom": 5.0}
+    yield {"id": "ellipses_tails", "overrides": ["law=brach"]} | shared | tails
+    made: Item = {"overrides": ["law=newton"], "impacts": 60, "noise": 0.01, "seed": SEED}
+    yield {"id": "made_rigid", "made": made, "overrides": ["law=poisson"], "discrepancy": "both"} | shared
     words = ["law=composed", "law/damping=hunt_crossley", "law.damping.restitution=0.8"]
     made = {"overrides": words, "impacts": 25, "noise": 0.01, "seed": SEED}
     free = [*words[:2], "law.damping.restitution=0.4..1", "contact.friction_coefficient=0.1..0.5"]

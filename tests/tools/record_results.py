@@ -21,10 +21,10 @@ every tip longer by 4 eps, to see what round-off becomes in runs and studies of 
     compare        comparisons with all causes
     characterise   data sheets
 
-`compare` prints how many arrays of every quantity have the same bits, how many deviate by more than 1e-9 of
-the quantity's scale, and the largest deviation; then the items beyond, each with the deviation by round-off
-where a record by `--nudge` is given, and the texts, shapes and exceptions that changed. The exit status is 1
-if there is any of these. Items that AFTER lacks are counted; `--all` makes them a failure.
+`compare` prints how many arrays have the same bits, how many deviate by more than 1e-9 of their quantity's
+scale, and the quantities that do; then the items beyond, each with the deviation by round-off if a record by
+`--nudge` is given, and the texts, shapes and exceptions that changed. The exit status is 1 if there is any of
+these. Items that AFTER lacks are counted; `--all` makes them a failure.
 
 After a change of the package's interface only the section "Adapters" needs an edit: each of its functions
 computes one item and returns its flat results.
@@ -77,6 +77,7 @@ SCALED_TOGETHER = (
     r"(series|sum|curve)/(?:normal|friction)_force",
     r"(series|sum|curve)/(?:gap|tip_(?:normal|tangential)_displacement)",
     r"(series|sum|curve)/(?:rotor_velocity|rotor_angle)",
+    r"(state)/(?:least_open|most_open|total\.\w+_(?:work|loss))",
     r"(contacts|motion)/(?:normal|friction)_impulse",
     r"(contacts|motion)/(?:start_time|duration|stick_duration)",
     r"(contacts|motion)/(?:approach|separation)_velocity",
@@ -91,8 +92,10 @@ LEAST_SCALES = {
     r"(.*/)?(share|contact_share|multiplier|roughness|closure).*": 1.0,
     r"validate/(error|prediction_error|difference).*": 1.0,
     r".*/torque.*": 1e-3,
+    r".*max_penetration.*": 1e-6,
+    r"(contacts/|motion/|state/contact\.)energy_loss.*": 1e-9,
 }
-"""Least scale of quantities that may be zero but for round-off: what is of the order of 1, torques [N m]."""
+"""Least scales where there may be round-off alone: numbers near 1, torques, depths, losses [SI]."""
 
 # ------------------------------------------------------------------------------------------------------------
 # Adapters: the only functions that call the package.
@@ -462,6 +465,8 @@ def record(options: argparse.Namespace) -> int:
         last = None if options.motors is None else options.first + options.motors
         chosen = items[options.first : last]
         picks = np.random.default_rng(0).random(len(chosen)) < options.share
+        # One at the least.
+        picks[:1] |= not picks.any()
         left = []
         for item, pick in zip(chosen, picks, strict=True):
             needed = [*item.get("measured", []), *([item["data"]] if "data" in item else [])]
@@ -583,19 +588,22 @@ class Comparison:
             f"\n{title}, {arrays} arrays: {sum(self.bits.values())} same bits, {out} beyond {TOLERANCE:g}; "
             f"{sum(map(len, self.changed.values()))} changes"
         )
+        within = []
         for quantity, sizes in sorted(self.sizes.items(), key=lambda pair: -max(pair[1])):
-            if self.bits[quantity] < len(sizes):
+            if max(sizes) > TOLERANCE:
                 print(
                     f"  {quantity:45} {len(sizes):6} arrays, {self.bits[quantity]:6} same bits, "
                     f"{sum(size > TOLERANCE for size in sizes):5} beyond, largest {max(sizes):.1e}"
                 )
+            elif self.bits[quantity] < len(sizes):
+                within.append(f"{quantity} {max(sizes):.1e}")
+        if within:
+            print(f"  within: {len(within)} quantities, largest {', '.join(within[:4])}")
         for item, found in sorted(self.beyond.items(), key=lambda pair: -max(pair[1].values())):
             own = alone(item)
             worst = sorted(found, key=lambda name: -found[name])[:4]
-            names = ", ".join(
-                f"{name} {found[name]:.1e}" + f" (round-off {own[name]:.1e})" * (name in own)
-                for name in worst
-            )
+            known = {name: f" (round-off {size:.1e})" for name, size in own.items()}
+            names = ", ".join(f"{name} {found[name]:.1e}{known.get(name, '')}" for name in worst)
             print(f"  beyond: {item}, {len(found)} arrays: {names}")
         for said, items in self.changed.items():
             names = ", ".join(items[:8]) + ", ..." * (len(items) > 8)

@@ -12,7 +12,7 @@ from contactlab.measured.files import read_impacts
 
 
 def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dataset:
-    """Give what the count reads of a study whose intervals all reach as far."""
+    """Return what the count reads of a study whose intervals all reach as far."""
     mean = np.array([*errors.values()])
     apart = mean[:, None] - mean[None]
     impact = np.arange(1, 6)
@@ -31,15 +31,15 @@ def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dat
 
 
 def test_an_order_holds_where_no_two_seeds_contradict_each_other() -> None:
-    one = _study({"a": 0.10, "b": 0.11, "c": 0.20}, 0.02, [1, 2])
+    item = _study({"a": 0.10, "b": 0.11, "c": 0.20}, 0.02, [1, 2])
     other = _study({"a": 0.10, "b": 0.15, "c": 0.20}, 0.02, [2, 3])
 
-    first, second, _ = measured_impacts.weighed([one, other])
+    first, second, _ = measured_impacts.weighed([item, other])
     assert (first.wins, first.losses, first.settled, first.contradicts) == (1, 0, False, False)
     assert second.settled
-    said = measured_impacts.finding([one, other])
-    assert "Of 3 pairs of laws 2 are parted" in said[0]
-    assert said[-1] == "No law explains 1 impacts under any seed, and 3 under one at least."
+    stated = measured_impacts.finding([item, other])
+    assert "Of 3 pairs of laws 2 are parted" in stated[0]
+    assert stated[-1] == "No law explains 1 impacts under any seed, and 3 under one at least."
     turned = _study({"a": 0.15, "b": 0.10, "c": 0.20}, 0.02, [])
     assert "b and a beat each other" in " ".join(measured_impacts.finding([other, turned, turned]))
 

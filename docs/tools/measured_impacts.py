@@ -1,6 +1,6 @@
 """All laws against the published impacts of an ellipse, over several seeds: does their order hold?
 
-    python experiments/measured_impacts.py PATH [--output DIR] [--seeds N] [--docs]
+    python docs/tools/measured_impacts.py PATH [--output DIR] [--seeds N] [--docs]
 
 PATH is `ellipse_impacts.mat`; docs/measurements.md says where it is from. Every seed deals the impacts into
 other folds, starts the fits elsewhere and draws other resamples. Leaves a study for each seed and a table;
@@ -28,10 +28,10 @@ from contactlab.results.files import whole_file
 from contactlab.studies import validate_tables as tables
 from contactlab.studies.validate_page import write
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "measurements.md"
-BEGIN = "<!-- Made by experiments/measured_impacts.py: begin. Do not edit. -->"
-END = "<!-- Made by experiments/measured_impacts.py: end. -->"
+BEGIN = "<!-- Made by docs/tools/measured_impacts.py: begin. Do not edit. -->"
+END = "<!-- Made by docs/tools/measured_impacts.py: end. -->"
 FIGURES = ("prediction_error", "paired_differences", "residuals", "impacts")
 PREFIX = "ellipses_"
 
@@ -58,12 +58,12 @@ class Weighed(NamedTuple):
 
 def weighed(studies: Sequence[xarray.Dataset]) -> list[Weighed]:
     """Count over the seeds who beats whom, for every two laws in the order of their mean errors."""
-    found = []
+    result = []
     for first, second in combinations(ordered(studies), 2):
-        ends = [one["difference_interval"].sel(law=first, other=second).values for one in studies]
+        ends = [item["difference_interval"].sel(law=first, other=second).values for item in studies]
         wins, losses = (sum(bool(test) for test in tests) for tests in _signs(ends))
-        found.append(Weighed(first, second, wins, losses, len(studies)))
-    return found
+        result.append(Weighed(first, second, wins, losses, len(studies)))
+    return result
 
 
 def _signs(ends: Sequence[np.ndarray]) -> tuple[list[bool], list[bool]]:
@@ -71,25 +71,33 @@ def _signs(ends: Sequence[np.ndarray]) -> tuple[list[bool], list[bool]]:
 
 
 def ordered(studies: Sequence[xarray.Dataset]) -> list[str]:
-    """Give the laws in the order of their errors' means over the seeds."""
+    """Return the laws in the order of their errors' means over the seeds."""
     labels = [str(label) for label in laws_in(studies[0])["law"].values]
     return sorted(labels, key=lambda label: mean_of(studies, label))
 
 
 def mean_of(studies: Sequence[xarray.Dataset], label: str) -> float:
-    """Give the mean over the seeds of an error."""
-    return float(np.mean([one["prediction_error"].sel(law=label) for one in studies]))
+    """Return the mean over the seeds of an error."""
+    return float(np.mean([item["prediction_error"].sel(law=label) for item in studies]))
 
 
 def table(studies: Sequence[xarray.Dataset]) -> Iterator[str]:
-    """Give the table of all laws, baselines and floors, in Markdown."""
-    yield "| law | | held-out error | 95 % interval | over the seeds | cannot be told from the one above |"
+    """Return the table of all laws, baselines and floors, in Markdown."""
+    heads = (
+        "law",
+        "",
+        "held-out error",
+        "95 % interval",
+        "over the seeds",
+        "not distinguishable from the above",
+    )
+    yield f"| {' | '.join(heads)} |"
     yield "|---|---|---|---|---|---|"
     laws, first = ordered(studies), studies[0]
     others = [str(label) for label in first["law"].values if label not in laws]
-    pairs = {(one.first, one.second): one for one in weighed(studies)}
+    pairs = {(item.first, item.second): item for item in weighed(studies)}
     for place, label in enumerate([*laws, *others]):
-        errors = [float(one["prediction_error"].sel(law=label)) for one in studies]
+        errors = [float(item["prediction_error"].sel(law=label)) for item in studies]
         low, high = first["prediction_error_interval"].sel(law=label).values
         above = pairs.get((laws[place - 1], label)) if 0 < place < len(laws) else None
         doubt = f"in {above.seeds - above.wins} of {above.seeds} seeds" if above and not above.settled else ""
@@ -100,19 +108,19 @@ def table(studies: Sequence[xarray.Dataset]) -> Iterator[str]:
 
 
 def parameter_table(first: xarray.Dataset) -> Iterator[str]:
-    """Give what was fitted under the first seed, in Markdown."""
+    """Return what was fitted under the first seed, in Markdown."""
     yield "| law | parameter | median of the folds | least to greatest | |"
     yield "|---|---|---|---|---|"
-    for one in tables.parameters(first):
-        unit = "" if one.units == "1" else f" {one.units}"
+    for item in tables.parameters(first):
+        unit = "" if item.units == "1" else f" {item.units}"
         yield (
-            f"| `{one.law}` | {one.name} | {one.middle:.4g}{unit} | {one.low:.4g} to {one.high:.4g} | "
-            f"{one.doubt} |"
+            f"| `{item.law}` | {item.name} | {item.middle:.4g}{unit} | {item.low:.4g} to {item.high:.4g} | "
+            f"{item.doubt} |"
         )
 
 
 def restitution_table(first: xarray.Dataset) -> Iterator[str]:
-    """Give the measured ratio of the gap rates over the slip, and what the best law misses, in Markdown."""
+    """Return the measured ratio of the gap rates over the slip, and what the best law misses, in Markdown."""
     yield "| slip before (m/s) | gap rate after over before | quartiles | missed by the best law (m/s) |"
     yield "|---|---|---|---|"
     best = str(first["law"].values[0])
@@ -125,23 +133,23 @@ def restitution_table(first: xarray.Dataset) -> Iterator[str]:
 
 
 def finding(studies: Sequence[xarray.Dataset]) -> list[str]:
-    """Say whether the order of the laws is the same under every seed, where intervals part them."""
+    """Return whether the order of the laws is the same under every seed, where intervals part them."""
     every = weighed(studies)
-    settled = [one for one in every if one.settled]
-    against = [one for one in every if one.contradicts]
-    never = [one for one in every if one.wins == one.losses == 0]
-    said = [
+    settled = [item for item in every if item.settled]
+    against = [item for item in every if item.contradicts]
+    never = [item for item in every if item.wins == item.losses == 0]
+    stated = [
         f"Of {len(every)} pairs of laws {len(settled)} are parted by their intervals in the same order under "
         f"all {len(studies)} seeds, {len(never)} under none, the others under some; {len(against)} in "
         "opposite orders under two of them."
     ]
-    said += [f"{one.first} and {one.second} beat each other under different seeds." for one in against]
-    odd = [set(one["impact"].values[one["unexplained"].values != 0].tolist()) for one in studies]
-    said.append(
+    stated += [f"{item.first} and {item.second} beat each other under different seeds." for item in against]
+    odd = [set(item["impact"].values[item["unexplained"].values != 0].tolist()) for item in studies]
+    stated.append(
         f"No law explains {len(set.intersection(*odd))} impacts under any seed, and "
         f"{len(set.union(*odd))} under one at least."
     )
-    return said
+    return stated
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -154,42 +162,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--docs", action="store_true", help="write tables and figures of docs/measurements.md"
     )
-    given = parser.parse_args(arguments)
-    impacts = read_impacts(given.path)
+    options = parser.parse_args(arguments)
+    impacts = read_impacts(options.path)
     studies = []
-    for seed in range(given.seeds):
-        folder = given.output / f"seed_{seed}"
+    for seed in range(options.seeds):
+        folder = options.output / f"seed_{seed}"
         with tqdm(total=100.0, desc=f"seed {seed}", unit=" %", disable=None) as bar:
             data = study(
                 impacts,
                 seed=seed,
-                workers=given.workers,
+                workers=options.workers,
                 keep=folder,
                 progress=lambda share, bar=bar: bar.update(100.0 * share - bar.n),
                 announce=tqdm.write,
             )
         write(data, folder)
         studies.append(data)
-    said = finding(studies)
-    lines = [*said, "", *table(studies), "", *parameter_table(studies[0]), "", *restitution_table(studies[0])]
-    with whole_file(given.output / "table.md") as partial:
+    stated = finding(studies)
+    lines = [
+        *stated,
+        "",
+        *table(studies),
+        "",
+        *parameter_table(studies[0]),
+        "",
+        *restitution_table(studies[0]),
+    ]
+    with whole_file(options.output / "table.md") as partial:
         partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(lines))
-    if given.docs:
-        _into_docs(studies, said, given.output / "seed_0")
-    return int(any(one.contradicts for one in weighed(studies)))
+    if options.docs:
+        _into_docs(studies, stated, options.output / "seed_0")
+    return int(any(item.contradicts for item in weighed(studies)))
 
 
-def _into_docs(studies: Sequence[xarray.Dataset], said: Sequence[str], folder: Path) -> None:
+def _into_docs(studies: Sequence[xarray.Dataset], stated: Sequence[str], folder: Path) -> None:
     """Put tables and figures into the page, whose text is written by hand."""
     text = PAGE.read_text(encoding="utf-8")
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
     first = studies[0]
-    words = tables.unexplained(first)
-    odd = f"Under seed 0 {words[0].lower()}{words[1:]}"
+    texts = tables.unexplained(first)
+    odd = f"Under seed 0 {texts[0].lower()}{texts[1:]}"
     block = [BEGIN, ""]
-    for part in (table(studies), said, [odd], parameter_table(first), restitution_table(first)):
+    for part in (table(studies), stated, [odd], parameter_table(first), restitution_table(first)):
         block += [*part, ""]
     with whole_file(PAGE) as partial:
         partial.write_text(before + "\n".join(block) + END + after, encoding="utf-8")
