@@ -2,7 +2,7 @@
 
     python benchmarks/fit_rotor_velocity.py [--output DIR]
 
-The data are made by `contactlab fit --synthetic`, 2 ms of the default motor at 100 kHz. The fit is the
+The data are made by `contactlab synthetic`, 2 ms of the default motor at 100 kHz. The fit is the
 command as anybody gives it, its start, least squares, nested sampling, pictures and page included; what is
 timed is the whole process.
 """
@@ -16,7 +16,7 @@ from time import perf_counter
 
 from contactlab.processes import processors
 
-COMMAND = (sys.executable, "-m", "contactlab", "fit")
+COMMAND = (sys.executable, "-m", "contactlab")
 TRUTH = ("law=hertz_penalty", "law.stiffness=1e10", "contact.friction_coefficient=0.3")
 RUN = ("solver.duration=2e-3", "record.interval=1e-5")
 FREE = ("law.stiffness=1e9..1e11", "contact.friction_coefficient=0.1..0.5")
@@ -37,8 +37,8 @@ def main() -> int:
     parser.add_argument("--output", type=Path, default=Path("outputs/fit_rotor_velocity"))
     folder = parser.parse_args().output
     # What is compiled for the first time is compiled here.
-    timed("--synthetic", *TRUTH, *RUN, "--noise", "0.01", "--output", str(folder))
-    seconds = timed(str(folder / "data.nc"), *FREE, "--output", str(folder))
+    timed("synthetic", *TRUTH, *RUN, "noise=0.01", "--output", str(folder))
+    seconds = timed("fit", str(folder / "synthetic.nc"), *FREE, "--output", str(folder))
     word = "under" if seconds < LONGEST else "OVER"
     print(
         f"\n{seconds:.1f} s for the whole process, {word} {LONGEST:.0f} s, on {processors()} processors with "

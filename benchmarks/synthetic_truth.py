@@ -30,12 +30,12 @@ from tqdm import tqdm
 
 import contactlab as cl
 from contactlab.config.schema import declared_in
-from contactlab.inference.evidence import told
-from contactlab.inference.free_parameters import Free, free_parameters, with_values
-from contactlab.inference.impact_problem import ImpactModel
+from contactlab.inference.evidence import strength
+from contactlab.inference.free_parameters import FreeParameter, free_parameters, with_values
+from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.least_squares import best_fit
 from contactlab.inference.nested_sampling import sample
-from contactlab.inference.series_problem import series_model
+from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import made_impacts, made_series, without_errors
 from contactlab.processes import begin_worker
 
@@ -106,10 +106,11 @@ def of_impacts(stated: bool, seed: int) -> dict[str, bool]:
     truth = drawn(ranges, seed)
     made = with_values(law, free, [truth[item.name] for item in free])
     data: Any = made_impacts(made, IMPACTS, NOISE, seed)
-    model = ImpactModel(data if stated else without_errors(data), law, free, free, spread=not stated)
+    predictor = LawPredictor(law, free, law.name)
+    problem = ImpactProblem(data if stated else without_errors(data), predictor, discrepancy=not stated)
     if not stated:
         truth["discrepancy"] = NOISE
-    return covered(model, truth, seed)
+    return covered(problem, truth, seed)
 
 
 def of_series(seed: int) -> dict[str, bool]:
@@ -120,18 +121,18 @@ def of_series(seed: int) -> dict[str, bool]:
     setup = cl.build(["law=hertz_penalty", "solver.duration=2e-3", "record.interval=2e-5", *label])
     data = without_errors(made_series(setup, ["rotor_velocity"], 0.01, seed))
     text = declared_in(setup.configuration)
-    keys = [Free(key, *ends, key == "law.stiffness", text[key]) for key, ends in ranges.items()]
-    model = series_model(data, setup.configuration, keys, discrepancy=False)
+    keys = [FreeParameter(key, *ends, key == "law.stiffness", text[key]) for key, ends in ranges.items()]
+    problem = series_problem(data, setup.configuration, keys, discrepancy=False)
     errors = made_series(setup, ["rotor_velocity"], 0.01, seed).errors["rotor_velocity"]
-    return covered(model, truth | {"noise.rotor_velocity": float(errors[0])}, seed)
+    return covered(problem, truth | {"noise.rotor_velocity": float(errors[0])}, seed)
 
 
-def covered(model: Any, truth: dict[str, float], seed: int) -> dict[str, bool]:
+def covered(problem: Any, truth: dict[str, float], seed: int) -> dict[str, bool]:
     """Return which of the intervals of a posterior hold the truth."""
-    ends = sample(model, points=COVERING, seed=seed, workers=1, one_mode=True).quantiles(ENDS)
+    ends = sample(problem, points=COVERING, seed=seed, workers=1, one_mode=True).quantiles(ENDS)
     return {
         item.name: bool(low <= truth[item.name] <= high)
-        for item, (low, high) in zip(model.free, ends, strict=True)
+        for item, (low, high) in zip(problem.free, ends, strict=True)
     }
 
 
@@ -147,7 +148,7 @@ def contest(count: int, case: int) -> dict[str, Any]:
     models, most = {}, {}
     for name, (other, priors, _) in LAWS.items():
         own = free_parameters(other, priors)
-        models[name] = model = ImpactModel(data, other, own, own, spread=False)
+        models[name] = model = ImpactProblem(data, LawPredictor(other, own, name))
         constant = -0.5 * sum(log(np.linalg.det(2.0 * pi * each)) for each in data.covariance)
         most[name] = constant - best_fit(model.residuals, own, 2, case).cost
     evidences: dict[str, tuple[float, float]] = {}
@@ -161,7 +162,7 @@ def contest(count: int, case: int) -> dict[str, Any]:
     if others:
         (z, e), (z_2, e_2) = evidences[first], evidences[others[0]]
         lead, error = z - z_2, hypot(e, e_2)
-    word = ("right" if first == true else "wrong") if told(lead, error) else "inconclusive"
+    word = ("right" if first == true else "wrong") if strength(lead, error) else "inconclusive"
     return {
         "impacts": count,
         "true": true,

@@ -101,9 +101,12 @@ from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
 from contactlab.studies.collection import collect as collect
+from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.studies.sweep import sweep as sweep
+from contactlab.studies.synthetic import Synthetic as Synthetic
+from contactlab.studies.validate import Validate as Validate, validate as validate
 from contactlab.sweeps import SweepError as SweepError
 from contactlab.trajectory import Ending as Ending
 

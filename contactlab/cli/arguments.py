@@ -14,9 +14,7 @@ VERBS = {
     "collect": "put the runs of a sweep into one dataset over their parameters",
     "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
     "example": "copy a script, measured impacts or the package of a law to begin from",
-    "fit": "find numbers of law and motor from measurements, with posterior and evidence",
     "laws": "list every installed law and part, with all that it declares",
-    "validate": "judge contact laws by measured impacts that they were not fitted to",
     "verify": "print what is claimed of the engine and the laws, and what is found",
     "warm-up": "compile the engine ahead, for laws of every kind, so that no run has to wait for it",
 }

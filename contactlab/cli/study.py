@@ -56,7 +56,7 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
         elif study.several and not sweeps and LISTED.match(word):
             several.append(word)
         elif sign and name in options:
-            lines.append(f"study.{word}")
+            lines.append(f"study.{name}={_value(options[name], word.partition('=')[2])}")
         else:
             taken = next((key for key, form in study.words.items() if form.fullmatch(word)), None)
             (lines if taken is None else given[taken]).append(word)
@@ -85,7 +85,14 @@ def _option(word: str, rest: list[str], options: Mapping[str, DeclaredField], pl
     if not sign and not rest:
         raise RefusalError(f"{word} has no value; one must follow it.")
     value = value if sign else rest.pop(0)
-    return f"{place}={quoted(value)}" if name == "output" else f"study.{name}={value}"
+    return f"{place}={quoted(value)}" if name == "output" else f"study.{name}={_value(options[name], value)}"
+
+
+def _value(field: DeclaredField, value: str) -> str:
+    """Return the value of an option as Hydra reads it: a text in quotes, several texts as a list."""
+    if list[str] in field.kinds and not value.startswith("["):
+        return f"[{','.join(quoted(one.strip()) for one in value.split(','))}]"
+    return quoted(value) if str in field.kinds and value != "null" else value
 
 
 def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:

@@ -11,7 +11,7 @@ from contactlab.arrays import Array
 from contactlab.comparison.measurements import ENDS, Judged, Measurement, row
 from contactlab.config import Setup
 from contactlab.impact import velocities_after
-from contactlab.inference.bootstrap import LEVEL, Resampled, resampled
+from contactlab.inference.bootstrap import LEVEL, MeanIntervals, mean_intervals, paired_differences
 from contactlab.laws import LawError
 from contactlab.measured import floors
 from contactlab.measured.impacts import MeasuredImpacts
@@ -43,8 +43,8 @@ def by_impacts(
     others = [np.delete(errors[:, known], i, axis=1).min(axis=1, initial=np.inf) for i in range(known.size)]
     nearest = np.array([errors[:, law] < other for law, other in zip(known, others, strict=True)], float)
     columns = np.column_stack([errors[:, known], *nearest, best]) if known.size else best[:, None]
-    drawn = resampled(columns, SEED)
-    means = columns.mean(axis=0)
+    drawn = mean_intervals(columns, SEED)
+    means, half = drawn.mean, drawn.half
     # Where impulses can make every measured velocity, what they leave is rounding alone.
     told = means[-1] > floors.ROUND_OFF
     if not told:
@@ -54,13 +54,14 @@ def by_impacts(
         )
     for i, law in enumerate(known):
         j = known.size + i
-        values[0, law], spread[0, law] = means[i], _half(drawn.interval(i))
+        values[0, law], spread[0, law] = means[i], half[i]
         if told:
             values[1, law], spread[1, law] = means[i] / means[-1], _half_of_ratio(drawn, i)
         if known.size > 1:
-            values[2, law], spread[2, law] = means[j], _half(drawn.interval(j))
+            values[2, law], spread[2, law] = means[j], half[j]
+    apart, intervals = paired_differences(errors[:, known], SEED)
     for i, j in permutations(range(known.size), 2):
-        nearer[known[i], known[j]] = drawn.difference(j, i)
+        nearer[known[i], known[j]] = apart[j, i], *intervals[j, i]
     return Judged(
         one,
         _impact_rows(one, mark, CANNOT_TELL if told else NOT_APPLICABLE),
@@ -126,12 +127,8 @@ def _answers(
     return found
 
 
-def _half(ends: tuple[float, float]) -> float:
-    return 0.5 * (ends[1] - ends[0])
-
-
-def _half_of_ratio(drawn: Resampled, column: int) -> float:
-    """Give half the interval of a mean over that of the last column, by percentiles."""
+def _half_of_ratio(drawn: MeanIntervals, column: int) -> float:
+    """Return half the interval of a mean over that of the last column, by percentiles."""
     tail = 0.5 * (1.0 - LEVEL)
-    low, high = np.quantile(drawn.means[:, column] / drawn.means[:, -1], [tail, 1.0 - tail])
+    low, high = np.quantile(drawn.resampled[column] / drawn.resampled[-1], [tail, 1.0 - tail])
     return 0.5 * float(high - low)

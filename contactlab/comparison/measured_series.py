@@ -10,7 +10,7 @@ from contactlab.comparison.measurements import ENDS, Judged, Measurement, row
 from contactlab.comparison.runs import FREE, ComparisonError, shown
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
-from contactlab.inference.series_problem import series_model
+from contactlab.inference.series_problem import series_problem
 from contactlab.laws.declaration import SHARED
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.metrics import Metric
@@ -33,10 +33,10 @@ def by_series(
         if faults := [*_of_other_motor(one, series, setup)]:
             raise ComparisonError(faults)
         try:
-            model = series_model(series, setup.configuration, (), discrepancy=False)
+            model = series_problem(series, setup.configuration, (), discrepancy=False)
         except ConfigurationError as error:
             raise ComparisonError([f"'{one.path}': {fault}" for fault in error.faults]) from error
-        found = model.predicted(np.empty(0))
+        found = model.predict(np.empty(0))
         if found is None:
             notes.append(f"{label} does not reach the end of the measured time of {one.title}.")
             continue

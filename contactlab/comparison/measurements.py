@@ -8,6 +8,7 @@ from typing import Final, final
 
 from contactlab.arrays import Array
 from contactlab.comparison.runs import ComparisonError
+from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
 from contactlab.metrics import CANNOT_TELL, Metric, NotApplicableError
@@ -86,13 +87,10 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
     Raises:
         ComparisonError: with what is wrong with any of them.
     """
-    # It brings the plotting.
-    from contactlab.inference.fit import read
-
     found, faults = [], []
     for path in map(Path, paths):
         try:
-            data = read(path)
+            data = read_measurements(path)
             found.append(Measurement(str(path), data, digest_of_file(path)))
         except ValueError as error:
             faults += str(error).splitlines()

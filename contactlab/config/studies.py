@@ -21,7 +21,10 @@ OWN: Final = {
     "basins": "contactlab.studies.basins:Basins",
     "branch": "contactlab.studies.branch:Branch",
     "characterise": "contactlab.studies.characterise:Characterise",
+    "fit": "contactlab.studies.fit:Fit",
     "steady": "contactlab.studies.steady:Steady",
+    "synthetic": "contactlab.studies.synthetic:Synthetic",
+    "validate": "contactlab.studies.validate:Validate",
 }
 """The package's own studies."""
 

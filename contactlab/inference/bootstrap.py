@@ -1,92 +1,92 @@
-"""Bootstrap intervals of means over impacts, of many laws by the same resamples.
+"""Bootstrap intervals of means over rows, for example of the errors of many laws over impacts.
 
-The impacts are drawn anew with replacement, B times. One draw serves all laws, so that the interval of a
-difference between two of them is that of pairs: what an impact does to both alike is not in it.
-
-Source: Efron (1987), J. Am. Stat. Assoc. 82, 171, for the bias-corrected and accelerated percentiles; the
-jackknife of a mean, from which the acceleration follows, is in closed form.
+Rows are resampled with replacement. One draw serves all columns, so that the interval of the difference of
+two columns is that of paired rows. Intervals are bias-corrected and accelerated (Efron 1987, J. Am. Stat.
+Assoc. 82, 171), by `scipy.stats.bootstrap`.
 """
 
-from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from contactlab.arrays import Array
 
 RESAMPLES: Final = 4000
 LEVEL: Final = 0.95
-"""Of the intervals."""
+"""Confidence level."""
 
 _BATCH: Final = 200
-"""Resamples that are drawn at a time."""
+"""Resamples that are drawn at once."""
 
 
 @final
-@dataclass(frozen=True, eq=False)
-class Resampled:
-    """Means of columns over rows, and over resampled rows.
+class MeanIntervals(NamedTuple):
+    """Means of columns, shape (column,), intervals, shape (column, 2), and means of the resamples."""
+
+    mean: Array
+    interval: Array
+    resampled: Array
+
+    @property
+    def half(self) -> Array:
+        """Half-widths of the intervals, shape (column,)."""
+        return np.asarray(0.5 * (self.interval[:, 1] - self.interval[:, 0]))
+
+
+def mean_intervals(
+    values: Array, seed: int, level: float = LEVEL, resamples: int = RESAMPLES
+) -> MeanIntervals:
+    """Return the means of columns with their intervals; the same seed gives the same bits.
 
     Args:
         values: shape (row, column).
-        means: of the resamples, shape (resample, column).
+        seed: of the resamples, which are the same for every table with as many rows.
+        level: of confidence.
+        resamples: how many.
     """
+    # Imported here: a run needs no scipy.stats.
+    from scipy.stats import bootstrap
 
-    values: Array
-    means: Array
+    rows = len(values)
+    mean = np.asarray(values.mean(axis=0))
+    # Equal rows have no spread, and round-off is none.
+    size = 1e-14 * np.abs(values).max(axis=0, initial=0.0)
+    varying = np.sum((values - mean) ** 2, axis=0) > size**2 * rows
+    interval, resampled = np.column_stack([mean, mean]), np.tile(mean[:, None], resamples)
+    if varying.any():
+        columns = values[:, varying]
 
-    def mean(self) -> Array:
-        """Give the means, shape (column,)."""
-        return np.asarray(self.values.mean(axis=0))
+        def means(drawn: Array, axis: int = -1) -> Array:
+            del axis
+            counts = [np.bincount(each, minlength=rows) for each in drawn.reshape(-1, drawn.shape[-1])]
+            result = np.array(counts, dtype=np.float64) @ columns / drawn.shape[-1]
+            return np.moveaxis(result.reshape(*drawn.shape[:-1], columns.shape[1]), -1, 0)
 
-    def interval(self, column: int, level: float = LEVEL) -> tuple[float, float]:
-        """Give the interval of the mean of one column."""
-        return interval(self.values[:, column], self.means[:, column], level)
+        result = bootstrap(
+            (np.arange(rows),),
+            means,
+            n_resamples=resamples,
+            batch=_BATCH,
+            vectorized=True,
+            confidence_level=level,
+            rng=np.random.default_rng(seed),
+        )
+        interval[varying] = np.column_stack([result.confidence_interval.low, result.confidence_interval.high])
+        resampled[varying] = result.bootstrap_distribution
+    return MeanIntervals(mean, interval, resampled)
 
-    def difference(self, one: int, other: int, level: float = LEVEL) -> tuple[float, float, float]:
-        """Give the mean of one column less that of another, and its interval by pairs of rows."""
-        apart = self.values[:, one] - self.values[:, other]
-        ends = interval(apart, self.means[:, one] - self.means[:, other], level)
-        return float(apart.mean()), *ends
 
+def paired_differences(values: Array, seed: int) -> tuple[Array, Array]:
+    """Return mean differences of columns, row less column, and their intervals by pairs of rows.
 
-def resampled(values: Array, seed: int, resamples: int = RESAMPLES) -> Resampled:
-    """Draw the rows of a table anew, so many times; the same seed gives the same bits.
-
-    Args:
-        values: a column for each law, shape (row, column).
-        seed: of the draw.
-        resamples: how often.
+    Returns:
+        Differences, shape (column, column), and intervals, shape (column, column, 2).
     """
-    rng, rows = np.random.default_rng(seed), len(values)
-    means = np.empty((resamples, values.shape[1]))
-    for first in range(0, resamples, _BATCH):
-        last = min(first + _BATCH, resamples)
-        drawn = rng.integers(rows, size=(last - first, rows))
-        counts = np.array([np.bincount(one, minlength=rows) for one in drawn], dtype=np.float64)
-        means[first:last] = counts @ values / rows
-    return Resampled(values, means)
-
-
-def interval(values: Array, means: Array, level: float = LEVEL) -> tuple[float, float]:
-    """Give the bias-corrected and accelerated interval of a mean.
-
-    Args:
-        values: of the rows, shape (row,).
-        means: of resamples of them, shape (resample,).
-        level: of the interval.
-    """
-    off = values - values.mean()
-    square = float(np.sum(off**2))
-    # Rows that are all alike have no interval but their mean, and round-off is no spread.
-    if square <= (1e-14 * float(np.abs(values).max(initial=0.0))) ** 2 * len(values):
-        return float(values.mean()), float(values.mean())
-    # Half of the ties lie below.
-    below = float(np.mean(means < values.mean()) + 0.5 * np.mean(means == values.mean()))
-    bias = float(ndtri(np.clip(below, 1.0 / len(means), 1.0 - 1.0 / len(means))))
-    # The mean without row i is (n m - x_i)/(n - 1): its deviations are those of the rows turned round.
-    acceleration = float(np.sum(off**3)) / (6.0 * square**1.5)
-    shifted = bias + ndtri([0.5 * (1.0 - level), 0.5 * (1.0 + level)])
-    low, high = np.quantile(means, ndtr(bias + shifted / (1.0 - acceleration * shifted)))
-    return float(low), float(high)
+    count = values.shape[1]
+    first, second = np.triu_indices(count, 1)
+    apart, interval = np.zeros((count, count)), np.zeros((count, count, 2))
+    if first.size:
+        result = mean_intervals(values[:, first] - values[:, second], seed)
+        apart[first, second], apart[second, first] = result.mean, -result.mean
+        interval[first, second], interval[second, first] = result.interval, -result.interval[:, ::-1]
+    return apart, interval

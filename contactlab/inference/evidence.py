@@ -1,4 +1,4 @@
-"""What evidences say of laws: Bayes factors in words, and "cannot tell" where they are too close.
+"""Bayes factors of laws in words, "not distinguishable" where evidences are too close.
 
 B = Z_1 / Z_2 is by how much the data change the odds of law 1 over law 2. Words of Jeffreys (1961), Theory
 of Probability, app. B: above 3 substantial, 10 strong, 30 very strong, 100 decisive. Evidence is of law and
@@ -11,10 +11,10 @@ from math import exp, hypot, log, nan
 from typing import Final, NamedTuple, final
 
 LEAST: Final = log(3.0)
-"""|ln B| below which nothing is said."""
+"""Smallest significant |ln B|."""
 
 ERRORS: Final = 3.0
-"""How many of its errors |ln B| must be large."""
+"""Smallest significant |ln B| in units of its error."""
 
 _WORDS: Final = (
     (log(100.0), "decisive"),
@@ -42,8 +42,8 @@ class Evidence(NamedTuple):
     share: float = nan
 
 
-def told(difference: float, error: float) -> str:
-    """Give the word for a difference of ln Z of either sign; empty where it cannot be told."""
+def strength(difference: float, error: float) -> str:
+    """Return Jeffreys' word for a difference of ln Z of either sign; empty where it is not significant."""
     size = abs(difference)
     if not size >= max(LEAST, ERRORS * error):
         return ""
@@ -51,29 +51,29 @@ def told(difference: float, error: float) -> str:
 
 
 def ranked(evidences: Sequence[Evidence]) -> list[Evidence]:
-    """Give the evidences, the largest first."""
-    return sorted(evidences, key=lambda one: -one.log_evidence)
+    """Return the evidences in falling order."""
+    return sorted(evidences, key=lambda item: -item.log_evidence)
 
 
 def sentences(evidences: Sequence[Evidence]) -> list[str]:
-    """Say how the law with the largest evidence stands to each of the others."""
+    """Return a sentence on the law with the largest evidence and each of the others."""
     first, *others = ranked(evidences)
-    said = []
+    result = []
     for other in others:
         difference = first.log_evidence - other.log_evidence
         error = hypot(first.error, other.error)
         shown = f"ln B = {difference:.1f} +- {error:.1g}"
         if not first.covers:
             whose = "those of no law here do" if not any(x.covers for x in evidences) else "its own do not"
-            said.append(
+            result.append(
                 f"{first.label} has a larger evidence than {other.label} ({shown}), but no odds follow "
                 f"from it: 90 % intervals must contain about 90 % of the data, and {whose} ({first.label} "
                 f"{first.share:.1%}, {other.label} {other.share:.1%})."
             )
-        elif word := told(difference, error):
+        elif word := strength(difference, error):
             odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"
             pair = f"{first.label} against {other.label}"
-            said.append(f"The evidence for {pair} is {word}: odds of {odds} to 1 ({shown}).")
+            result.append(f"The evidence for {pair} is {word}: odds of {odds} to 1 ({shown}).")
         else:
-            said.append(f"{first.label} or {other.label}: cannot tell ({shown}).")
-    return said
+            result.append(f"{first.label} and {other.label} are not distinguishable ({shown}).")
+    return result

@@ -1,265 +1,403 @@
-"""A fit from data and words to answers: models posed, least squares, posteriors, and what is left of it."""
+"""Fit of laws to measurements: optimum, posterior with evidence, and predictions, as one tree of datasets."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from math import inf
 from pathlib import Path
-from typing import Final, Literal, final
+from typing import Any, Final, Literal, final
 
+import numpy as np
 import xarray
 import yaml
 
+from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
-from contactlab.inference.free_parameters import Free, label_of
-from contactlab.inference.impact_problem import ImpactModel
-from contactlab.inference.law_choice import Words, free_keys, numbers_of, refuse_unknown, setups_of
-from contactlab.inference.least_squares import Fit, best_fit
+from contactlab.inference.free_parameters import FreeParameter, label_of
+from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
+from contactlab.inference.law_choice import LawChoice, free_keys, numbers_of, setups_of
+from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
-from contactlab.inference.problem import Model
-from contactlab.inference.result import Answer
-from contactlab.inference.series_problem import series_model
+from contactlab.inference.problem import Observation, Problem
+from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import truth_in
-from contactlab.laws import PenaltyLaw
-from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.repeats import copies_warning
-from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series, text_names
-from contactlab.results.files import digest_of_file
-from contactlab.results.provenance import UNKNOWN, code_digest
+from contactlab.measured.series import MeasuredSeries
+from contactlab.results.provenance import checkout_state, versions
 
 STARTS: Final = 16
-"""Of least squares, where nothing is said."""
+"""Default number of starts of least squares."""
 
-STEP: Final = 3e-4
-"""Of differences in the unit cube, where a law is integrated to a tolerance."""
+FEWEST: Final = 3
+"""Least number of impacts to which a law is fitted."""
 
-LEAST: Final = 3
-"""Impacts that something can be found from."""
+DRAWS: Final = 1000
+"""Posterior samples of equal weight that are kept."""
+
+PREDICTED: Final = 250
+"""Number of them whose predictions are kept."""
+
+ENDS: Final = (0.05, 0.95)
+"""Quantiles of the intervals, 90 %."""
+
+MIDDLE: Final = (0.25, 0.75)
+"""Quantiles of the intervals by which outliers are noticed, 50 %."""
+
+ERRORS: Final = 3.0
+"""Binomial standard deviations by which the coverage of the data may be off."""
+
+UNINFORMED: Final = 0.95
+"""Width of a posterior's interval over the prior's from which on the data do not inform it."""
+
+AT_END: Final = 2e-3
+"""Distance of an interval from an end of the range below which it lies there, as a share of the range."""
+
+SAMPLED: Final = ("chain", "draw")
 
 Discrepancy = Literal["off", "on", "both"]
 Data = MeasuredSeries | MeasuredImpacts
-Advance = Callable[[float], object]
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Question:
-    """A model that is ready to be fitted, with what its answer is to tell of its origin."""
-
-    label: str
-    model: Model
-    step: float | None
-    truth: dict[str, float]
-    origin: dict[str, str]
-    numbers: str
-
-    def key(self, points: int, seed: int) -> str:
-        """Tell this question from all others, code included: only what was begun of it is gone on with."""
-        try:
-            sampler = version("dynesty")
-        except PackageNotFoundError:
-            sampler = UNKNOWN
-        free = [str(one) for one in self.model.free]
-        said = [self.label, self.origin, free, points, seed, code_digest(), sampler]
-        return sha256(json.dumps(said).encode()).hexdigest()[:16]
-
-
-def read(path: Path) -> Data:
-    """Read measured series, or impacts, whatever the file holds.
-
-    Raises:
-        OSError: it cannot be read.
-        ValueError: it holds neither; a sentence for each fault.
-    """
-    try:
-        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as data:
-            names = {str(name) for name in data.variables}
-    # What is no netCDF may be a table in CSV.
-    except (OSError, ValueError, RuntimeError) as error:
-        if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
-            raise
-        names = text_names(path)
-        if any(name.startswith(("before_", "after_")) for name in names):
-            return read_impacts(path)
-    return read_series(path) if names & {"time", *MEASURABLE} else read_impacts(path)
-
-
-def pose(
-    data: Data,
-    words: Words,
-    discrepancy: Discrepancy,
-    name: str,
-    digest: str = "",
-    degrees_of_freedom: float | None = inf,
-) -> list[Question]:
-    """Pose the questions of a fit: a model for each law, twice where it is to be seen if the law suffices.
+class Candidate:
+    """A law that is to be fitted.
 
     Args:
-        data: what was measured.
-        words: of the fit.
+        label: of the law, and of the discrepancy where the law is fitted with and without.
+        problem: data, law, free numbers and noise.
+        truth: values of free numbers of synthetic data, by name.
+        origin: attributes of the result: data, digest, configuration, likelihood.
+        numbers: sentence on free and fixed numbers.
+    """
+
+    label: str
+    problem: Problem
+    truth: Mapping[str, float]
+    origin: Mapping[str, str]
+    numbers: str
+
+
+def candidates_of(
+    data: Data,
+    choice: LawChoice,
+    *,
+    discrepancy: Discrepancy = "off",
+    degrees_of_freedom: float | None = inf,
+    name: str = "",
+    digest: str = "",
+) -> list[Candidate]:
+    """Return the laws to be fitted, twice if with and without discrepancy.
+
+    Args:
+        data: measurements.
+        choice: of laws and free numbers.
         discrepancy: whether the laws may be wrong.
+        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
         name: of the data.
         digest: of their file.
-        degrees_of_freedom: of the Student-t distribution of the noise; infinite is the normal one, None is
-            free.
 
     Raises:
         ConfigurationError: with every fault.
     """
-    told = data.configuration if isinstance(data, MeasuredSeries) else {}
-    setups = setups_of(words, told)
-    if len(setups) > 1:
-        refuse_unknown(setups, words)
+    choice.check(of_law=isinstance(data, MeasuredImpacts))
     if isinstance(data, MeasuredImpacts):
-        _refuse_impacts(data, words, discrepancy)
-    questions, faults = [], []
+        _check_impacts(data, choice, discrepancy)
+    setups = setups_of(choice, data.configuration if isinstance(data, MeasuredSeries) else {})
+    result, faults = list[Candidate](), list[str]()
     for setup in setups:
         for may_err in {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]:
             try:
-                keys, fields = free_keys(setup, words, race=len(setups) > 1)
-                model, step = _model(data, setup, keys, fields, degrees_of_freedom, may_err=may_err)
-                known = truth_in(data, setup.configuration)
-                said = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
-                origin = {"data": name, "digest": digest, "configuration": said}
-                origin["likelihood"] = _likelihood(degrees_of_freedom)
-                if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
-                    origin["duplicates"] = copies
-                label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
-                truth = {one.name: known[one.name] for one in keys if one.name in known}
-                questions.append(Question(label, model, step, truth, origin, numbers_of(setup, words, keys)))
+                keys = free_keys(setup, choice, several=len(setups) > 1)
+                problem = _problem(data, setup, keys, degrees_of_freedom, discrepancy=may_err)
             except ConfigurationError as error:
                 faults += error.faults
+                continue
+            configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
+            origin = {"data": name, "digest": digest, "configuration": configuration}
+            origin["likelihood"] = _likelihood(degrees_of_freedom)
+            if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
+                origin["duplicates"] = copies
+            label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
+            known = truth_in(data, setup.configuration)
+            truth = {item.name: known[item.name] for item in keys if item.name in known}
+            result.append(Candidate(label, problem, truth, origin, numbers_of(setup, choice, keys)))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
-    return questions
+    return result
+
+
+def _problem(
+    data: Data,
+    setup: Setup,
+    keys: Sequence[FreeParameter],
+    degrees_of_freedom: float | None,
+    *,
+    discrepancy: bool,
+) -> Problem:
+    """Return the problem of one law."""
+    problem: Problem
+    if isinstance(data, MeasuredSeries):
+        problem = series_problem(
+            data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
+        )
+    else:
+        if others := [item.name for item in keys if not item.field]:
+            raise ConfigurationError(
+                [f"{', '.join(others)} is of the motor, and impacts are of the law alone; leave it out."]
+            )
+        predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
+        unknown = discrepancy or data.covariance is None
+        problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom)
+    if not problem.free:
+        raise ConfigurationError([f"No number of law={setup.law.name} is free; give a range, KEY=LOW..HIGH."])
+    return problem
 
 
 def _likelihood(degrees_of_freedom: float | None) -> str:
-    """Name the distribution of the noise."""
+    """Return the distribution of the noise."""
     if degrees_of_freedom == inf:
         return "normal"
     shown = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
     return f"Student-t, degrees of freedom: {shown}"
 
 
-def _model(
-    data: Data,
-    setup: Setup,
-    keys: Sequence[Free],
-    fields: Sequence[Free],
-    degrees_of_freedom: float | None,
-    *,
-    may_err: bool,
-) -> tuple[Model, float | None]:
-    """Return the model of one law, and the step of its derivatives in the unit cube."""
-    model: Model
-    if isinstance(data, MeasuredSeries):
-        model = series_model(
-            data, setup.configuration, keys, discrepancy=may_err, degrees_of_freedom=degrees_of_freedom
-        )
-        step: float | None = STEP
-    else:
-        if len(fields) < len(keys):
-            others = [one.name for one in keys if not one.name.startswith(("law.", "contact.f"))]
-            sentence = f"{', '.join(others)} is of the motor, and impacts are of the law alone; leave it out."
-            raise ConfigurationError([sentence])
-        spread = may_err or data.covariance is None
-        model = ImpactModel(data, setup.law, tuple(fields), tuple(keys), spread, degrees_of_freedom)
-        step = STEP if isinstance(setup.law, PenaltyLaw) else None
-    if not model.free:
-        words_of = f"Nothing is free under law={setup.law.name}; give a range, KEY=LOW..HIGH."
-        raise ConfigurationError([words_of])
-    return model, step
-
-
-def _refuse_impacts(data: MeasuredImpacts, words: Words, discrepancy: Discrepancy) -> None:
+def _check_impacts(data: MeasuredImpacts, choice: LawChoice, discrepancy: Discrepancy) -> None:
     faults = []
-    if len(data) < LEAST:
-        faults.append(f"There are {len(data)} impacts; there must be {LEAST} at the least to fit a law to.")
+    if len(data) < FEWEST:
+        faults.append(f"There are {len(data)} impacts; there must be at least {FEWEST}.")
     if data.covariance is None and discrepancy != "off":
         faults.append(
-            "The data state no error of their velocities, so that noise and discrepancy cannot be told "
-            "apart: one level of both is fitted anyway. Leave --discrepancy out, or state it by --noise."
+            "The data state no error of their velocities, so that noise and discrepancy cannot be "
+            "distinguished; both are fitted as one. Leave --discrepancy out, or state the noise by --noise."
         )
-    if not words.laws:
-        faults.append("The data tell no law; name one, law=newton, or several, law=newton,poisson.")
+    if not choice.laws:
+        faults.append("The data contain no law; choose one, law=newton, or several, law=newton,poisson.")
     if faults:
         raise ConfigurationError(faults)
 
 
-def fit(
-    questions: Sequence[Question],
-    folder: Path | None = None,
+def fitted(
+    candidate: Candidate,
     *,
     points: int = POINTS,
     seed: int = 0,
     starts: int = STARTS,
-    advance: Advance = bool,
+    checkpoint: Path | None = None,
+    workers: int | None = None,
     announce: Callable[[str], object] = bool,
-) -> list[Answer]:
-    """Answer questions one by one.
+) -> xarray.DataTree:
+    """Fit a law: least squares of law and motor, then posterior and evidence of all that is free.
 
     Args:
-        questions: as posed.
-        folder: that exists, for checkpoints from which the same fit goes on; None leaves none.
+        candidate: the law.
         points: live points of nested sampling.
         seed: the same gives the same bits.
         starts: of least squares.
-        advance: told how many questions are answered, parts of one included.
-        announce: receives a sentence where a checkpoint is damaged and its fit begins anew.
+        checkpoint: file from which an interrupted fit resumes.
+        workers: processes; None is one a processor where that pays.
+        announce: receives a sentence if the checkpoint is damaged and the fit starts again.
+
+    Returns:
+        ArviZ's groups posterior, posterior_predictive, log_likelihood, sample_stats and observed_data;
+        weighted_samples of nested sampling; summary, a row for each number; attributes.
 
     Raises:
         NoSamplerError: dynesty is not installed.
-        ValueError: a law predicts nothing anywhere in the ranges.
+        ValueError: the law predicts nothing at any start.
     """
-    answers = []
-    for number, one in enumerate(questions):
-        checkpoint = None if folder is None else checkpoint_of(folder, one, points, seed)
+    problem, best = candidate.problem, None
+    if problem.parameters:
+        try:
+            best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
+        except ValueError as error:
+            raise ValueError(f"{candidate.label}: {error}") from error
+    posterior = sample(
+        problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers, announce=announce
+    )
+    drawn = posterior.draws(DRAWS)
+    groups = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
+    units = {item.name: item.parameter.units for item in problem.free}
+    groups["posterior"] = {
+        name: (SAMPLED, column[None], {"units": units[name]})
+        for name, column in zip(units, posterior.samples[drawn].T, strict=True)
+    }
+    groups["sample_stats"] = {"lp": (SAMPLED, posterior.log_likelihood[drawn][None])}
+    groups["observed_data"] = {
+        item.name: (item.dims, item.values, {"units": item.units}) for item in problem.data
+    }
+    groups["weighted_samples"] = {
+        "value": (("sample", "parameter"), posterior.samples),
+        "log_weight": ("sample", posterior.log_weight),
+        "log_likelihood": ("sample", posterior.log_likelihood),
+    }
+    order = ("posterior", "posterior_predictive", "log_likelihood", "sample_stats", "observed_data")
+    tree = xarray.DataTree()
+    coordinates = {
+        **problem.coordinates,
+        "direction": ["normal", "tangential"],
+        "parameter": np.array([*units], dtype=object),
+    }
+    for group in (*order, "weighted_samples"):
+        made = xarray.Dataset(groups[group])
+        known: dict[Any, Any] = {
+            name: np.arange(size) for name, size in made.sizes.items() if name in SAMPLED
+        }
+        known |= {name: values for name, values in coordinates.items() if name in made.dims}
+        tree[group] = xarray.DataTree(made.assign_coords(known))
+    tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
+    coverage = _coverage(problem, groups["posterior_predictive"])
+    tree.attrs = {**_attributes(candidate, best, posterior), **coverage}
+    tree.attrs["findings"] = "\n".join(_findings(candidate, best, posterior, tree))
+    tree["posterior"].attrs |= tree.attrs
+    return tree
 
-        def tell(share: float, number: int = number) -> None:
-            advance(number + min(share, 1.0))
 
-        best = _optimum(one, starts, seed)
-        found = sample(
-            one.model, points=points, seed=seed, checkpoint=checkpoint, advance=tell, announce=announce
+def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str, Any]]:
+    """Return predictions, replicated data and log densities of posterior samples."""
+    generator = np.random.default_rng([seed, 2])
+    parts: list[dict[str, list[Array]]] = [{}, {}, {}]
+    for values in draws:
+        predicted = problem.predict(values)
+        # A sample has a likelihood.
+        assert predicted is not None
+        replica = problem.replicate(predicted, values, generator)
+        for part, result in zip(
+            parts, (predicted, replica, problem.log_densities(predicted, values)), strict=True
+        ):
+            for name, numbers in result.items():
+                part.setdefault(name, []).append(numbers)
+    known = {item.name: item for item in problem.data}
+
+    def over(numbers: list[Array], item: Observation, attributes: dict[str, str]) -> xarray.Variable:
+        """Return a variable over the draws; both directions of an impact have one density."""
+        values = np.array(numbers)
+        return xarray.Variable((*SAMPLED, *item.dims[: values.ndim - 1]), values[None], attributes)
+
+    predictive = {name: over(x, known[name], {"units": known[name].units}) for name, x in parts[1].items()}
+    for name, x in parts[0].items():
+        attributes = {"units": known[name].units, "long_name": f"{name} without noise and discrepancy"}
+        predictive[f"{name}_predicted"] = over(x, known[name], attributes)
+    return {
+        "posterior_predictive": predictive,
+        "log_likelihood": {name: over(x, known[name], {}) for name, x in parts[2].items()},
+    }
+
+
+def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> xarray.Dataset:
+    """Return optimum, posterior, truth and prior of each number."""
+    free = candidate.problem.free
+    names = [item.name for item in free]
+    mean, covariance = posterior.moments()
+    deviation = np.sqrt(np.diag(covariance))
+    optimum = {} if best is None else {item.name: x for item, x in zip(best.free, best.values, strict=True)}
+    interval = posterior.quantiles(ENDS)
+    columns: dict[str, Any] = {
+        "best": [optimum.get(name, np.nan) for name in names],
+        "mean": mean,
+        "deviation": deviation,
+        "low": interval[:, 0],
+        "high": interval[:, 1],
+        "truth": [candidate.truth.get(name, np.nan) for name in names],
+        "prior_low": [item.low for item in free],
+        "prior_high": [item.high for item in free],
+        "units": np.array([item.parameter.units for item in free], dtype=object),
+    }
+    data = xarray.Dataset({name: ("parameter", values) for name, values in columns.items()})
+    with np.errstate(invalid="ignore"):
+        data["correlation"] = ("parameter", "other"), covariance / np.multiply.outer(deviation, deviation)
+    return data.assign_coords(parameter=np.array(names, dtype=object), other=np.array(names, dtype=object))
+
+
+def _coverage(problem: Problem, predictive: Mapping[str, xarray.Variable]) -> dict[str, Any]:
+    """Return the shares of the data in the 90 % and 50 % intervals of their replicas, and their errors.
+
+    Both directions of an impact count once in the binomial error.
+    """
+    count, result = sum(len(item.values) for item in problem.data), {}
+    for name, ends in {"coverage": ENDS, "coverage_50": MIDDLE}.items():
+        inside = []
+        for item in problem.data:
+            low, high = np.quantile(predictive[item.name].values[0], ends, axis=0)
+            inside.append(((low <= item.values) & (item.values <= high)).ravel())
+        level = ends[1] - ends[0]
+        result[name] = float(np.mean(np.concatenate(inside)))
+        result[f"{name}_error"] = float(np.sqrt(level * (1.0 - level) / count))
+    covers = abs(result["coverage"] - (ENDS[1] - ENDS[0])) <= ERRORS * result["coverage_error"]
+    return {**result, "covers": int(covers)}
+
+
+def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> dict[str, Any]:
+    revision, dirty = checkout_state()
+    problem = candidate.problem
+    priors = {
+        item.name: {"low": item.low, "high": item.high, "logarithmic": item.logarithmic}
+        for item in problem.free
+    }
+    optimum = (
+        {} if best is None else {item.name: float(x) for item, x in zip(best.free, best.values, strict=True)}
+    )
+    return {
+        "title": f"Posterior of {candidate.label}",
+        "law": problem.law,
+        "log_evidence": posterior.log_evidence,
+        "log_evidence_error": posterior.error,
+        "information": posterior.information,
+        "points": posterior.points,
+        "seed": posterior.seed,
+        "calls": posterior.calls,
+        "prior": json.dumps(priors),
+        "best_fit": json.dumps(optimum),
+        "truth": json.dumps(dict(candidate.truth)),
+        **candidate.origin,
+        **versions(),
+        "dynesty_version": version("dynesty"),
+        "git_revision": revision,
+        "git_dirty": dirty,
+    }
+
+
+def _findings(
+    candidate: Candidate, best: Optimum | None, posterior: Posterior, tree: xarray.DataTree
+) -> list[str]:
+    """Return sentences on search and posterior, and on what they do not determine."""
+    result = [line for line in (candidate.origin.get("duplicates"), candidate.numbers) if line]
+    if best is not None:
+        result.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
+        result += [f"Least squares: {phrase}." for phrase in best.warnings()]
+    result.append(
+        f"ln Z = {posterior.log_evidence:.2f} +- {posterior.error:.2f}, {posterior.information:.1f} nat of "
+        f"information, {posterior.calls} evaluations, {posterior.effective:.0f} effective samples."
+    )
+    about = tree.attrs
+    result.append(
+        f"{about['coverage']:.1%} of the data lie in the 90 % intervals of their predictions, noise included."
+    )
+    if about["coverage"] < ENDS[1] - ENDS[0] - ERRORS * about["coverage_error"]:
+        result.append(
+            f"Warning: 90 % +- {about['coverage_error']:.1%} of the data should lie there. The noise is "
+            "understated or the law does not explain the data, and the intervals of the numbers are too "
+            "narrow. Try --noise free, --discrepancy on or --student free."
         )
-        answers.append(Answer(one.label, one.model, best, found, one.truth, one.origin, one.numbers))
-    return answers
-
-
-def _optimum(question: Question, starts: int, seed: int) -> Fit | None:
-    """Give the least squares of what is free of law and motor; None where nothing is.
-
-    A ValueError tells that the law predicts nothing at any of the starts: there is nothing to sample either.
-    """
-    model = question.model
-    physical = model.free[: model.physical]
-    if not physical:
-        return None
-    try:
-        return best_fit(model.residuals, physical, starts, seed, step=question.step)
-    except ValueError as error:
-        raise ValueError(f"{question.label}: {error}") from error
-
-
-def checkpoint_of(folder: Path, question: Question, points: int, seed: int) -> Path:
-    """Give the file in which a fit that is stopped leaves how far it has come."""
-    name = question.label.replace(" + ", "-")
-    return folder / f".{name}-{question.key(points, seed)}.checkpoint"
-
-
-def left_of_others(folder: Path, questions: Sequence[Question], points: int, seed: int) -> list[Path]:
-    """Give the checkpoints in a folder that are of other questions."""
-    mine = {checkpoint_of(folder, one, points, seed) for one in questions}
-    return sorted(path for path in folder.glob(".*.checkpoint") if path not in mine)
-
-
-def digest_told(data: Data, path: Path) -> str:
-    """Give the digest of the file that data are from."""
-    return data.digest if isinstance(data, MeasuredSeries) and data.digest else digest_of_file(path)
-
-
-__all__ = ["Advance", "Posterior", "Question", "fit", "pose", "read"]
+    elif not about["covers"] or about["coverage_50"] > 0.5 + ERRORS * about["coverage_50_error"]:
+        result.append(
+            f"Warning: the 50 % intervals contain {about['coverage_50']:.1%} of the data: the noise is "
+            "overstated, or outliers have widened it for all. Try --student free."
+        )
+    summary = tree["summary"].to_dataset()
+    for item, low, high in zip(
+        candidate.problem.free, summary["low"].values, summary["high"].values, strict=True
+    ):
+        start, end = item.to_unit(float(low)), item.to_unit(float(high))
+        if end - start > UNINFORMED * (ENDS[1] - ENDS[0]):
+            result.append(f"{item.name}: the data do not inform it; its posterior is its prior.")
+        elif min(start, 1.0 - end) < AT_END:
+            limit = item.low if start < 1.0 - end else item.high
+            result.append(f"{item.name} lies at an end of its range, {limit:.4g}; the truth may lie beyond.")
+    if candidate.truth:
+        known = summary.sel(parameter=[*candidate.truth])
+        inside = int(((known["low"] <= known["truth"]) & (known["truth"] <= known["high"])).sum())
+        result.append(f"Truth: {inside} of {len(candidate.truth)} known numbers lie in their 90 % intervals.")
+    return result

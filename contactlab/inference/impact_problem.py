@@ -1,121 +1,298 @@
-"""Measured impacts under one law: what it answers to each approach, compared with what was measured."""
+"""Measured impacts as an inference problem: a law, or a baseline, predicts the velocities after them."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
-from typing import final
+from typing import Final, Self, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.impact import Impacts
-from contactlab.inference.free_parameters import Free, with_values
-from contactlab.inference.likelihood import approach_scale, impact_terms, student_factor
-from contactlab.inference.problem import DEGREES_OF_FREEDOM, LARGEST, LOWEST, Measured
-from contactlab.laws import ContactLaw
+from contactlab.inference.free_parameters import FreeParameter, free_parameters, label_of, with_values
+from contactlab.inference.likelihood import approach_scale, impact_log_densities, student_factor
+from contactlab.inference.problem import DEGREES_OF_FREEDOM, LARGEST, LOWEST, Observation, Problem
+from contactlab.laws import ContactLaw, Newton, PenaltyLaw
+from contactlab.measured.floors import best_impulses, with_constant_impulse
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.parameter import positive
+from contactlab.parameter import Parameter, positive
 
-SPREAD = "discrepancy"
-"""Name of the error of the law, which is also the noise where none is stated."""
+DISCREPANCY: Final = "discrepancy"
+"""Name of the model discrepancy, which includes the noise where none is stated."""
+
+FRICTIONLESS: Final = "frictionless"
+CONSTANT_IMPULSE: Final = "constant impulse"
+
+SMOOTH: Final = 0.01
+"""Error [1] below which the loss is quadratic: less than a camera resolves."""
+
+ROUGH_TOLERANCE: Final = 1e-4
+"""Tolerance of integrated impacts in cross-validation, well below the error of measurements."""
+
+STEP: Final = 3e-4
+"""Step of finite differences in the unit cube for impacts integrated to the default tolerance."""
+
+Ranges = Mapping[str, tuple[float, float] | None]
+"""Free fields of a law, each with its range or None for the declared one."""
+
+
+class ImpactPredictor(ABC):
+    """Predicts velocities after impacts from those before, with free parameters.
+
+    Attributes:
+        label: name in tables.
+        free: the free parameters.
+        baseline: whether it is a reference that laws are compared with, and no law under comparison.
+        idle: names of fixed numbers that have no effect on the impacts.
+    """
+
+    label: str
+    free: tuple[FreeParameter, ...]
+    baseline: bool
+    idle: tuple[str, ...] = ()
+
+    @property
+    def integrated(self) -> bool:
+        """Whether every impact is integrated, which is slow."""
+        return False
+
+    @property
+    def step(self) -> float | None:
+        """Step of finite differences in the unit cube; None for predictions exact to round-off."""
+        return None
+
+    @abstractmethod
+    def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
+        """Return gap rate and slip after the impacts [m/s], shape (impact, 2); NaN without a prediction.
+
+        Args:
+            values: of the free parameters [SI], shape (parameter,).
+            impacts: of which only the state before is used.
+        """
+
+    @property
+    def fixed(self) -> Mapping[str, float]:
+        """Values of the parameters that are not free, by name, SI."""
+        return {}
+
+
+@final
+@dataclass(frozen=True)
+class LawPredictor(ImpactPredictor):
+    """A contact law of either family.
+
+    Args:
+        law: with the values of what is not free.
+        free: free parameters.
+        label: name in tables.
+        baseline: whether it is a reference.
+        tolerance: of integrated impacts [1]; None is the default of `contactlab.impact`.
+        idle: names of fixed numbers that have no effect on the impacts.
+    """
+
+    law: ContactLaw
+    free: tuple[FreeParameter, ...]
+    label: str
+    baseline: bool = False
+    tolerance: float | None = ROUGH_TOLERANCE
+    idle: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, law: ContactLaw, ranges: Ranges | None = None, label: str = "") -> "LawPredictor":
+        """Return the predictor of a law; ranges as of `free_parameters`.
+
+        Raises:
+            ValueError: the law has no such number, or does not admit a range.
+        """
+        return cls(law, free_parameters(law, ranges), label or label_of(law))
+
+    @property
+    def integrated(self) -> bool:
+        """See `ImpactPredictor.integrated`."""
+        return isinstance(self.law, PenaltyLaw)
+
+    @property
+    def step(self) -> float | None:
+        """Square root of the tolerance."""
+        if not self.integrated:
+            return None
+        return STEP if self.tolerance is None else self.tolerance**0.5
+
+    def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
+        """See `ImpactPredictor.velocities_after`; NaN too for values that the law does not admit together."""
+        try:
+            law = with_values(self.law, self.free, values)
+        except ValueError:
+            return np.full_like(impacts.velocity_before, np.nan)
+        return impacts.before.velocities_after(law, self.tolerance if self.integrated else None)
+
+    @property
+    def fixed(self) -> Mapping[str, float]:
+        """See `ImpactPredictor.fixed`."""
+        names = {item.field or item.name for item in self.free}
+        return {name: value for name, value in self.law.describe().items() if name not in names}
+
+
+def frictionless() -> LawPredictor:
+    """Return Newton's impact without friction, its restitution free: a baseline."""
+    law = Newton(friction_coefficient=0.0)
+    return LawPredictor(law, free_parameters(law, {"restitution": None}), FRICTIONLESS, baseline=True)
+
+
+@final
+@dataclass(frozen=True)
+class ConstantImpulse(ImpactPredictor):
+    """The same impulse in all impacts, its tangential component against the slip: a baseline."""
+
+    free: tuple[FreeParameter, ...]
+    label: str = CONSTANT_IMPULSE
+    baseline: bool = True
+
+    @classmethod
+    def of(cls, impacts: MeasuredImpacts) -> "ConstantImpulse":
+        """Return the baseline with ranges up to the largest impulse of these impacts."""
+        largest = np.abs(best_impulses(impacts)).max(axis=0)
+        lowest = 0.0, -float(largest[1])
+        free = tuple(
+            FreeParameter(
+                f"{name}_impulse", low, float(high), False, Parameter(symbol, "N s", f"{name} impulse")
+            )
+            for name, symbol, low, high in zip(
+                ("normal", "tangential"), ("p_n", "p_t"), lowest, largest, strict=True
+            )
+        )
+        return cls(free)
+
+    def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
+        """See `ImpactPredictor.velocities_after`."""
+        return with_constant_impulse(impacts, values)
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class ImpactModel:
-    """See `contactlab.inference.problem.Model`.
+class ImpactProblem(Problem):
+    """Impacts under one predictor; see `Problem`.
 
     Args:
         measured: the impacts.
-        start: the law, with what is not free.
-        fields: what of the law is free, named by its fields.
-        keys: the same, named by the keys of a configuration.
-        spread: whether the law may be wrong, or the noise unknown.
-        degrees_of_freedom: of the Student-t distribution of the residuals; infinite is the normal one, None
-            is free.
+        predictor: law or baseline.
+        discrepancy: whether the law may be wrong by an amount that is free; it includes noise not stated.
+        degrees_of_freedom: of Student-t residuals; infinite is the normal distribution, None is free.
     """
 
     measured: MeasuredImpacts
-    start: ContactLaw
-    fields: tuple[Free, ...]
-    keys: tuple[Free, ...]
-    spread: bool
+    predictor: ImpactPredictor
+    discrepancy: bool = False
     degrees_of_freedom: float | None = inf
-    free: tuple[Free, ...] = field(init=False)
-    scale: Array = field(init=False)
-    covariance: Array = field(init=False)
-    asked: Impacts = field(init=False)
-
-    def __post_init__(self) -> None:
-        said = positive("s", "1", "error in the norm of the kinetic energy, over the approach")
-        own = (Free(SPREAD, LOWEST, LARGEST, True, said),) if self.spread else ()
-        tails = (DEGREES_OF_FREEDOM,) if self.degrees_of_freedom is None else ()
-        stated, delassus = self.measured.covariance, self.measured.delassus
-        object.__setattr__(self, "free", (*self.keys, *own, *tails))
-        object.__setattr__(self, "asked", Impacts(delassus, self.measured.velocity_before))
-        object.__setattr__(self, "scale", approach_scale(delassus, self.measured.velocity_before))
-        object.__setattr__(self, "covariance", np.zeros_like(delassus) if stated is None else stated)
 
     @property
     def law(self) -> str:
         """Name of the law."""
-        return self.start.name
+        return self.predictor.law.name if isinstance(self.predictor, LawPredictor) else self.predictor.label
 
     @property
-    def physical(self) -> int:
-        """How many of what is free belong to the law."""
-        return len(self.keys)
+    def parameters(self) -> tuple[FreeParameter, ...]:
+        """The free parameters of the predictor."""
+        return self.predictor.free
+
+    @cached_property
+    def nuisances(self) -> tuple[FreeParameter, ...]:
+        """Discrepancy and degrees of freedom where they are free."""
+        size = positive("s", "1", "error in the norm of the kinetic energy, over the approach")
+        discrepancy = [FreeParameter(DISCREPANCY, LOWEST, LARGEST, True, size)] if self.discrepancy else []
+        return (*discrepancy, *([DEGREES_OF_FREEDOM] if self.degrees_of_freedom is None else []))
 
     @property
-    def data(self) -> tuple[Measured, ...]:
+    def data(self) -> tuple[Observation, ...]:
         """The velocities after the impacts."""
-        return (Measured("velocity_after", ("impact", "direction"), self.measured.velocity_after, "m s-1"),)
+        return (
+            Observation("velocity_after", ("impact", "direction"), self.measured.velocity_after, "m s-1"),
+        )
 
     @property
     def coordinates(self) -> dict[str, Array]:
-        """The impacts' numbers in their file."""
+        """Numbers of the impacts in their file."""
         return {"impact": self.measured.number.astype(np.float64)}
 
-    def predicted(self, values: Array) -> dict[str, Array] | None:
-        """Give gap rate and slip after each impact [m/s]; None where the law answers with no number."""
-        try:
-            law = with_values(self.start, self.fields, values[: len(self.fields)])
-        # Values that are sound one by one need not be so together.
-        except ValueError:
-            return None
-        found = self.asked.velocities_after(law)
-        return {"velocity_after": found} if np.isfinite(found).all() else None
+    @property
+    def step(self) -> float | None:
+        """Step of the predictor."""
+        return self.predictor.step
+
+    @cached_property
+    def _scale(self) -> Array:
+        return approach_scale(self.measured.delassus, self.measured.velocity_before)
+
+    @cached_property
+    def _covariance(self) -> Array:
+        stated = self.measured.covariance
+        return np.zeros_like(self.measured.delassus) if stated is None else stated
+
+    def part(self, chosen: NDArray[np.int64]) -> Self:
+        """Return the problem of some of the impacts."""
+        return replace(self, measured=self.measured.part(chosen))
+
+    def velocities_after(self, values: Array) -> Array:
+        """Return gap rate and slip after the impacts [m/s], shape (impact, 2); NaN without a prediction."""
+        return self.predictor.velocities_after(values[: len(self.predictor.free)], self.measured)
+
+    def predict(self, values: Array) -> dict[str, Array] | None:
+        """Return the velocities after the impacts; None if any lacks a prediction."""
+        after = self.velocities_after(values)
+        return {"velocity_after": after} if np.isfinite(after).all() else None
 
     def residuals(self, values: Array) -> Array:
-        """Give the errors in the norm of the kinetic energy, or over the stated ones; shape (2 impacts,)."""
-        found = self.predicted(values)
-        missed = np.full_like(self.measured.velocity_after, np.nan)
-        if found is not None:
-            missed = self.measured.velocity_after - found["velocity_after"]
-        size = self.scale[:, None, None] * self.measured.delassus
+        """Return errors in the norm of the kinetic energy, or over the stated ones; shape (2 impacts,)."""
+        after = self.velocities_after(values)
+        missed = self.measured.velocity_after - after
+        if not np.isfinite(after).all():
+            missed = np.full_like(missed, np.nan)
+        size = self._scale[:, None, None] * self.measured.delassus
         if self.measured.covariance is not None:
-            size = self.covariance + LOWEST**2 * size
+            size = self._covariance + LOWEST**2 * size
         return np.linalg.solve(np.linalg.cholesky(size), missed[..., None]).ravel()
 
-    def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
-        """Give the log density of each impact."""
-        missed = self.measured.velocity_after - predicted["velocity_after"]
-        spread, tails = self._noise(values)
-        terms = impact_terms(missed, self.covariance, self.measured.delassus, self.scale, spread, tails)
-        return {"velocity_after": terms}
+    def error_residuals(self, values: Array) -> Array:
+        """Return residuals whose squares sum to the errors, smoothed near zero; shape (3 impacts,).
 
-    def replicated(
+            f = w/(w'w + c^2)^(1/4),  f'f = e^2/sqrt(e^2 + c^2)
+
+        with the error e of `MeasuredImpacts.errors`, w'w = e^2 and c = `SMOOTH`; the third component of w is
+        the part of the velocity jump outside of the impulses' span. Without a prediction the velocity is
+        taken as unchanged.
+        """
+        measured, after = self.measured, self.velocities_after(values)
+        after = np.where(np.isfinite(after), after, measured.velocity_before)
+        root = np.linalg.cholesky(measured.delassus)
+        missed = np.linalg.solve(root, (measured.velocity_after - after)[..., None])[..., 0]
+        whole = np.column_stack([missed, np.sqrt(2.0 * measured.outside)])
+        whole /= np.sqrt(2.0 * measured.kinetic_energy)[:, None]
+        square = np.einsum("ni,ni->n", whole, whole)
+        return np.asarray((whole / (square + SMOOTH**2)[:, None] ** 0.25).ravel())
+
+    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
+        """Return the log density of each impact."""
+        missed = self.measured.velocity_after - predicted["velocity_after"]
+        size, tails = self._noise(values)
+        return {
+            "velocity_after": impact_log_densities(
+                missed, self._covariance, self.measured.delassus, self._scale, size, tails
+            )
+        }
+
+    def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
-        """Give velocities after the impacts with error and noise, as drawn."""
-        spread, tails = self._noise(values)
-        size = self.covariance + spread**2 * self.scale[:, None, None] * self.measured.delassus
-        noise = np.linalg.cholesky(size) @ draws.standard_normal((len(self.measured), 2, 1))
+        """Draw velocities after the impacts with discrepancy and noise."""
+        size, tails = self._noise(values)
+        covariance = self._covariance + size**2 * self._scale[:, None, None] * self.measured.delassus
+        noise = np.linalg.cholesky(covariance) @ draws.standard_normal((len(self.measured), 2, 1))
         factor = student_factor(draws, tails, len(self.measured))[:, None]
         return {"velocity_after": predicted["velocity_after"] + factor * noise[..., 0]}
 
     def _noise(self, values: Array) -> tuple[float, float]:
-        """Return the error of the law, 0 for none, and the degrees of freedom of the residuals."""
-        given = dict(zip((one.name for one in self.free), map(float, values), strict=True))
-        free = given.get(DEGREES_OF_FREEDOM.name, inf)
-        return given.get(SPREAD, 0.0), free if self.degrees_of_freedom is None else self.degrees_of_freedom
+        """Return the discrepancy, 0 for none, and the degrees of freedom."""
+        tails = inf if self.degrees_of_freedom is None else self.degrees_of_freedom
+        return self.value(values, DISCREPANCY, 0.0), self.value(values, DEGREES_OF_FREEDOM.name, tails)

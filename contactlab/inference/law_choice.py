@@ -1,10 +1,14 @@
-"""What the words of a fit say: which numbers are free in which ranges, and all else of the configuration."""
+"""Laws and free numbers chosen by overrides: law=A,B, law/PART=A,B, KEY=VALUE and KEY=LOW..HIGH.
+
+A number with a value is fixed, one with a range is free in it. `setups_of` and `free_keys` choose them for a
+motor, `law_predictors` for laws alone.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Final, final
+from typing import Any, Final, Self, final
 
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.composition import options_of
@@ -12,228 +16,307 @@ from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION, declared_in
-from contactlab.inference.free_parameters import WIDE, Free, free_parameters
+from contactlab.inference.candidates import usual_law, usual_laws
+from contactlab.inference.free_parameters import WIDE, FreeParameter, free_parameters
+from contactlab.inference.impact_problem import LawPredictor
 from contactlab.laws import Composed
 from contactlab.laws.declaration import SHARED
+from contactlab.laws.registry import PARTS
 from contactlab.suggestion import suggestion
 
-LAW: Final = "law"
+LAW: Final = "law."
 PART: Final = "law/"
+FORMS: Final = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HIGH"
+
+NOT_OF_A_PROBLEM: Final = ("hydra", "sweep", "record", "uncertainty")
+LASTING: Final = ("solver.duration", "solver.until", "solver.precision")
+"""Groups and keys on which no prediction depends: times are those of the measurements."""
 
 _RANGE: Final = re.compile(r"(?P<key>[\w.]+)=(?P<low>[^=]+?)\.\.(?P<high>[^=]+)")
 
 
 @final
 @dataclass(frozen=True)
-class Words:
-    """The words of a fit, sorted.
+class LawChoice:
+    """Overrides, sorted.
 
     Args:
-        laws: names; none for that of the data.
-        ranges: both ends of what is free, as typed, by full key.
+        laws: names; none for the law of the data, or for the usual ones.
+        parts: names of a composed law's parts by key, "law/normal".
+        ranges: both ends as typed, by full key.
         overrides: all others.
     """
 
     laws: tuple[str, ...]
+    parts: Mapping[str, tuple[str, ...]]
     ranges: Mapping[str, tuple[str, str]]
     overrides: tuple[str, ...]
 
+    @classmethod
+    def of(cls, texts: Sequence[str]) -> Self:
+        """Sort overrides.
 
-def sorted_words(words: Sequence[str]) -> Words:
-    """Sort the words of a fit.
+        Raises:
+            ConfigurationError: a law, part or range occurs twice.
+        """
+        laws, others = list[str](), list[str]()
+        parts, ranges = dict[str, list[str]](), dict[str, tuple[str, str]]()
+        faults = []
+        for word in texts:
+            key, _, value = word.partition("=")
+            if limits := _RANGE.fullmatch(word):
+                if key in ranges:
+                    faults.append(f"{key} has two ranges; it must have one. Leave one out.")
+                ranges[key] = limits["low"].strip(), limits["high"].strip()
+            elif key == "law":
+                laws += [name.strip() for name in value.split(",")]
+            elif key.startswith(PART):
+                parts.setdefault(key, []).extend(name.strip() for name in value.split(","))
+            else:
+                others.append(word)
+        for key, names in {"law": laws, **parts}.items():
+            twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+            faults += [f"{key}={name} occurs twice; it must occur once. Leave one out." for name in twice]
+        if faults:
+            raise ConfigurationError(faults)
+        return cls(tuple(laws), {key: tuple(names) for key, names in parts.items()}, ranges, tuple(others))
 
-    Raises:
-        ConfigurationError: a key that is given twice.
-    """
-    laws: list[str] = []
-    ranges: dict[str, tuple[str, str]] = {}
-    others: list[str] = []
-    faults = []
-    for word in words:
-        if found := _RANGE.fullmatch(word):
-            if found["key"] in ranges:
-                faults.append(f"{found['key']} has two ranges; it must have one. Leave one out.")
-            ranges[found["key"]] = found["low"].strip(), found["high"].strip()
-        elif word.startswith("law="):
-            laws += [name.strip() for name in word.removeprefix("law=").split(",")]
-        else:
-            others.append(word)
-    twice = [name for name in dict.fromkeys(laws) if laws.count(name) > 1]
-    faults += [f"law={name} is given twice; every law must be given once. Leave one out." for name in twice]
-    if faults:
-        raise ConfigurationError(faults)
-    return Words(tuple(laws), ranges, tuple(others))
+    @property
+    def keys(self) -> set[str]:
+        """All keys with a value or a range."""
+        return {*self.ranges, *(word.partition("=")[0] for word in self.overrides)}
+
+    def check(self, *, of_law: bool) -> None:
+        """Raise a ConfigurationError for overrides that have no effect on a problem.
+
+        Args:
+            of_law: whether the measurements are impacts, which depend on the law alone.
+        """
+        unused = [
+            key
+            for key in dict.fromkeys([*self.ranges, *(word.partition("=")[0] for word in self.overrides)])
+            if (of_law and not key.startswith(LAW) and key != FRICTION)
+            or key in LASTING
+            or key.partition(".")[0].lstrip("+~") in NOT_OF_A_PROBLEM
+        ]
+        kind = "the law alone" if of_law else "the motor; times are those of the data"
+        if unused:
+            raise ConfigurationError(
+                [f"{key} must be left out: the measurements are of {kind}." for key in unused]
+            )
+
+    def combinations(self) -> list[tuple[str, ...]]:
+        """Return the overrides that choose each law; a composed law in every combination of its parts."""
+        lists = [[f"{key}={name}" for name in names] for key, names in self.parts.items()]
+        result: list[tuple[str, ...]] = []
+        for name in self.laws:
+            result += [
+                (f"law={name}", *chosen) for chosen in product(*lists if name == Composed.name else ())
+            ]
+        return result or [()]
 
 
-def setups_of(words: Words, told: Mapping[str, Any]) -> list[Setup]:
-    """Build what runs under each law, with all that is not free.
+def setups_of(choice: LawChoice, configuration: Mapping[str, Any]) -> list[Setup]:
+    """Build the setup of each law, with all that is not free.
+
+    Among several laws, numbers `law.NAME` apply to those that have them.
 
     Args:
-        words: of the fit.
-        told: configuration of the data, may be empty; the words go before it.
+        choice: of laws, which takes precedence over the configuration.
+        configuration: of the data, may be empty.
 
     Raises:
         ConfigurationError: with every fault.
     """
-    lines = _choices(words)
+    lines = choice.combinations()
+    overrides = list(choice.overrides)
+    if Composed.name not in choice.laws:
+        overrides += [f"{key}={','.join(names)}" for key, names in choice.parts.items()]
+    applied = [[*overrides] for _ in lines]
+    if len(lines) > 1:
+        known = [flat(compose([*law])) for law in lines]
+        applied = [[word for word in overrides if _applies(word, keys)] for keys in known]
+        # The first law reports an override that applies to none.
+        applied[0] += [word for word in overrides if not any(word in own for own in applied)]
     setups, faults = [], []
-    kept = [_of_law(words, law) if len(lines) > 1 else _alone(words) for law in lines]
-    for word in words.overrides:
-        chosen = Composed.name in words.laws and word.startswith(PART)
-        if not chosen and not any(word in each for each in kept):
-            # The first law says what is wrong with it.
-            kept[0].append(word)
-    for law, own in zip(lines, kept, strict=True):
+    for law, own in zip(lines, applied, strict=True):
         try:
-            setups.append(build(_configuration([*law, *own], told)))
+            setups.append(build(_configuration([*law, *own], configuration)))
         except ConfigurationError as error:
             faults += error.faults
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
+    every = {key for setup in setups for key in declared_in(setup.configuration)}
+    if len(setups) > 1 and (unknown := [key for key in choice.ranges if key not in every]):
+        raise ConfigurationError(
+            [
+                f"No law here has a number {key}. {suggestion(key, sorted(every), 'Leave it out.')}"
+                for key in unknown
+            ]
+        )
     return setups
 
 
-def _choices(words: Words) -> list[tuple[str, ...]]:
-    """Return the words that choose each law: a composed law stands in every combination of its parts.
-
-    Raises:
-        ConfigurationError: a part that is given twice.
-    """
-    lines: list[tuple[str, ...]] = []
-    parts: dict[str, list[str]] = {}
-    for word in words.overrides:
-        if word.startswith(PART):
-            key, _, value = word.partition("=")
-            parts.setdefault(key, []).extend(f"{key}={part.strip()}" for part in value.split(","))
-    twice = [part for each in parts.values() for part in dict.fromkeys(each) if each.count(part) > 1]
-    if twice:
-        raise ConfigurationError(
-            [f"{part} is given twice; it must be given once. Leave one out." for part in twice]
-        )
-    for name in words.laws:
-        lists = parts.values() if name == Composed.name else ()
-        lines += [(f"law={name}", *chosen) for chosen in product(*lists)]
-    return lines or [()]
+def _applies(word: str, known: Mapping[str, Any]) -> bool:
+    key = word.partition("=")[0]
+    return not key.startswith(PART) and (not key.startswith(LAW) or key in known)
 
 
-def _alone(words: Words) -> list[str]:
-    """Return the overrides of a fit of one law, without the parts that choose it."""
-    composed = Composed.name in words.laws
-    return [word for word in words.overrides if not (composed and word.startswith(PART))]
-
-
-def _of_law(words: Words, law: tuple[str, ...]) -> list[str]:
-    """Return the overrides without parts and without the numbers of laws that this one does not have."""
-    known = flat(compose([*law]))
-    return [
-        word
-        for word in words.overrides
-        if not word.startswith(PART) and (not word.startswith("law.") or word.partition("=")[0] in known)
-    ]
-
-
-def numbers_of(setup: Setup, words: Words, keys: Sequence[Free]) -> str:
-    """Say which numbers of a law are free and fixed, and which of the words' keys it does not have."""
-    free = {one.name for one in keys}
-    fixed = {_key(name): value for name, value in setup.law.describe().items() if _key(name) not in free}
-    known = {*flat(setup.configuration), *free}
-    asked = [*words.ranges, *(word.partition("=")[0] for word in words.overrides)]
-    absent = [key for key in dict.fromkeys(asked) if key.startswith(f"{LAW}.") and key not in known]
-    said = [
-        f"Free: {'; '.join(map(str, keys)) or 'nothing'}.",
-        f"Fixed: {', '.join(f'{key} = {value:.6g}' for key, value in fixed.items()) or 'nothing'}.",
-        *([f"Not a number of this law: {', '.join(absent)}."] if absent else []),
-    ]
-    return " ".join(said)
-
-
-def _configuration(lines: Sequence[str], told: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Give a configuration in which what the words name goes before what the data tell."""
+def _configuration(lines: Sequence[str], configuration: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a configuration with overrides."""
     composed = {name: keys for name, keys in compose(lines).items() if name not in NOT_OF_A_RUN}
-    if not told:
+    if not configuration:
         return composed
-    found, fresh = dict(told), flat(composed)
+    merged, fresh = dict(configuration), flat(composed)
     for line in lines:
         key = line.partition("=")[0].lstrip("+~")
         top = key.replace("/", ".").partition(".")[0]
         if options_of(key):
-            # A part of a law is chosen in the law.
-            found[top] = composed[top]
-    keys = flat(found)
+            # The choice of a part replaces the whole law.
+            merged[top] = composed[top]
+    keys = flat(merged)
     keys |= {key: fresh[key] for line in lines if (key := line.partition("=")[0].lstrip("+")) in fresh}
     return nested(keys)
 
 
-def free_keys(setup: Setup, words: Words, *, race: bool) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
-    """Give what is free of law and motor, named by keys, and what of it is the law's, named by its fields.
+def free_keys(setup: Setup, choice: LawChoice, *, several: bool) -> tuple[FreeParameter, ...]:
+    """Return the free numbers of law and motor, named by full keys; those of the law with their field.
 
-    Without ranges every number of the law is free that has no value in the words, in the range that follows
-    from its declaration; among several laws those are free beside the ranges, too.
+    Without ranges every number of the law without a value is free, in its declared range; among several laws
+    those are free besides the ranges too.
 
     Args:
         setup: of the law.
-        words: of the fit.
-        race: whether several laws are compared.
+        choice: ranges and values.
+        several: whether several laws are compared.
 
     Raises:
-        ConfigurationError: a key that there is not, or a range that is not admitted; a sentence each.
+        ConfigurationError: an unknown key, or a range that is not admitted.
     """
-    known, fields = declared_in(setup.configuration), _fields(setup)
-    stated = {*words.ranges, *(word.partition("=")[0] for word in words.overrides)}
-    usual = [one for one in free_parameters(setup.law) if _key(one.name) not in stated]
-    if not words.ranges:
-        return tuple(replace(one, name=_key(one.name)) for one in usual), tuple(usual)
-    faults: list[str] = []
-    keys: list[Free] = []
-    own: list[Free] = []
-    for key, ends in words.ranges.items():
+    known = declared_in(setup.configuration)
+    fields = {key_of(item.name): item.name for item in free_parameters(setup.law)}
+    usual = [
+        replace(item, name=key_of(item.name), field=item.name)
+        for item in free_parameters(setup.law)
+        if key_of(item.name) not in choice.keys
+    ]
+    faults, result = list[str](), list[FreeParameter]()
+    for key, ends in choice.ranges.items():
         if key not in known:
-            if key.startswith("law.") and race:
-                continue
-            hint = suggestion(key, known, "contactlab --help lists the keys.")
-            faults.append(f"There is no number {key} under law={setup.law.name} that could be free. {hint}")
+            if not (key.startswith(LAW) and several):
+                hint = suggestion(key, known, "contactlab --help lists the keys.")
+                faults.append(f"There is no free number {key} under law={setup.law.name}. {hint}")
             continue
-        said = known[key]
+        declared = known[key]
         try:
-            low, high = (to_si(end, said.unit) for end in ends)
+            low, high = (to_si(end, declared.unit) for end in ends)
         except UnitError as error:
             faults.append(f"{key}={'..'.join(ends)} has an end {error}.")
             continue
-        shown = f"{key} is free from {low:g} to {high:g}{said.label}"
+        shown = f"{key} is free from {low:g} to {high:g}{declared.label}"
         if not low < high:
-            faults.append(f"{shown}; the end must be greater than the start. Turn them round.")
-        elif bad := [end for end in (low, high) if not said.admits(end)]:
-            faults.append(
-                f"{shown}; both must be {said.range or 'finite'}, and {bad[0]:g} is not. {said.hint}".rstrip()
-            )
+            faults.append(f"{shown}; the end must be greater than the start. Exchange them.")
+        elif bad := [end for end in (low, high) if not declared.admits(end)]:
+            limits = f"both must be {declared.range or 'finite'}, and {bad[0]:g} is not. {declared.hint}"
+            faults.append(f"{shown}; {limits}".rstrip())
         else:
-            one = Free(key, low, high, low > 0.0 and high / low >= WIDE, said)
-            keys.append(one)
-            own += [replace(one, name=name) for name in fields if _key(name) == key]
+            wide = low > 0.0 and high / low >= WIDE
+            result.append(FreeParameter(key, low, high, wide, declared, fields.get(key, "")))
     if faults:
         raise ConfigurationError(faults)
-    if race:
-        keys += [replace(one, name=_key(one.name)) for one in usual]
-        own += usual
-    return tuple(keys), tuple(own)
+    return tuple(result if choice.ranges and not several else [*result, *usual])
 
 
-def refuse_unknown(setups: Sequence[Setup], words: Words) -> None:
-    """Refuse ranges of keys that none of several laws has, by a ConfigurationError."""
-    every = {key for setup in setups for key in declared_in(setup.configuration)}
-    faults = [
-        f"There is no number {key} under any of these laws. {suggestion(key, sorted(every), 'Leave it out.')}"
-        for key in words.ranges
-        if key not in every
-    ]
-    if faults:
-        raise ConfigurationError(faults)
+def numbers_of(setup: Setup, choice: LawChoice, keys: Sequence[FreeParameter]) -> str:
+    """Return a sentence on the free and fixed numbers of a law, and on the keys that it does not have."""
+    free = {item.name for item in keys}
+    fixed = {key_of(name): value for name, value in setup.law.describe().items() if key_of(name) not in free}
+    known = {*flat(setup.configuration), *free}
+    original = [*choice.ranges, *(word.partition("=")[0] for word in choice.overrides)]
+    absent = [key for key in dict.fromkeys(original) if key.startswith(LAW) and key not in known]
+    return " ".join(
+        [
+            f"Free: {'; '.join(map(str, keys)) or 'nothing'}.",
+            f"Fixed: {', '.join(f'{key} = {value:.6g}' for key, value in fixed.items()) or 'nothing'}.",
+            *([f"Not a number of this law: {', '.join(absent)}."] if absent else []),
+        ]
+    )
 
 
-def _fields(setup: Setup) -> list[str]:
-    return [one.name for one in free_parameters(setup.law)]
+def key_of(field: str) -> str:
+    """Return the key of a configuration for a field of a law."""
+    return FRICTION if field.rpartition(".")[2] == SHARED else f"{LAW}{field}"
 
 
-def _key(name: str) -> str:
-    """Give the key of a configuration that a field of a law is."""
-    return FRICTION if name.rpartition(".")[2] == SHARED else f"{LAW}.{name}"
+def law_predictors(texts: Sequence[str]) -> list[LawPredictor]:
+    """Return predictors of impacts under the chosen laws, by default the usual ones.
+
+    A number with a value is fixed, one with a range is free in it; all others are free as usual.
+
+    Raises:
+        ConfigurationError: an override of another form, or an unknown name.
+    """
+    _check_forms(texts)
+    choice = LawChoice.of(texts)
+    if choice.parts and Composed.name not in choice.laws:
+        choice = replace(choice, laws=(*choice.laws, Composed.name))
+    result = usual_laws()
+    if choice.laws:
+        result = []
+        for law, *parts in choice.combinations():
+            named = dict(part.removeprefix(PART).split("=") for part in parts)
+            try:
+                result.append(usual_law(law.removeprefix("law="), **named))
+            except (ValueError, TypeError) as error:
+                raise ConfigurationError([str(error)]) from error
+    keys = [word.partition("=")[0] for word in choice.overrides]
+    if twice := [key for key in keys if keys.count(key) > 1 or key in choice.ranges]:
+        raise ConfigurationError([f"{twice[0]} occurs twice; it must occur once. Leave one out."])
+    changes = {key: (value,) for key, _, value in (word.partition("=") for word in choice.overrides)}
+    for key, ends in {**changes, **choice.ranges}.items():
+        changed = [_changed(predictor, key, ends) for predictor in result]
+        if all(item is other for item, other in zip(changed, result, strict=True)):
+            every = sorted({f"{LAW}{name}" for predictor in result for name in predictor.law.describe()})
+            hint = suggestion(key, every, f"They have {', '.join(every) or 'none'}.")
+            raise ConfigurationError([f"None of these laws has a number {key}. {hint}"])
+        result = changed
+    return result
+
+
+def _check_forms(texts: Sequence[str]) -> None:
+    """Raise a ConfigurationError if an override does not choose a law or a number of it."""
+    for word in texts:
+        key, _, value = word.partition("=")
+        if not value or not (key in ("law", FRICTION) or key.startswith((LAW, PART))):
+            hint = suggestion(key, ["law", *(f"{PART}{family}" for family in PARTS)])
+            raise ConfigurationError(
+                [f"{word} does not choose a law; it must have the form {FORMS}. {hint}".rstrip()]
+            )
+        if key.startswith(PART) and key.removeprefix(PART) not in PARTS:
+            hint = suggestion(key.removeprefix(PART), PARTS)
+            raise ConfigurationError(
+                [f"{key} is no part of a law; it must be one of {', '.join(PARTS)}. {hint}".rstrip()]
+            )
+
+
+def _changed(predictor: LawPredictor, key: str, ends: Sequence[str]) -> LawPredictor:
+    """Return a predictor with a number fixed at one value or free between two, if its law has it."""
+    law = predictor.law
+    units = {name: declared.unit for name, _, declared in law.effective() if declared is not None}
+    name = next((name for name in units if key in (key_of(name), f"{LAW}{name}")), None)
+    if name is None:
+        return predictor
+    ranges: dict[str, Any] = {item.name: (item.low, item.high) for item in predictor.free}
+    shown = f"{key}={'..'.join(ends)}"
+    try:
+        values = [to_si(end.strip(), units[name]) for end in ends]
+        if len(values) == 2:
+            ranges[name] = values
+        else:
+            law = law.changed(name, values[0])
+            ranges.pop(name, None)
+        return replace(predictor, law=law, free=free_parameters(law, ranges))
+    except UnitError as error:
+        raise ConfigurationError([f"{shown} has a value {error}; write KEY=0.3 or KEY=0.1..0.5."]) from error
+    except ValueError as error:
+        raise ConfigurationError([f"{shown}: {error}"]) from error

@@ -1,73 +1,72 @@
-"""Least squares with many starts, in the unit cube of the free parameters, and what it cannot tell."""
+"""Multi-start least squares in the unit cube of the free parameters."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf, isfinite, sqrt
 from typing import Final, final
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
-from scipy.stats import qmc
 
 from contactlab.arrays import Array
-from contactlab.inference.free_parameters import Free, from_cube, to_cube
+from contactlab.inference.free_parameters import FreeParameter, from_cube, to_cube
 
 HIT: Final = 1e-4
-"""Relative difference of two costs that are taken for one optimum."""
+"""Relative difference below which two costs are one optimum."""
 
 LOOKS: Final = 8
-"""Points that are looked at for each start: a plateau, such as that on which every contact sticks, holds
-whatever starts there."""
+"""Candidate points for each start: on a plateau, as where every contact sticks, a search cannot start."""
 
 NO_SLOPE: Final = 1e-15
-"""Slope of a cost of one at which a start has ended; a plateau has none."""
+"""Gradient, relative to the cost, at which a search ends; a plateau has none."""
 
 FLAT: Final = 1e-6
-"""Singular value over the largest below which a direction changes nothing that is predicted."""
+"""Singular value over the largest below which a direction changes no prediction."""
 
 SHARE: Final = 0.3
-"""Part that a parameter has in a flat direction of length one from which it is named."""
+"""Component of a parameter in a flat direction of unit length from which on it is undetermined."""
 
 AT_END: Final = 1e-6
-"""Distance from an end of the unit interval at which a parameter is taken to lie on it."""
+"""Distance from an end of the unit interval below which a parameter lies on it."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Fit:
-    """What a fit found: the best of its starts, and how far it is to be believed.
+class Optimum:
+    """Result of a multi-start search.
 
     Args:
-        free: what was free.
+        free: the free parameters.
         values: the optimum [SI], shape (parameter,).
         cost: half the sum of the squared residuals there.
-        costs: that of every start's end, shape (start,), infinite where there were fewer points at which the
-            residuals are finite.
-        hits: how many starts ended at the best cost.
+        costs: those of all starts, shape (start,), infinite where fewer points had finite residuals.
+        hits: number of starts that reached the lowest cost.
         singular_values: of the Jacobian of the residuals in the unit cube at the optimum, falling.
-        cannot_tell: names of the parameters that the residuals do not determine; see `undetermined`.
-        at_end: names of those that lie on an end of their range, where the best may lie beyond.
+        undetermined: names of the parameters that the residuals do not determine; see `undetermined`.
+        at_end: names of those that lie on an end of their range, where the optimum may lie beyond.
     """
 
-    free: tuple[Free, ...]
+    free: tuple[FreeParameter, ...]
     values: Array
     cost: float
     costs: Array
     hits: int
     singular_values: Array
-    cannot_tell: tuple[str, ...]
+    undetermined: tuple[str, ...]
     at_end: tuple[str, ...]
 
     def warnings(self) -> list[str]:
-        """Say, a sentence each, which of the values are none that the data determine."""
-        said = [f"cannot tell: {', '.join(self.cannot_tell)}"] if self.cannot_tell else []
-        ends = {one.name: value for one, value in zip(self.free, self.values, strict=True)}
-        return said + [f"{name} lies on an end of its range, {ends[name]:.4g}" for name in self.at_end]
+        """Return a phrase for each kind of value that the data do not determine."""
+        ends = {item.name: value for item, value in zip(self.free, self.values, strict=True)}
+        return [
+            *([f"not determined: {', '.join(self.undetermined)}"] if self.undetermined else []),
+            *(f"{name} lies on an end of its range, {ends[name]:.4g}" for name in self.at_end),
+        ]
 
 
 def best_fit(
     residuals: Callable[[Array], Array],
-    free: Sequence[Free],
+    free: Sequence[FreeParameter],
     starts: int,
     seed: int,
     *,
@@ -75,26 +74,23 @@ def best_fit(
     begin: Array | None = None,
     step: float | None = None,
     accuracy: float = 1e-8,
-    advance: Callable[[], object] = bool,
-) -> Fit:
-    """Find the values with the least sum of squared residuals, from the best of many points of the cube.
+) -> Optimum:
+    """Minimise the sum of squared residuals, starting from the best of many points of the unit cube.
 
-    The points are its middle and a Latin hypercube's, so many for each start; the residuals are looked at
-    there, and the best points are started from. Each start is followed by a trust region (Branch, Coleman
-    and Li 1999, SIAM J. Sci. Comput. 21, 1) that stays in the ranges. A step to where a residual is not
-    finite is shortened; a point there is not started from.
+    Candidate points are the middle of the cube and a Latin hypercube. Each start is followed by a trust
+    region (Branch, Coleman and Li 1999, SIAM J. Sci. Comput. 21, 1) within the ranges. A step to where a
+    residual is not finite is shortened.
 
     Args:
-        residuals: gives from values [SI], shape (parameter,), the residuals, shape (residual,).
-        free: what is free; without any the residuals are taken as they are.
+        residuals: function from values [SI], shape (parameter,), to residuals, shape (residual,).
+        free: free parameters; without any the residuals are evaluated once.
         starts: how many, at least one.
         seed: of the points; the same seed gives the same bits.
-        looks: points that are looked at for each start.
-        begin: values [SI], shape (parameter,), of the one start that there is then; nothing is drawn.
-        step: of the differences in the unit cube that the derivatives are taken by; None is that of
-            residuals without noise, 1.5e-8. A law that is integrated to a tolerance wants its square root.
-        accuracy: relative change of cost, and of the point in the cube, at which a start has ended.
-        advance: called as each start has ended.
+        looks: candidate points for each start.
+        begin: values [SI], shape (parameter,), of a single start instead.
+        step: of finite differences in the unit cube; None is that of residuals exact to round-off, 1.5e-8.
+            For a law integrated to a tolerance it should be the square root of that.
+        accuracy: relative change of cost, and of the point in the cube, at which a search ends.
 
     Raises:
         ValueError: there is no start, or the residuals are finite at no point.
@@ -103,7 +99,10 @@ def best_fit(
         raise ValueError(f"starts is {starts} and looks is {looks}; both must be at least 1.")
     free = tuple(free)
     if not free:
-        return _of_nothing(residuals(np.empty(0)))
+        cost = _cost(np.asarray(residuals(np.empty(0))))
+        if not isfinite(cost):
+            raise ValueError("The residuals are not finite numbers, and nothing is free to change that.")
+        return Optimum((), np.empty(0), cost, np.array([cost]), 1, np.empty(0), (), ())
 
     def in_cube(shares: Array) -> Array:
         return np.asarray(residuals(from_cube(free, shares)), dtype=np.float64)
@@ -119,87 +118,73 @@ def best_fit(
             f"None of {len(points)} points has residuals that are finite numbers, of {names}. Narrow the "
             "ranges."
         )
-    # In units of the best that was seen, so that no tolerance depends on the unit of the residuals.
+    # In units of the lowest cost, so that no tolerance depends on the unit of the residuals.
     unit = sqrt(2.0 * seen.min()) or 1.0
-    best, ends = None, []
-    for place in np.argsort(seen, kind="stable")[:starts]:
-        end = None
+    best: OptimizeResult | None = None
+    costs = np.full(starts, inf)
+    for number, place in enumerate(np.argsort(seen, kind="stable")[:starts]):
         if np.isfinite(seen[place]):
-            end = _descend(lambda shares: in_cube(shares) / unit, points[place], step, accuracy)
+            end = least_squares(
+                lambda shares: in_cube(shares) / unit,
+                points[place],
+                bounds=(0.0, 1.0),
+                ftol=accuracy,
+                xtol=accuracy,
+                gtol=NO_SLOPE,
+                diff_step=step,
+            )
             best = end if best is None or end.cost < best.cost else best
-        ends.append(inf if end is None else float(end.cost))
-        advance()
+            costs[number] = end.cost
     assert best is not None
-    return _fit(free, best, np.array(ends, dtype=np.float64), unit)
-
-
-def _descend(
-    residuals: Callable[[Array], Array], start: Array, step: float | None, accuracy: float
-) -> OptimizeResult:
-    """Follow one start to its end."""
-    settings = {"ftol": accuracy, "xtol": accuracy, "gtol": NO_SLOPE, "diff_step": step}
-    return least_squares(residuals, start, bounds=(0.0, 1.0), **settings)
-
-
-def _fit(free: tuple[Free, ...], best: OptimizeResult, ends: Array, unit: float) -> Fit:
-    """Say what was found, in the unit of the residuals."""
     point, jacobian = np.asarray(best.x), np.asarray(best.jac) * unit
     spread = noise(np.asarray(best.fun) * unit, len(free))
-    return Fit(
+    return Optimum(
         free,
         from_cube(free, point),
         float(best.cost) * unit**2,
-        ends * unit**2,
-        int(np.sum(ends <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
+        costs * unit**2,
+        int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
         np.asarray(np.linalg.svd(jacobian, compute_uv=False), dtype=np.float64),
         undetermined(free, jacobian, spread),
-        tuple(one.name for one, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
+        tuple(item.name for item, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
     )
 
 
 def _cost(residuals: Array) -> float:
-    """Give half the sum of the squares, infinite where a residual is no number."""
+    """Return half the sum of the squares, infinite if a residual is not finite."""
     return 0.5 * float(np.sum(residuals**2)) if np.isfinite(residuals).all() else inf
 
 
 def starting_points(size: int, points: int, seed: int) -> Array:
-    """Give the points of the unit cube from which a search begins, shape (point, parameter).
+    """Return the middle of the unit cube and a Latin hypercube, shape (point, parameter)."""
+    # Imported here: a run needs no scipy.stats.
+    from scipy.stats import qmc
 
-    The first is the middle, the others are a Latin hypercube's.
-    """
     drawn = qmc.LatinHypercube(size, seed=seed).random(points - 1) if points > 1 else np.empty((0, size))
     return np.vstack([np.full((1, size), 0.5), drawn])
 
 
 def noise(residuals: Array, parameters: int) -> float:
-    """Estimate the standard deviation of one residual from those of a fit with so many parameters."""
+    """Estimate the standard deviation of one residual of a fit with so many parameters."""
     return sqrt(float(np.sum(residuals**2)) / max(residuals.size - parameters, 1))
 
 
-def undetermined(free: Sequence[Free], jacobian: Array, spread: float) -> tuple[str, ...]:
-    """Name the parameters that no residual determines.
+def undetermined(free: Sequence[FreeParameter], jacobian: Array, spread: float) -> tuple[str, ...]:
+    """Return the names of the parameters that no residual determines.
 
     A direction of the unit cube with the singular value s of the Jacobian is known to spread/s. It is flat
-    where that is more than 1/sqrt(12), the deviation of the range itself, so that the data say nothing, or
-    where s is below `FLAT` of the largest. The parameters with a part of `SHARE` and more in it are named.
+    where that exceeds 1/sqrt(12), the deviation of the prior, or where s is below `FLAT` of the largest. The
+    parameters with a component of `SHARE` and more in a flat direction are undetermined.
 
     Args:
         free: the parameters.
-        jacobian: of the residuals over the shares of the ranges, shape (residual, parameter).
+        jacobian: of the residuals in the unit cube, shape (residual, parameter).
         spread: standard deviation of one residual.
     """
     rows, columns = jacobian.shape
-    # A row short of a square has directions that no singular value stands for.
+    # With fewer rows than columns some directions have no singular value.
     filled = np.vstack([jacobian, np.zeros((max(columns - rows, 0), columns))])
     _, sizes, directions = np.linalg.svd(filled, full_matrices=False)
     flat = (sizes <= FLAT * sizes[0]) | (sizes < sqrt(12.0) * spread)
     named = (np.abs(directions[flat]) >= SHARE).any(axis=0)
-    return tuple(one.name for one, is_flat in zip(free, named, strict=True) if is_flat)
-
-
-def _of_nothing(residuals: Array) -> Fit:
-    """Give the fit of no parameter."""
-    if not np.isfinite(residuals).all():
-        raise ValueError("The residuals are not finite numbers, and nothing is free to change that.")
-    cost = 0.5 * float(np.sum(np.asarray(residuals) ** 2))
-    return Fit((), np.empty(0), cost, np.array([cost]), 1, np.empty(0), (), ())
+    return tuple(item.name for item, is_flat in zip(free, named, strict=True) if is_flat)

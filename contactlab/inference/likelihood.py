@@ -1,4 +1,4 @@
-"""How likely residuals are: compiled, and exact in a time that grows as the number of the data.
+"""Likelihood of residuals, compiled; exact at a cost proportional to the number of data.
 
 Of a series: white noise and a discrepancy of the model, an Ornstein-Uhlenbeck process of the standard
 deviation delta and the correlation time tau, so that residuals at t_i and t_j have the covariance
@@ -53,7 +53,7 @@ def _filtered(
 
 
 @kernel
-def _wandering(normals: Array, time: Array, amplitude: float, correlation: float) -> None:
+def _ornstein_uhlenbeck(normals: Array, time: Array, amplitude: float, correlation: float) -> None:
     """Turn standard normal numbers into an Ornstein-Uhlenbeck process, in place."""
     for i in range(normals.size):
         if i == 0:
@@ -92,10 +92,10 @@ def _of_impacts(
         terms[i] = -LOG_TWO_PI - 0.5 * (log(determinant) + distance)
 
 
-def series_terms(
+def series_log_densities(
     residuals: Array, time: Array, white: Array, amplitude: float = 0.0, correlation: float = 1.0
 ) -> Array:
-    """Give log p(residual | those before it) of a series, whose sum is the log likelihood.
+    """Return log p(residual | those before it) of a series, whose sum is the log likelihood.
 
     Args:
         residuals: measured minus predicted, shape (time,), in any unit.
@@ -109,14 +109,16 @@ def series_terms(
     return terms
 
 
-def wandering(draws: np.random.Generator, time: Array, amplitude: float, correlation: float) -> Array:
-    """Draw an Ornstein-Uhlenbeck process at times [s], shape (time,); arguments as of `series_terms`."""
+def ornstein_uhlenbeck(
+    draws: np.random.Generator, time: Array, amplitude: float, correlation: float
+) -> Array:
+    """Draw an Ornstein-Uhlenbeck process at times [s], shape (time,), see `series_log_densities`."""
     path = draws.standard_normal(time.size)
-    _wandering(path, time, float(amplitude), float(correlation))
+    _ornstein_uhlenbeck(path, time, float(amplitude), float(correlation))
     return path
 
 
-def student_terms(residuals: Array, scale: Array, degrees_of_freedom: float) -> Array:
+def student_log_densities(residuals: Array, scale: Array, degrees_of_freedom: float) -> Array:
     """Return the log density of independent residuals with Student-t distributions, shape as the residuals.
 
     Args:
@@ -137,7 +139,7 @@ def student_factor(draws: np.random.Generator, degrees_of_freedom: float, count:
     return np.asarray(np.sqrt(degrees_of_freedom / draws.chisquare(degrees_of_freedom, count)))
 
 
-def impact_terms(
+def impact_log_densities(
     residuals: Array,
     covariance: Array,
     delassus: Array,
@@ -145,7 +147,7 @@ def impact_terms(
     spread: float,
     degrees_of_freedom: float = inf,
 ) -> Array:
-    """Give the log density of each impact's residual, shape (impact,); -inf where it has no variance.
+    """Return the log density of each impact's residual, shape (impact,); -inf where it has no variance.
 
     Args:
         residuals: measured minus predicted velocity after the impact [m/s], shape (impact, 2).
@@ -161,6 +163,6 @@ def impact_terms(
 
 
 def approach_scale(delassus: Array, velocity: Array) -> Array:
-    """Give u' D^-1 u of approaches [J], shape (impact,)."""
+    """Return u' D^-1 u of approaches [J], shape (impact,)."""
     solved: Any = np.linalg.solve(delassus, velocity[..., None])[..., 0]
     return np.asarray(np.einsum("ni,ni->n", velocity, solved))

@@ -20,22 +20,22 @@ from functools import partial
 from hashlib import sha256
 from importlib.util import find_spec
 from io import BytesIO
-from math import log
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Final, final
 from zipfile import BadZipFile
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.inference.free_parameters import Free, from_cube
-from contactlab.inference.problem import Model, log_likelihood
+from contactlab.inference.free_parameters import FreeParameter, from_cube
+from contactlab.inference.problem import Problem
 from contactlab.processes import START_METHOD, begin_worker, processors
 from contactlab.results.files import whole_file
 
 POINTS: Final = 150
-"""Live points where nothing is said."""
+"""Default number of live points."""
 
 GROUP: Final = 8
 """Proposals made at once."""
@@ -47,23 +47,18 @@ ENLARGED: Final = 1.5
 """Volume of the ellipsoids over that which just holds the live points."""
 
 UNBOUNDED: Final = 40
-"""Share of proposals from the whole prior that are taken [%], below which they are drawn from ellipsoids."""
+"""Acceptance of proposals from the whole prior [%] below which they are drawn from ellipsoids."""
 
 WORTH_A_PROCESS: Final = 1e-3
 """Seconds that a likelihood must take for processes to pay."""
 
 MISSING: Final = (
-    "Posteriors need the packages dynesty and arviz, which are not installed. Install them with: pip install "
+    "Posteriors need the package dynesty, which is not installed. Install it with: pip install "
     "'contactlab[fit]' (in a clone: pip install -e '.[fit]')."
 )
 
-TINY: Final = 1e-12
-"""Evidence that is not missing any more, in ln Z."""
-
-Advance = Callable[[float], object]
-
-_CURRENT: Final[list[Model]] = []
-"""The model that is sampled: messages between processes do not carry it."""
+_CURRENT: Final[list[Problem]] = []
+"""The problem that is sampled: messages between processes do not carry it."""
 
 _RECORDED: Final[dict[bytes, float]] = {}
 """Log likelihoods of an earlier start, by the bytes of the values; workers are forked with them."""
@@ -73,26 +68,26 @@ _EVALUATED: Final[list[tuple[Array, float]]] = []
 
 
 class NoSamplerError(RuntimeError):
-    """What samples is not installed; the message is a sentence."""
+    """dynesty is not installed."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """What nested sampling found.
+    """Weighted samples of a posterior, and the evidence.
 
     Args:
-        free: what was free.
-        samples: all points in their order [SI], shape (sample, parameter).
+        free: the free numbers.
+        samples: all points in the order of their likelihood [SI], shape (sample, parameter).
         log_likelihood: of each, shape (sample,).
         log_weight: logarithm of each one's share in the posterior, shape (sample,).
         log_evidence, error: ln Z and its standard deviation.
         information: of the data about the parameters [nat].
-        calls: how often the likelihood was asked.
-        points, seed: as asked for.
+        calls: number of evaluations of the likelihood.
+        points, seed: arguments of `sample`.
     """
 
-    free: tuple[Free, ...]
+    free: tuple[FreeParameter, ...]
     samples: Array
     log_likelihood: Array
     log_weight: Array
@@ -105,29 +100,28 @@ class Posterior:
 
     @property
     def effective(self) -> float:
-        """How many independent draws the samples are worth, after Kish: 1 over the sum of squared weights."""
+        """Number of independent draws of the same weight (Kish): 1 over the sum of squared weights."""
         return float(1.0 / np.sum(np.exp(self.log_weight) ** 2))
 
-    def draws(self, count: int) -> Array:
-        """Give samples of equal weight in random order, shape (count, parameter); the same every time."""
+    def draws(self, count: int) -> NDArray[np.int64]:
+        """Return indices of samples drawn by their weights, in random order, shape (count,)."""
         generator = np.random.default_rng([self.seed, 1])
-        # Systematic: each stands as often as its share says, but for one.
+        # Systematic resampling: the number of each sample is its share but for rounding.
         steps = (np.arange(count) + generator.random()) / count
         chosen = np.searchsorted(np.cumsum(np.exp(self.log_weight)), steps)
-        found: Array = self.samples[np.minimum(chosen, len(self.samples) - 1)]
-        return found[generator.permutation(count)]
+        return np.asarray(np.minimum(chosen, len(self.samples) - 1)[generator.permutation(count)])
 
     def quantiles(self, shares: Iterable[float]) -> Array:
-        """Give the quantiles of each parameter [SI], shape (parameter, share)."""
-        found = []
+        """Return the quantiles of each parameter [SI], shape (parameter, share)."""
+        outcome = []
         for column in self.samples.T:
             order = np.argsort(column, kind="stable")
             reached = np.cumsum(np.exp(self.log_weight[order]))
-            found.append(np.interp(list(shares), reached, column[order]))
-        return np.array(found).reshape(len(self.free), -1)
+            outcome.append(np.interp(list(shares), reached, column[order]))
+        return np.array(outcome).reshape(len(self.free), -1)
 
     def moments(self) -> tuple[Array, Array]:
-        """Give mean, shape (parameter,), and covariance [SI], shape (parameter, parameter)."""
+        """Return mean, shape (parameter,), and covariance [SI], shape (parameter, parameter)."""
         weights = np.exp(self.log_weight)
         mean = weights @ self.samples
         off = self.samples - mean
@@ -135,27 +129,25 @@ class Posterior:
 
 
 def sample(
-    model: Model,
+    problem: Problem,
     *,
     points: int = POINTS,
     seed: int = 0,
     checkpoint: Path | None = None,
     workers: int | None = None,
     one_mode: bool = False,
-    advance: Advance = bool,
     announce: Callable[[str], object] = bool,
 ) -> Posterior:
-    """Sample the posterior of a model.
+    """Sample the posterior of a problem.
 
     Args:
-        model: what is free in it has a prior; there must be something.
-        points: live points; the evidence's error falls with their root, the work grows as they do.
+        problem: with at least one free number.
+        points: live points; the error of the evidence falls with their root, the cost is proportional.
         seed: the same seed gives the same bits, whatever the number of processes.
-        checkpoint: file of the likelihoods evaluated so far; a run that finds one looks them up in it.
-        workers: processes at work; None is one a processor where that pays.
+        checkpoint: file of the likelihoods evaluated so far, from which an interrupted run resumes.
+        workers: processes; None is one a processor where that pays.
         one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
-        advance: receives the share that is done.
-        announce: receives a sentence where the checkpoint is damaged and the run begins anew.
+        announce: receives a sentence if the checkpoint is damaged and the run starts again.
 
     Raises:
         NoSamplerError: dynesty is not installed.
@@ -163,17 +155,17 @@ def sample(
     available()
     from dynesty import NestedSampler
 
-    _CURRENT[:] = [model]
-    record = _Record(checkpoint, model)
+    _CURRENT[:] = [problem]
+    record = _Record(checkpoint, problem)
     if record.damage:
         announce(record.damage)
     _RECORDED.clear()
     _RECORDED.update(zip((row.tobytes() for row in record.values), record.log_likelihood, strict=True))
-    with _pool(model, workers) as pool, record.kept():
+    with _pool(problem, workers) as pool, record.kept():
         sampler = NestedSampler(
             _log_likelihood,
             _from_cube,
-            len(model.free),
+            len(problem.free),
             nlive=points,
             rstate=np.random.default_rng(seed),
             pool=_Recorder(pool, record),
@@ -185,28 +177,28 @@ def sample(
             enlarge=ENLARGED,
             first_update={"min_ncall": points, "min_eff": UNBOUNDED},
         )
-        sampler.run_nested(print_func=_Watch(advance))
-        found = sampler.results
-    log_weight = np.asarray(found["logwt"] - found["logz"][-1])
+        sampler.run_nested(print_progress=False)
+        outcome = sampler.results
+    log_weight = np.asarray(outcome["logwt"] - outcome["logz"][-1])
     # They add up to one but for round-off.
     log_weight = log_weight - np.logaddexp.reduce(log_weight)
     return Posterior(
-        model.free,
-        np.asarray(found["samples"]),
-        np.asarray(found["logl"]),
+        problem.free,
+        np.asarray(outcome["samples"]),
+        np.asarray(outcome["logl"]),
         log_weight,
-        float(found["logz"][-1]),
-        float(found["logzerr"][-1]),
-        float(found["information"][-1]),
-        int(np.sum(found["ncall"])),
+        float(outcome["logz"][-1]),
+        float(outcome["logzerr"][-1]),
+        float(outcome["information"][-1]),
+        int(np.sum(outcome["ncall"])),
         points,
         seed,
     )
 
 
 def available() -> None:
-    """Refuse to go on, by a NoSamplerError, where dynesty or ArviZ is not installed."""
-    if any(find_spec(name) is None for name in ("dynesty", "arviz")):
+    """Raise a NoSamplerError if dynesty is not installed."""
+    if find_spec("dynesty") is None:
         raise NoSamplerError(MISSING)
 
 
@@ -214,9 +206,9 @@ def _log_likelihood(values: Array) -> float:
     known = _RECORDED.get(values.tobytes())
     if known is not None:
         return known
-    found = log_likelihood(_CURRENT[0], values)
-    _EVALUATED.append((np.array(values), found))
-    return found
+    outcome = _CURRENT[0].log_likelihood(values)
+    _EVALUATED.append((np.array(values), outcome))
+    return outcome
 
 
 def _with_evaluations(work: Callable[[Any], Any], item: Any) -> tuple[Any, list[tuple[Array, float]]]:
@@ -231,7 +223,7 @@ def _from_cube(shares: Array) -> Array:
 
 @final
 class _Here:
-    """Maps in this process, as a pool of processes does in others."""
+    """Maps in this process, as a pool does in others."""
 
     @staticmethod
     def map(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
@@ -239,19 +231,19 @@ class _Here:
 
 
 @contextmanager
-def _pool(model: Model, workers: int | None) -> Iterator[Any]:
-    """Give what maps: processes where a likelihood takes long enough, else this one."""
-    middle = from_cube(model.free, np.full(len(model.free), 0.5))
+def _pool(problem: Problem, workers: int | None) -> Iterator[Any]:
+    """Yield an object that maps: processes if a likelihood takes long enough, else this one."""
+    middle = from_cube(problem.free, np.full(len(problem.free), 0.5))
     # The first loads the compiled code.
-    log_likelihood(model, middle)
+    problem.log_likelihood(middle)
     began = perf_counter()
-    log_likelihood(model, middle)
+    problem.log_likelihood(middle)
     pays = perf_counter() - began > WORTH_A_PROCESS
     count = workers or (processors() if pays else 1)
     if count < 2 or START_METHOD is None:
         yield _Here()
         return
-    # From Python 3.12 on, of threads (those of the linear algebra) that a fork does not have.
+    # Python 3.12 warns of threads (those of the linear algebra) that a fork does not have.
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "This process", DeprecationWarning)
         pool = multiprocessing.get_context(START_METHOD).Pool(count, begin_worker)
@@ -265,10 +257,10 @@ class _Record:
 
     Args:
         path: of the file; None keeps nothing.
-        model: that is sampled.
+        problem: that is sampled.
     """
 
-    def __init__(self, path: Path | None, model: Model) -> None:
+    def __init__(self, path: Path | None, problem: Problem) -> None:
         self._path = path
         self._written = perf_counter()
         self.values: list[Array] = []
@@ -281,14 +273,14 @@ class _Record:
             if self._digest(content[:-size]) != content[-size:]:
                 raise ValueError("its digest is another")
             with np.load(BytesIO(content[:-size]), allow_pickle=False) as read:
-                values, found = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
-            kinds = {values.dtype, found.dtype}
-            if values.shape != (found.size, len(model.free)) or kinds != {np.dtype(float)}:
+                values, outcome = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
+            kinds = {values.dtype, outcome.dtype}
+            if values.shape != (outcome.size, len(problem.free)) or kinds != {np.dtype(float)}:
                 raise ValueError("its numbers are of another shape")
         except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
             self.damage = f"'{path}' is damaged ({error}); the fit begins anew."
             return
-        self.values, self.log_likelihood = list(values), found.tolist()
+        self.values, self.log_likelihood = list(values), outcome.tolist()
 
     def _digest(self, content: bytes) -> bytes:
         assert self._path is not None
@@ -296,9 +288,9 @@ class _Record:
 
     def add(self, evaluated: Iterable[tuple[Array, float]]) -> None:
         """Add evaluations; write the file if the last one is older than `EVERY`."""
-        for values, found in evaluated:
+        for values, outcome in evaluated:
             self.values.append(values)
-            self.log_likelihood.append(found)
+            self.log_likelihood.append(outcome)
         if perf_counter() - self._written > EVERY:
             self.write()
 
@@ -336,20 +328,3 @@ class _Recorder:
             results.append(result)
             self._record.add(evaluated)
         return results
-
-
-@final
-class _Watch:
-    """Tells the share that is done, by the evidence that may still be missing: it falls evenly by factors."""
-
-    def __init__(self, advance: Advance) -> None:
-        self._advance = advance
-        self._first = 0.0
-
-    def __call__(self, found: Any, _iteration: int, _calls: int, **others: Any) -> None:
-        missing, limit = max(float(found.delta_logz), TINY), float(others["dlogz"])
-        self._first = max(self._first, missing)
-        if others.get("add_live_it") is not None or self._first <= limit:
-            self._advance(1.0)
-        else:
-            self._advance(min(log(self._first / missing) / log(self._first / limit), 1.0))

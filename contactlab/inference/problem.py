@@ -1,35 +1,36 @@
-"""What a fit asks of measurements and a law: predictions, residuals, and how likely the measurements are."""
+"""An inference problem: measurements, a law with free numbers that predicts them, noise and priors.
 
+One problem serves least squares, nested sampling and, for impacts, cross-validation.
+"""
+
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Protocol, final
+from typing import Final, final
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.inference.free_parameters import Free
-from contactlab.parameter import Parameter, positive
+from contactlab.inference.free_parameters import FreeParameter
+from contactlab.parameter import positive
 
 LOWEST: Final = 1e-4
-"""Smallest noise or discrepancy that is thought possible, over the size of what was measured."""
-
 LARGEST: Final = 1.0
-"""Largest of it."""
+"""Range of the size of noise and discrepancy, over the size of the data."""
 
 IMPOSSIBLE: Final = -1e300
-"""Log likelihood of values under which a law gives no prediction."""
+"""Log likelihood of values without a prediction."""
 
-
-DEGREES_OF_FREEDOM: Final = Free(
+DEGREES_OF_FREEDOM: Final = FreeParameter(
     "degrees_of_freedom", 1.0, 100.0, True, positive("nu", "1", "degrees of freedom of the Student-t noise")
 )
-"""Those of the noise where they are free; at 100 the distribution is nearly normal."""
+"""Degrees of freedom of the noise where they are free; at 100 the distribution is nearly normal."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Measured:
-    """A quantity that was measured.
+class Observation:
+    """A measured quantity.
 
     Args:
         name: of the data.
@@ -44,57 +45,80 @@ class Measured:
     units: str
 
 
-class Model(Protocol):
-    """Measurements under one law with free numbers: those of law and motor, then those of the noise."""
+class Problem(ABC):
+    """Base class of inference problems; values of free numbers are SI, those of law and motor first."""
 
     @property
+    @abstractmethod
     def law(self) -> str:
         """Name of the law."""
 
     @property
-    def free(self) -> tuple[Free, ...]:
-        """All that is free, with its prior; names are keys of the configuration, or of the noise."""
+    @abstractmethod
+    def parameters(self) -> tuple[FreeParameter, ...]:
+        """The free numbers of law and motor."""
 
     @property
-    def physical(self) -> int:
-        """How many of them belong to law and motor; they stand first."""
+    @abstractmethod
+    def nuisances(self) -> tuple[FreeParameter, ...]:
+        """The free numbers of noise and discrepancy."""
 
     @property
-    def data(self) -> tuple[Measured, ...]:
-        """What was measured."""
+    @abstractmethod
+    def data(self) -> tuple[Observation, ...]:
+        """The measurements."""
 
     @property
+    @abstractmethod
     def coordinates(self) -> dict[str, Array]:
-        """Coordinates of its dimensions."""
+        """Coordinates of their dimensions."""
 
-    def predicted(self, values: Array) -> dict[str, Array] | None:
-        """Give what the law predicts, by name, shape as measured; None where it predicts nothing."""
+    @property
+    def step(self) -> float | None:
+        """Step of finite differences in the unit cube; None for predictions exact to round-off."""
+        return None
 
+    @property
+    def free(self) -> tuple[FreeParameter, ...]:
+        """All free numbers with their priors."""
+        return (*self.parameters, *self.nuisances)
+
+    @abstractmethod
+    def predict(self, values: Array) -> dict[str, Array] | None:
+        """Return predictions by name, shape as measured; None where the law has none."""
+
+    @abstractmethod
     def residuals(self, values: Array) -> Array:
-        """Give measured minus predicted over the noise's size, shape (any,); NaN without prediction.
+        """Return measured minus predicted over the size of the noise, shape (any,); NaN without prediction.
 
         The values are those of law and motor alone.
         """
 
-    def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
-        """Give the log density of each datum given those before it, by name; the sum is the likelihood's."""
+    @abstractmethod
+    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
+        """Return the log density of each datum given those before it, by name."""
 
-    def replicated(
+    @abstractmethod
+    def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
-        """Give data as the model draws them: prediction, discrepancy and noise."""
+        """Draw data: prediction, discrepancy and noise."""
+
+    def log_likelihood(self, values: Array) -> float:
+        """Return the log likelihood; `IMPOSSIBLE` without a prediction."""
+        predicted = self.predict(values)
+        if predicted is None:
+            return IMPOSSIBLE
+        total = sum(float(each.sum()) for each in self.log_densities(predicted, values).values())
+        return total if total > IMPOSSIBLE else IMPOSSIBLE
+
+    def value(self, values: Array, name: str, default: float) -> float:
+        """Return the value of a free number by name, or the default if it is not free."""
+        return next(
+            (float(x) for item, x in zip(self.free, values, strict=True) if item.name == name), default
+        )
 
 
-def log_likelihood(model: Model, values: Array) -> float:
-    """Give the log likelihood; `IMPOSSIBLE` where the law predicts nothing."""
-    predicted = model.predicted(values)
-    if predicted is None:
-        return IMPOSSIBLE
-    total = sum(float(each.sum()) for each in model.terms(predicted, values).values())
-    return total if total > IMPOSSIBLE else IMPOSSIBLE
-
-
-def size_prior(name: str, units: str, size: float, meaning: str) -> Free:
-    """Give a positive number whose logarithm is spread evenly about the size of what was measured."""
-    said: Parameter = positive("", units, meaning)
-    return Free(name, LOWEST * size, LARGEST * size, True, said)
+def size_prior(name: str, units: str, size: float, meaning: str) -> FreeParameter:
+    """Return a positive number that is log-uniform below the size of the data."""
+    return FreeParameter(name, LOWEST * size, LARGEST * size, True, positive("", units, meaning))

@@ -1,7 +1,8 @@
-"""Measured series of a motor under one law: a run for every set of values, compared at the data's times."""
+"""Measured series of a motor as an inference problem: every set of values is a run from rest."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import Any, Final, final
 
@@ -11,9 +12,15 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
 from contactlab.datasheet.electrodes import currents
-from contactlab.inference.free_parameters import Free
-from contactlab.inference.likelihood import series_terms, student_factor, student_terms, wandering
-from contactlab.inference.problem import DEGREES_OF_FREEDOM, Measured, size_prior
+from contactlab.inference.free_parameters import FreeParameter
+from contactlab.inference.impact_problem import STEP
+from contactlab.inference.likelihood import (
+    ornstein_uhlenbeck,
+    series_log_densities,
+    student_factor,
+    student_log_densities,
+)
+from contactlab.inference.problem import DEGREES_OF_FREEDOM, Observation, Problem, size_prior
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
 from contactlab.settling.periods import period_told
@@ -21,56 +28,39 @@ from contactlab.settling.until import PRECISION
 from contactlab.trajectory import Trajectory
 
 ON_GRID: Final = 1e-3
-"""Part of an interval by which times of equal distance may be off."""
+"""Tolerance of equidistant times, as a share of the interval."""
 
 FINER: Final = 4
-"""How many records lie in the shortest distance of times that are not of equal distance."""
+"""Number of records within the smallest interval of times that are not equidistant."""
 
-MEANS: Final = ("normal_force", "friction_force")
-ON_RECORDS: Final = (*MEANS, *(one.name for one in CURRENTS))
-"""What is only known at the records of a run, and not between."""
+ON_RECORDS: Final = ("normal_force", "friction_force", *(item.name for item in CURRENTS))
+"""Series that are known at the records of a run only: means over an interval, and currents."""
 
 NOISE, DISCREPANCY = "noise", "discrepancy"
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class SeriesModel:
-    """See `contactlab.inference.problem.Model`.
+class SeriesProblem(Problem):
+    """See `Problem`.
 
     Args:
         measured: the series.
-        configuration: the run's, checked, without what is free; times are those of the data.
-        keys: what of law and motor is free, named by full keys.
+        configuration: of the run by full key, without the free numbers; times are those of the data.
+        keys: free numbers of law and motor, named by full keys.
         interval: of the records [s].
-        places: of the records at the times of the data; None where they lie between records.
-        correlation: time of the discrepancy [s], the drive's period; 0 for none.
-        degrees_of_freedom: of the Student-t distribution of the noise; infinite is the normal one, None is
-            free.
+        places: indices of the records at the times of the data; None where they lie between records.
+        correlation: correlation time of the discrepancy [s], the drive's period; 0 for no discrepancy.
+        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
     """
 
     measured: MeasuredSeries
     configuration: Mapping[str, Any]
-    keys: tuple[Free, ...]
+    keys: tuple[FreeParameter, ...]
     interval: float
     places: Array | None
     correlation: float
     degrees_of_freedom: float | None = inf
-    free: tuple[Free, ...] = field(init=False)
-
-    def __post_init__(self) -> None:
-        noises = []
-        for one in self.data:
-            # What is constant but for noise would have no size of its own.
-            size = float(np.sqrt(np.mean(one.values**2))) or 1.0
-            if one.name not in self.measured.errors:
-                noises.append(size_prior(f"{NOISE}.{one.name}", one.units, size, "noise"))
-            if self.correlation > 0.0:
-                said = "amplitude of the discrepancy"
-                noises.append(size_prior(f"{DISCREPANCY}.{one.name}", one.units, size, said))
-        if self.degrees_of_freedom is None:
-            noises.append(DEGREES_OF_FREEDOM)
-        object.__setattr__(self, "free", (*self.keys, *noises))
 
     @property
     def law(self) -> str:
@@ -78,15 +68,28 @@ class SeriesModel:
         return str(self.configuration["law.name"])
 
     @property
-    def physical(self) -> int:
-        """How many of what is free belong to law and motor."""
-        return len(self.keys)
+    def parameters(self) -> tuple[FreeParameter, ...]:
+        """The free numbers of law and motor."""
+        return self.keys
 
-    @property
-    def data(self) -> tuple[Measured, ...]:
+    @cached_property
+    def nuisances(self) -> tuple[FreeParameter, ...]:
+        """Noise that is not stated, discrepancy and degrees of freedom."""
+        result = []
+        for item in self.data:
+            size = _rms(item.values)
+            if item.name not in self.measured.errors:
+                result.append(size_prior(f"{NOISE}.{item.name}", item.units, size, "noise"))
+            if self.correlation > 0.0:
+                meaning = "amplitude of the discrepancy"
+                result.append(size_prior(f"{DISCREPANCY}.{item.name}", item.units, size, meaning))
+        return (*result, *([DEGREES_OF_FREEDOM] if self.degrees_of_freedom is None else []))
+
+    @cached_property
+    def data(self) -> tuple[Observation, ...]:
         """The series."""
         return tuple(
-            Measured(name, ("time",), values, MEASURABLE[name].units)
+            Observation(name, ("time",), values, MEASURABLE[name].units)
             for name, values in self.measured.values.items()
         )
 
@@ -95,143 +98,152 @@ class SeriesModel:
         """The times."""
         return {"time": self.measured.time}
 
+    @property
+    def step(self) -> float | None:
+        """Step of differences of runs integrated to a tolerance."""
+        return STEP
+
     def run(self, values: Array) -> Trajectory | None:
-        """Run the motor with these values of what is free of law and motor; None where it cannot."""
-        given = {one.name: float(value) for one, value in zip(self.keys, values, strict=False)}
+        """Run the motor with these values of law and motor; None if it does not reach the end."""
+        chosen = {item.name: float(value) for item, value in zip(self.keys, values, strict=False)}
         try:
-            run = build(nested({**self.configuration, **given})).run(record_interval=self.interval)
-        # Values that are sound one by one need not be so together.
+            run = build(nested({**self.configuration, **chosen})).run(record_interval=self.interval)
+        # Values that are admitted one by one need not be so together.
         except (ConfigurationError, LawError, ValueError):
             return None
         return run if run.ending.reached_end else None
 
-    def predicted(self, values: Array) -> dict[str, Array] | None:
-        """Give what the run has at the times of the data, by name; None where it has not reached them."""
+    def predict(self, values: Array) -> dict[str, Array] | None:
+        """Return the series of the run at the times of the data, by name; None without a run."""
         run = self.run(values)
         if run is None:
             return None
-        series = dict(run.series)
-        if any(one.name in self.measured.values for one in CURRENTS):
-            series |= dict(zip((one.name for one in CURRENTS), currents(run), strict=True))
+        series = series_of(run, self.measured.values)
         if self.places is None:
-            return {
-                name: np.interp(self.measured.time, run.time, series[name]) for name in self.measured.values
-            }
+            return {name: np.interp(self.measured.time, run.time, x) for name, x in series.items()}
         places = self.places.astype(np.int64)
-        return {name: series[name][places] for name in self.measured.values}
+        return {name: x[places] for name, x in series.items()}
 
     def residuals(self, values: Array) -> Array:
-        """Give measured minus predicted over the stated noise, or over the size of the series."""
-        found = self.predicted(values)
-        if found is None:
+        """Return measured minus predicted over the stated noise, or over the size of the series."""
+        predicted = self.predict(values)
+        if predicted is None:
             return np.full(self.measured.time.size * len(self.measured.values), np.nan)
+        errors = self.measured.errors
         return np.concatenate(
             [
-                (one.values - found[one.name])
-                / self.measured.errors.get(one.name, np.sqrt(np.mean(one.values**2)) or 1.0)
-                for one in self.data
+                (item.values - predicted[item.name]) / errors.get(item.name, _rms(item.values))
+                for item in self.data
             ]
         )
 
-    def terms(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
-        """Give the log density of each datum given those before it, by name."""
-        noise, time, tails = self._noise(values), self.measured.time, self._tails(values)
-        terms = {}
-        for one in self.data:
-            white, amplitude = noise[one.name]
-            missed = one.values - predicted[one.name]
+    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
+        """Return the log density of each datum given those before it, by name."""
+        time, tails, terms = self.measured.time, self._tails(values), {}
+        for item in self.data:
+            noise, amplitude = self._noise(item.name, values)
+            missed = item.values - predicted[item.name]
             if tails < inf:
-                terms[one.name] = student_terms(missed, white, tails)
-                continue
-            terms[one.name] = series_terms(missed, time, white, amplitude, self.correlation or 1.0)
+                terms[item.name] = student_log_densities(missed, noise, tails)
+            else:
+                terms[item.name] = series_log_densities(
+                    missed, time, noise, amplitude, self.correlation or 1.0
+                )
         return terms
 
-    def replicated(
+    def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
-        """Give prediction, discrepancy and noise, as drawn."""
-        noise, time, tails = self._noise(values), self.measured.time, self._tails(values)
-        made = {}
+        """Draw series: prediction, discrepancy and noise."""
+        time, tails, made = self.measured.time, self._tails(values), {}
         for name, series in predicted.items():
-            white, amplitude = noise[name]
+            noise, amplitude = self._noise(name, values)
             normal = draws.standard_normal(time.size)
-            made[name] = series + white * normal * student_factor(draws, tails, time.size)
+            made[name] = series + noise * normal * student_factor(draws, tails, time.size)
             if amplitude > 0.0:
-                made[name] += wandering(draws, time, amplitude, self.correlation)
+                made[name] += ornstein_uhlenbeck(draws, time, amplitude, self.correlation)
         return made
 
     def _tails(self, values: Array) -> float:
-        """Return the degrees of freedom of the noise, which stand last where they are free."""
-        return float(values[-1]) if self.degrees_of_freedom is None else self.degrees_of_freedom
+        """Return the degrees of freedom of the noise."""
+        fixed = inf if self.degrees_of_freedom is None else self.degrees_of_freedom
+        return self.value(values, DEGREES_OF_FREEDOM.name, fixed)
 
-    def _noise(self, values: Array) -> dict[str, tuple[Array, float]]:
-        """Give the standard deviation of the noise at each time, and that of the discrepancy, by name."""
-        given = {one.name: float(x) for one, x in zip(self.free, values, strict=True)}
-        same = np.ones(self.measured.time.size)
-        return {
-            name: (
-                self.measured.errors[name]
-                if name in self.measured.errors
-                else given[f"{NOISE}.{name}"] * same,
-                given.get(f"{DISCREPANCY}.{name}", 0.0),
-            )
-            for name in self.measured.values
-        }
+    def _noise(self, name: str, values: Array) -> tuple[Array, float]:
+        """Return the standard deviation of a series' noise at each time, and that of its discrepancy."""
+        amplitude = self.value(values, f"{DISCREPANCY}.{name}", 0.0)
+        if name in self.measured.errors:
+            return self.measured.errors[name], amplitude
+        return self.value(values, f"{NOISE}.{name}", 0.0) * np.ones(self.measured.time.size), amplitude
 
 
-def series_model(
+def series_problem(
     measured: MeasuredSeries,
     configuration: Mapping[str, Any],
-    keys: Sequence[Free],
+    keys: Sequence[FreeParameter],
     *,
     discrepancy: bool,
     degrees_of_freedom: float | None = inf,
-) -> SeriesModel:
-    """Pose the question what of a motor's keys its series tell.
+) -> SeriesProblem:
+    """Return the problem of a motor's series.
 
     Args:
         measured: the series.
-        configuration: of a run, checked; its duration and its records follow from the data.
-        keys: what is free, named by full keys, with ranges.
+        configuration: of a run, checked; duration and records follow from the data.
+        keys: free numbers, named by full keys.
         discrepancy: whether the law may be wrong, by a process with the drive's period as correlation time.
-        degrees_of_freedom: of the Student-t distribution of the noise; infinite is the normal one, None is
-            free.
+        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
 
     Raises:
-        ConfigurationError: a discrepancy with Student-t noise, whose likelihood has no closed form,
-            forces or currents at times of unequal distance, or no drive that has a period.
+        ConfigurationError: a discrepancy with Student-t noise, whose likelihood has no closed form, forces
+            or currents at times that are not equidistant, or a drive without a period.
     """
     interval, places = records_at(measured.time)
     if places is None and (odd := [name for name in measured.values if name in ON_RECORDS]):
-        words = (
-            f"{', '.join(odd)} is measured at times that are no whole multiples of one interval; it must be, "
-            "since forces are means over intervals. Leave it out by --series, or put it on a grid."
+        raise ConfigurationError(
+            [
+                f"{', '.join(odd)} is measured at times that are no multiples of one interval; it must be, "
+                "since forces are means over intervals. Leave it out by --series, or put it on a grid."
+            ]
         )
-        raise ConfigurationError([words])
     period = period_told(configuration)
     if discrepancy and not period > 0.0:
-        words = "The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."
-        raise ConfigurationError([words])
+        raise ConfigurationError(
+            ["The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."]
+        )
     if discrepancy and degrees_of_freedom != inf:
-        words = "Student-t noise and a discrepancy of a series cannot be combined. Leave one out."
-        raise ConfigurationError([words])
+        raise ConfigurationError(
+            ["Student-t noise and a discrepancy of a series cannot be combined. Leave one out."]
+        )
     duration = max(float(measured.time[-1]), interval)
     times = {"solver.duration": duration, "solver.until": "duration", "solver.precision": PRECISION}
-    times |= {"record.interval": interval}
-    settings = {**flat(configuration), **times}
+    settings = {**flat(configuration), **times, "record.interval": interval}
     step = settings.get("solver.contact_step")
     settings["solver.contact_step"] = None if step is None else min(step, duration)
     correlation = period if discrepancy else 0.0
-    return SeriesModel(measured, settings, tuple(keys), interval, places, correlation, degrees_of_freedom)
+    return SeriesProblem(measured, settings, tuple(keys), interval, places, correlation, degrees_of_freedom)
+
+
+def series_of(run: Trajectory, names: Sequence[str] | Mapping[str, Any]) -> dict[str, Array]:
+    """Return series of a run by name, currents included."""
+    series = dict(run.series)
+    if any(item.name in names for item in CURRENTS):
+        series |= dict(zip((item.name for item in CURRENTS), currents(run), strict=True))
+    return {name: series[name] for name in names}
 
 
 def records_at(time: Array) -> tuple[float, Array | None]:
-    """Give an interval of records [s] and the places of times among them; None for times that are not."""
+    """Return an interval of records [s] and the indices of times among them; None for other times."""
     interval = float(np.median(np.diff(time)))
-    # The last time is that of most digits.
+    # The last time has the most digits.
     steps = np.round(time / interval)
     if steps[-1] > 0.0:
         interval = float(time[-1] / steps[-1])
     if np.abs(time - steps * interval).max() <= ON_GRID * interval and (np.diff(steps) > 0.0).all():
         return interval, steps
     return float(np.diff(time).min()) / FINER, None
+
+
+def _rms(values: Array) -> float:
+    """Return the size of a series, one where it is zero."""
+    return float(np.sqrt(np.mean(values**2))) or 1.0

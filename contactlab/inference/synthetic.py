@@ -10,12 +10,12 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
-from contactlab.datasheet.electrodes import currents
 from contactlab.impact import velocities_after
 from contactlab.inference.likelihood import approach_scale
+from contactlab.inference.series_problem import series_of
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.series import CURRENTS, MeasuredSeries
+from contactlab.measured.series import MeasuredSeries
 
 TRUTH: Final = "truth"
 """Attribute that holds the numbers that made the data, by key, as JSON; of impacts a note begins so."""
@@ -41,21 +41,19 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
     run = setup.run()
     if not run.ending.reached_end:
         raise ValueError(f"The truth cannot be run to its end: {run.message}")
-    series = dict(run.series)
-    if any(one.name in names for one in CURRENTS):
-        series |= dict(zip((one.name for one in CURRENTS), currents(run), strict=True))
+    series = series_of(run, names)
     draws = np.random.default_rng(seed)
     values, errors = {}, {}
     for name in names:
         size = noise * (float(np.sqrt(np.mean(series[name] ** 2))) or 1.0)
         values[name] = series[name] + size * draws.standard_normal(run.time.size)
         errors[name] = np.full(run.time.size, size)
-    said = {
+    stated = {
         "title": f"Made by law {setup.law.name}, with {noise:g} of noise",
         TRUTH: json.dumps(truth_of(setup.configuration)),
         "seed": seed,
     }
-    return MeasuredSeries(run.time, values, errors, setup.configuration, said)
+    return MeasuredSeries(run.time, values, errors, setup.configuration, stated)
 
 
 def made_impacts(
@@ -144,13 +142,13 @@ def truth_in(
         notes = [note.removeprefix(f"{TRUTH}: ") for note in measured.notes if note.startswith(f"{TRUTH}: ")]
         text = notes[0] if notes else "{}"
     try:
-        found = json.loads(str(text))
+        result = json.loads(str(text))
     # Somebody else's note of that name may be anything.
     except ValueError:
         return {}
-    if not isinstance(found, dict) or _names(found) != _names(flat(configuration)):
+    if not isinstance(result, dict) or _names(result) != _names(flat(configuration)):
         return {}
-    return {str(key): float(x) for key, x in found.items() if isinstance(x, int | float)}
+    return {str(key): float(x) for key, x in result.items() if isinstance(x, int | float)}
 
 
 def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries | MeasuredImpacts:

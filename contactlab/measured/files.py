@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import xarray
 
 from contactlab.measured import columns
 from contactlab.measured.assembly import assemble
@@ -15,9 +16,12 @@ from contactlab.measured.csv_files import read_text, write_csv
 from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.faults import MeasurementError as MeasurementError
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
-from contactlab.measured.netcdf_files import read_netcdf, write_netcdf
+from contactlab.measured.netcdf_files import dataset_of, read_netcdf
+from contactlab.measured.series import MEASURABLE, MeasuredSeries, read_series, text_names
 from contactlab.parameter import from_cf
 from contactlab.results.files import whole_file, whole_netcdf
+
+_UNITS: Final = known_names(dict.fromkeys(CONTACT, False), contact=True)
 
 _MATLAB: Final = b"MATLAB"
 _NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
@@ -42,6 +46,26 @@ def read_impacts(path: Path) -> MeasuredImpacts:
         raise MeasurementError(f"'{path}': {error}") from error
 
 
+def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries:
+    """Read measured impacts or series, by the names of the file's columns.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it contains neither.
+    """
+    try:
+        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as data:
+            names = {str(name) for name in data.variables}
+    # The file may be text.
+    except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
+            raise
+        names = text_names(path)
+        if any(name.startswith(("before_", "after_")) for name in names):
+            return read_impacts(path)
+    return read_series(path) if names & {"time", *MEASURABLE} else read_impacts(path)
+
+
 def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:
     """Write measured impacts, whole or not at all: netCDF where the name ends in .nc, CSV where in .csv.
 
@@ -54,16 +78,23 @@ def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:
     path = Path(path)
     if path.suffix not in (".csv", ".nc"):
         raise ValueError(f"'{path}' ends in '{path.suffix}'; it must end in .csv or .nc.")
-    values = _columns(impacts)
-    units = {**known_names(dict.fromkeys(CONTACT, False), contact=True)}
-    said = {"title": impacts.title, "source": impacts.source, "licence": impacts.licence}
-    words = {name: text for name, text in (said | {"note": "\n".join(impacts.notes)}).items() if text}
     if path.suffix == ".nc":
         with whole_netcdf(path) as partial:
-            write_netcdf(values, units, words, partial)
+            to_xarray(impacts).to_netcdf(partial, engine="netcdf4")
     else:
+        units = {name: from_cf(unit) for name, unit in _UNITS.items()}
         with whole_file(path) as partial:
-            write_csv(values, {name: from_cf(unit) for name, unit in units.items()}, words, partial)
+            write_csv(_columns(impacts), units, _words(impacts), partial)
+
+
+def to_xarray(impacts: MeasuredImpacts) -> xarray.Dataset:
+    """Return impacts as a netCDF file contains them."""
+    return dataset_of(_columns(impacts), _UNITS, _words(impacts))
+
+
+def _words(impacts: MeasuredImpacts) -> dict[str, str]:
+    words = {"title": impacts.title, "source": impacts.source, "licence": impacts.licence}
+    return {name: text for name, text in (words | {"note": "\n".join(impacts.notes)}).items() if text}
 
 
 def _columns(impacts: MeasuredImpacts) -> dict[str, np.ndarray]:

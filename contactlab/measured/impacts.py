@@ -5,6 +5,7 @@ negative on approach, and an impulse p = (p_n, p_t) makes u+ = u- + D p.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self, final
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_shape
+from contactlab.impact import Impacts
 
 _ROUND_OFF = 1e-12
 """Share of a matrix's largest element that its symmetry and its eigenvalues may be off by."""
@@ -97,6 +99,11 @@ class MeasuredImpacts:
 
     def __len__(self) -> int:
         return len(self.velocity_before) if isinstance(self.velocity_before, np.ndarray) else 0
+
+    @cached_property
+    def before(self) -> Impacts:
+        """The state before the impacts, from which laws predict the one after."""
+        return Impacts(self.delassus, self.velocity_before)
 
     def errors(self, predicted: Array) -> Array:
         """Give how far predictions are from what was measured, relative to the motion before the impact.

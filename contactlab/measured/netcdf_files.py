@@ -43,18 +43,17 @@ def read_netcdf(path: Path) -> Table:
     )
 
 
-def write_netcdf(
-    columns: Mapping[str, np.ndarray], units: Mapping[str, str], words: Mapping[str, str], path: Path
-) -> None:
-    """Write columns, shape (row,) or (), with their units."""
+def dataset_of(
+    columns: Mapping[str, np.ndarray], units: Mapping[str, str], words: Mapping[str, str]
+) -> xarray.Dataset:
+    """Return columns, shape (row,) or (), with their units as a dataset."""
     variables = {
         name: xarray.Variable((IMPACT.form,) if values.ndim else (), values, {"units": units[name]})
         for name, values in columns.items()
     }
-    encoding = {
-        name: _COMPRESSED if values.ndim else {"_FillValue": None} for name, values in columns.items()
-    }
-    xarray.Dataset(variables, attrs=dict(words)).to_netcdf(path, engine="netcdf4", encoding=encoding)
+    for variable in variables.values():
+        variable.encoding = _COMPRESSED if variable.ndim else {"_FillValue": None}
+    return xarray.Dataset(variables, attrs=dict(words))
 
 
 def _refuse_tables(dataset: xarray.Dataset) -> None:

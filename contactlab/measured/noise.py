@@ -1,7 +1,7 @@
 """An estimate of the errors of measured impacts from what no impulse can have made."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from contactlab.arrays import Array
 from contactlab.measured.impacts import MeasuredImpacts
@@ -35,4 +35,4 @@ def noise_from_outside(impacts: MeasuredImpacts, coordinates: int) -> Array:
         raise ValueError(
             "No energy lies outside of the impulses' span; nothing tells the errors. Give them with the data."
         )
-    return np.asarray(middle / chi2.median(coordinates - 2) * impacts.delassus)
+    return np.asarray(middle / (2.0 * gammaincinv(0.5 * (coordinates - 2), 0.5)) * impacts.delassus)

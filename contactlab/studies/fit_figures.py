@@ -1,54 +1,42 @@
-"""The pictures of a fit: the posterior of every pair of parameters, and the data beside what is predicted."""
+"""Figures of a fit: the posterior of every pair of parameters, and the data beside their predictions."""
 
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.style import context
 
 from contactlab.arrays import Array
-from contactlab.inference.result import ENDS, Answer
-from contactlab.plot.style import COLOURS, STYLE
-from contactlab.results.files import whole_file
+from contactlab.inference.fit import ENDS
+from contactlab.parameter import from_cf
+from contactlab.plot.style import COLOURS
 
-WIDTH: Final = 5.2  # inches; the words are still read where a phone makes it its own width
+WIDTH: Final = 5.2  # [in], legible on a phone
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24
-MOST: Final = 8  # parameters that a corner plot can show
-FEW: Final = 150  # impacts whose intervals are drawn one by one
+MOST: Final = 8  # parameters of a corner plot
+FEW: Final = 150  # impacts with individual intervals
 SHARES: Final = (0.9, 0.5)  # of the posterior inside its lines
-
-METADATA: Final[Any] = {"pdf": {"CreationDate": None}, "png": {"Software": None}}
-"""Without dates and versions the same fit gives the same bytes."""
 
 _BAND: Final[Any] = {"color": COLOURS["stick"], "alpha": 0.3, "linewidth": 0.0}
 _TRUTH: Final[Any] = {"color": COLOURS["fault"], "linewidth": 0.9}
 
 
-def save(answer: Answer, folder: Path, ending: str) -> list[Path]:
-    """Write corner plot and predictions, PNG and PDF, into a folder, and give the PNG files."""
-    written = []
-    for name, draw in {"corner": corner, "predictions": predictions}.items():
-        with context(STYLE):
-            figure = draw(answer)
-            for kind, metadata in METADATA.items():
-                with whole_file(folder / f"{name}{ending}.{kind}") as partial:
-                    figure.savefig(partial, format=kind, metadata=metadata)
-        written.append(folder / f"{name}{ending}.png")
-    return written
-
-
-def corner(answer: Answer) -> Figure:
-    """Draw the posterior of each parameter, and of each pair; the truth as a line where it is known."""
-    rows = answer.rows()[:MOST]
-    weights, columns = np.exp(answer.posterior.log_weight), answer.posterior.samples.T
-    count = len(rows)
+def draw_corner(fit: xarray.DataTree) -> Figure:
+    """Draw the posterior of each parameter, and of each pair: 50 % and 90 % regions, the truth in red."""
+    summary, samples = fit["summary"].to_dataset(), fit["weighted_samples"].to_dataset()
+    weights, columns = np.exp(samples["log_weight"].values), samples["value"].values.T
+    truth = summary["truth"].values
+    heads = [
+        str(name).replace(".", ".\n").replace("_", " ") + ("" if unit == "1" else f"\n({from_cf(str(unit))})")
+        for name, unit in zip(summary["parameter"].values, summary["units"].values, strict=True)
+    ]
+    spans = [_span(*ends) for ends in zip(summary["low"].values, summary["high"].values, strict=True)]
+    count = min(len(heads), MOST)
     figure = Figure(figsize=(WIDTH, max(CELL * count, 2.2) + 0.5), layout="constrained")
     panels = figure.subplots(count, count, squeeze=False)
-    spans = [_span(row.low, row.high) for row in rows]
-    for i, row in enumerate(rows):
+    for i in range(count):
         for j in range(count):
             axes: Axes = panels[i, j]
             if j > i:
@@ -60,13 +48,13 @@ def corner(answer: Answer) -> Figure:
                 axes.spines["left"].set_visible(False)
             else:
                 _pair(axes, columns[j], columns[i], weights, (spans[j], spans[i]))
-            _mark(axes, rows[j].truth, row.truth if i != j else np.nan)
+            _mark(axes, truth[j], truth[i] if i != j else np.nan)
             axes.set_xlim(spans[j])
             axes.locator_params(axis="x", nbins=2)
             if i != j:
                 axes.set_ylim(spans[i])
                 axes.locator_params(axis="y", nbins=3)
-            _label(axes, rows[j], row, bottom=i == count - 1, left=j == 0 and i > 0)
+            _label(axes, heads[j], heads[i], bottom=i == count - 1, left=j == 0 and i > 0)
     figure.align_labels()
     return figure
 
@@ -100,40 +88,38 @@ def _mark(axes: Axes, across: float, up: float) -> None:
         axes.axhline(up, **_TRUTH)
 
 
-def _label(axes: Axes, below: Any, beside: Any, *, bottom: bool, left: bool) -> None:
-    for row, wanted, name in ((below, bottom, "x"), (beside, left, "y")):
-        words = row.name.replace(".", ".\n").replace("_", " ")
-        unit = "" if row.unit == "1" else f"\n({row.unit})"
-        if name == "x":
-            axes.tick_params(axis="x", labelbottom=wanted)
-        else:
-            axes.tick_params(axis="y", labelleft=wanted)
-        getattr(axes, f"{name}axis").get_offset_text().set_visible(wanted)
-        if wanted:
-            getattr(axes, f"set_{name}label")(f"{words}{unit}", fontsize=6)
+def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> None:
+    axes.tick_params(axis="x", labelbottom=bottom)
+    axes.tick_params(axis="y", labelleft=left)
+    for axis, head, shown in ((axes.xaxis, below, bottom), (axes.yaxis, beside, left)):
+        axis.get_offset_text().set_visible(shown)
+        if shown:
+            axis.set_label_text(head, fontsize=6)
 
 
-def predictions(answer: Answer) -> Figure:
-    """Draw the data and the 90 % band of what the posterior predicts of them."""
-    if "time" in answer.model.coordinates:
-        return _over_time(answer)
-    return _of_impacts(answer)
+def draw_predictions(fit: xarray.DataTree) -> Figure:
+    """Draw the data and the 90 % band of their predictions."""
+    data, predictive = (
+        fit["observed_data"].to_dataset(),
+        fit["posterior_predictive"].to_dataset().isel(chain=0),
+    )
+    return _over_time(data, predictive) if "time" in data.dims else _of_impacts(data, predictive)
 
 
-def _over_time(answer: Answer) -> Figure:
-    """Draw each series with its band, and below what is left of it without the median."""
-    data, time = answer.model.data, 1e3 * answer.model.coordinates["time"]
+def _over_time(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
+    """Draw each series with its band, and below both less the median of the predictions."""
+    time = 1e3 * data["time"].values
     figure = Figure(figsize=(WIDTH, 2.6 * len(data) + 0.3), layout="constrained")
     panels = figure.subplots(2 * len(data), 1, sharex=True, height_ratios=[2, 1] * len(data))
-    for one, upper, lower in zip(data, panels[::2], panels[1::2], strict=True):
-        low, high = np.quantile(answer.replicas[one.name], ENDS, axis=0)
-        middle = np.median(answer.predictions[one.name], axis=0)
+    for (name, item), upper, lower in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
+        low, high = np.quantile(predictive[name].values, ENDS, axis=0)
+        middle = np.median(predictive[f"{name}_predicted"].values, axis=0)
         for axes, level in ((upper, 0.0), (lower, middle)):
             axes.fill_between(time, low - level, high - level, label="90 % of the predictions", **_BAND)
-            axes.plot(time, one.values - level, ".", color="black", markersize=1.5, label="measured")
+            axes.plot(time, item.values - level, ".", color="black", markersize=1.5, label="measured")
         upper.plot(time, middle, color=COLOURS["stick"], linewidth=0.7, label="median, without noise")
-        unit = one.units.replace(" s-1", "/s")
-        upper.set_ylabel(f"{one.name.replace('_', ' ')}\n({unit})")
+        unit = from_cf(item.attrs["units"])
+        upper.set_ylabel(f"{str(name).replace('_', ' ')}\n({unit})")
         lower.set_ylabel(f"less the\nmedian ({unit})")
     panels[0].legend(loc="best")
     panels[-1].set_xlabel("time (ms)")
@@ -141,19 +127,21 @@ def _over_time(answer: Answer) -> Figure:
     return figure
 
 
-def _of_impacts(answer: Answer) -> Figure:
-    """Draw predicted over measured velocities, one panel a direction, with 90 % intervals."""
-    (one,) = answer.model.data
-    low, high = np.quantile(answer.replicas[one.name], ENDS, axis=0)
-    middle = np.median(answer.predictions[one.name], axis=0)
+def _of_impacts(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
+    """Draw predicted over measured velocities, one panel a direction, with 90 % intervals.
+
+    Of many impacts one interval, of median length, is drawn as dashed lines.
+    """
+    values = data["velocity_after"].values
+    low, high = np.quantile(predictive["velocity_after"].values, ENDS, axis=0)
+    middle = np.median(predictive["velocity_after_predicted"].values, axis=0)
     figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
-    for k, (axes, name) in enumerate(zip(figure.subplots(1, 2), ("gap rate", "slip"), strict=True)):
-        measured = one.values[:, k]
+    for k, (axes, name) in enumerate(zip(figure.subplots(1, 2), ("gap rate", "slip velocity"), strict=True)):
+        measured = values[:, k]
         ends = [float(f(np.concatenate([measured, middle[:, k]]))) for f in (np.min, np.max)]
         axes.plot(ends, ends, color="0.5", linewidth=0.6, zorder=0)
         if measured.size > FEW:
             axes.plot(measured, middle[:, k], ".", markersize=2, alpha=0.4, color=COLOURS["stick"])
-            # An interval of middling length stands for all.
             half = 0.5 * float(np.median(high[:, k] - low[:, k]))
             for sign in (-1.0, 1.0):
                 line = [end + sign * half for end in ends]

@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from dataclasses import replace
 from hashlib import sha256
 from inspect import getsourcefile
 from pathlib import Path
@@ -105,7 +106,7 @@ def done_parts(
     resumable = folder is not None and all("resonator" in setup.configuration for setup in setups.values())
     store = Store(folder / TASKS, study, setups) if folder is not None and resumable else None
     parts, details = store.kept(tasks) if store else Parts(task.key for task in tasks), None
-    pending = [task for task in tasks if task.key not in parts]
+    pending = [store.resuming(task) if store else task for task in tasks if task.key not in parts]
     done = len(tasks) - len(pending)
     if progress:
         progress(done, len(tasks))
@@ -159,6 +160,14 @@ class Store:
 
     def _name(self, key: str) -> str:
         return sha256(f"{self._digest}\0{key}".encode()).hexdigest()[:32]
+
+    def resuming(self, task: Task) -> Task:
+        """Return a task with the file by which it resumes."""
+        if not task.resumes:
+            return task
+        self.folder.mkdir(parents=True, exist_ok=True)
+        checkpoint = self.folder / f"{self._name(task.key)}.checkpoint"
+        return replace(task, arguments=(*task.arguments, checkpoint))
 
     def kept(self, tasks: Iterable[Task]) -> Parts:
         """Return the finished parts of tasks."""

@@ -60,11 +60,13 @@ class Task:
         key: unique within the study.
         function: a function of a module, so that other processes can import it.
         arguments: of the function, picklable.
+        resumes: whether the function takes a last argument `checkpoint`, a file by which it resumes.
     """
 
     key: str
     function: Callable[..., Part]
     arguments: tuple[Any, ...] = ()
+    resumes: bool = False
 
     def __call__(self) -> Part:
         """Do it."""

@@ -1,50 +1,25 @@
-"""The pictures of a study: errors beside floors, who beats whom, residuals, and a map of the impacts."""
+"""Figures of a validation: errors, paired differences, residuals, and a map of the impacts."""
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from matplotlib.style import context
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from contactlab.comparison.canvas import THIN, WIDTH, drawing, legend_above, style
-from contactlab.comparison.figures import METADATA
-from contactlab.inference.cross_validation_data import floors_in, laws_in
-from contactlab.inference.outcome import BASELINE, COMPLIANT, FLOOR, RIGID
-from contactlab.inference.residuals import abscissas, binned, residuals_of
-from contactlab.plot.style import COLOURS, STYLE
-from contactlab.results.files import whole_file
+from contactlab.inference.assessment import abscissas, binned, floors_in, laws_in, residuals_of
+from contactlab.inference.cross_validation import BASELINE, COMPLIANT, FLOOR, RIGID
+from contactlab.plot.style import COLOURS
 
 MOST_NUMBERED: Final = 12
-"""Impacts that are named in the map."""
+"""Largest number of impacts labelled in the map."""
 
 NEGLIGIBLE: Final = 1e-3
-"""Share of the least error of a law below which a floor is none, and not drawn."""
+"""Share of the least error of a law below which a floor is not drawn."""
 
 MARKS: Final = {RIGID: ("o", "C0"), COMPLIANT: ("s", "C1"), BASELINE: ("x", "0.3")}
 """Mark and colour of a kind."""
-
-
-def draw_all(data: xarray.Dataset, folder: Path) -> list[Path]:
-    """Write every figure as PNG and PDF; gives the PNGs."""
-    figures: dict[str, Callable[[xarray.Dataset], Figure]] = {
-        "prediction_error": draw_errors,
-        "paired_differences": draw_differences,
-        "residuals": draw_residuals,
-        "impacts": draw_impacts,
-    }
-    written = []
-    for name, draw in figures.items():
-        with context(STYLE):
-            figure = draw(data)
-            for kind, metadata in METADATA.items():
-                with whole_file(folder / f"{name}.{kind}") as partial:
-                    figure.savefig(partial, format=kind, metadata=metadata)
-        written.append(folder / f"{name}.png")
-    return written
 
 
 def draw_errors(data: xarray.Dataset) -> Figure:
@@ -69,8 +44,8 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         axes.axvline(float(here["prediction_error"]), **THIN)
         at = (float(here["prediction_error"]), len(labels) - 0.5)
         if floor == floors["law"].values[0]:
-            words = "floor: best admissible impulse of each impact "
-            axes.annotate(words, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
+            overrides = "floor: best admissible impulse of each impact "
+            axes.annotate(overrides, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
     axes.set(xscale="log", xlabel="held-out prediction error")
@@ -81,7 +56,7 @@ def draw_errors(data: xarray.Dataset) -> Figure:
 
 
 def draw_differences(data: xarray.Dataset) -> Figure:
-    """Draw by how much the law of a row is worse than that of a column; white where the data cannot tell.
+    """Draw by how much the law of a row is worse than that of a column; grey where not distinguishable.
 
     What is above the diagonal is the same with the other sign, and left out.
     """
@@ -107,26 +82,28 @@ def draw_differences(data: xarray.Dataset) -> Figure:
     axes.tick_params(length=0.0)
     for side in axes.spines.values():
         side.set_visible(False)
-    axes.set_title("error of the row less that of the column, in thousandths; grey: cannot tell", loc="right")
+    axes.set_title(
+        "error of the row less that of the column, in thousandths; grey: not distinguishable", loc="right"
+    )
     return figure
 
 
 def draw_residuals(data: xarray.Dataset) -> Figure:
-    """Draw medians and quartiles of what laws miss, over incidence, approach speed and slip."""
+    """Draw medians and quartiles of residuals over incidence, approach and slip velocity."""
     chosen = _compared(data)
     across = abscissas(data)
     figure, panels = drawing(3, 3, 5.2, sharex="col", sharey="row")
     for number, law in enumerate(chosen):
-        for row, (words, missed) in enumerate(residuals_of(data, law).items()):
+        for row, (overrides, missed) in enumerate(residuals_of(data, law).items()):
             for column, (axis, x) in enumerate(across.items()):
                 axes = panels[3 * row + column]
-                found = binned(x, missed)
-                axes.plot(found.at, found.median, label=law, **style(number))
+                result = binned(x, missed)
+                axes.plot(result.at, result.median, label=law, **style(number))
                 if number == 0:
                     band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
-                    axes.fill_between(found.at, found.low, found.high, **band)
+                    axes.fill_between(result.at, result.low, result.high, **band)
                 if column == 0:
-                    axes.set_ylabel(words)
+                    axes.set_ylabel(overrides)
                 if row == 2:
                     axes.set_xlabel(axis)
                 if row:
@@ -145,9 +122,9 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
     figure.colorbar(dots, ax=axes, label="least error under any law", extend="max")
     odd = np.flatnonzero(data["unexplained"].values)
     if odd.size:
-        words = f"no law explains: {odd.size} of {rate.size}"
+        overrides = f"no law explains: {odd.size} of {rate.size}"
         ring = {"s": 26.0, "facecolor": "none", "edgecolor": COLOURS["fault"], "linewidth": 0.9}
-        axes.scatter(slip[odd], -rate[odd], label=words, **ring)
+        axes.scatter(slip[odd], -rate[odd], label=overrides, **ring)
         named: list[tuple[float, float]] = []
         spread = np.ptp(slip), np.ptp(rate)
         for place in odd[np.argsort(-least[odd])][:MOST_NUMBERED]:
@@ -159,12 +136,12 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
             text = str(data["impact"].values[place])
             axes.annotate(text, at, (3, 3), textcoords="offset points", fontsize=6)
         legend_above(figure, axes)
-    axes.set(xlabel="slip before the impact (m/s)", ylabel="approach (m/s)")
+    axes.set(xlabel="slip velocity before the impact (m/s)", ylabel="approach velocity (m/s)")
     return figure
 
 
 def _compared(data: xarray.Dataset) -> list[str]:
-    """Give the laws whose residuals are drawn: the best of the first four groups."""
+    """Return the laws whose residuals are drawn: the best of the first four groups."""
     laws = laws_in(data)
     _, firsts = np.unique(laws["group"].values, return_index=True)
     return [str(laws["law"].values[place]) for place in firsts[:4]]

@@ -27,8 +27,7 @@ CHAPTERS: Final = {
 FURTHER: Final = {
     "contactlab.measured.files": "measured impacts, from files and into them",
     "contactlab.measured.series": "measured series, from files and into them",
-    "contactlab.inference.study": "laws judged on impacts that they have not seen",
-    "contactlab.inference.fit": "numbers of laws and motors from measurements",
+    "contactlab.inference.problem": "inference problems: data, law, free numbers, noise and priors",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }

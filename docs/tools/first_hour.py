@@ -1,13 +1,12 @@
 """From nothing to the first figure, and to green tests: what a new user waits for, step by step.
 
-python docs/tools/first_hour.py [python=3.11,3.12,3.13] [commit=HEAD] [before=COMMIT]
-                                 [tests=true] [output=DIR] [page=docs/install.md]
+python docs/tools/first_hour.py [python=3.11,3.12,3.13] [commit=HEAD] [before=COMMIT] [tests=true]
+                                 [output=DIR]
 
 A commit is cloned into an empty folder and README's two commands are read out of the clone and run, each
 by every Python in an environment of its own, with no compiled code of an earlier run and no cache but pip's
 own. `before=COMMIT` measures that commit first, to be compared. `python` is a version that is looked for as
-`.ci/run` does, or a path. `tests=false` leaves README's second command out, `page` is one whose table is
-made anew.
+`.ci/run` does, or a path. `tests=false` leaves README's second command out.
 
 OUTPUT has steps.csv, packages.csv (what each installed package takes on the disk) and table.md. Processor
 time is that of all processes that a step starts and waits for. The status is 1 where a step fails.
@@ -38,12 +37,8 @@ GIVEN = {
     "before": "",
     "tests": "true",
     "output": "outputs/first_hour",
-    "page": "",
 }
 """Keys and their defaults."""
-
-BEGIN = "<!-- Made by docs/tools/first_hour.py: begin. Do not edit. -->"
-END = "<!-- Made by docs/tools/first_hour.py: end. -->"
 
 DONE, FAILED, REFUSED = 0, 1, 2
 ENVIRONMENT = ".venv"
@@ -220,12 +215,6 @@ def write(result: Sequence[Step | Package], folder: Path) -> None:
     (folder / "table.md").write_text(page_of(steps), encoding="utf-8")
 
 
-def put_into(page: Path, table: str) -> None:
-    """Put the table between the marks of a page."""
-    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    page.write_text(f"{before}{BEGIN}\n\n{table}\n{END}{rest.partition(END)[2]}", encoding="utf-8")
-
-
 def wanted(label: Sequence[str]) -> dict[str, str]:
     """The values of all keys.
 
@@ -240,9 +229,6 @@ def wanted(label: Sequence[str]) -> dict[str, str]:
         options[key] = text
     if options["tests"] not in ("true", "false"):
         raise ValueError(f"tests={options['tests']} must be true or false.")
-    page = Path(options["page"])
-    if options["page"] and not (page.is_file() and BEGIN in page.read_text(encoding="utf-8")):
-        raise ValueError(f"{page} is no page with a table of this script; docs/install.md is one.")
     return options
 
 
@@ -274,8 +260,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 write(result, folder)
                 if isinstance(each, Step):
                     print(f"{each.commit}, Python {each.python}, {each.name}: {_seconds([each])}", flush=True)
-    if options["page"]:
-        put_into(Path(options["page"]), page_of([each for each in result if isinstance(each, Step)]))
     print(f"\n{(folder / 'table.md').read_text(encoding='utf-8')}\nWritten to {folder}.")
     return DONE if all(each.passed for each in result if isinstance(each, Step)) else FAILED
 

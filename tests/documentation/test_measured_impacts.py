@@ -6,9 +6,8 @@ import pytest
 import xarray
 from support.measurements import ELLIPSES
 
-from contactlab.inference.candidates import usual_law
-from contactlab.inference.study import study
-from contactlab.measured.files import read_impacts
+import contactlab as cl
+from contactlab.studies.validate import agreement, opposite_orders
 
 
 def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dataset:
@@ -33,15 +32,13 @@ def _study(errors: dict[str, float], reach: float, odd: list[int]) -> xarray.Dat
 def test_an_order_holds_where_no_two_seeds_contradict_each_other() -> None:
     item = _study({"a": 0.10, "b": 0.11, "c": 0.20}, 0.02, [1, 2])
     other = _study({"a": 0.10, "b": 0.15, "c": 0.20}, 0.02, [2, 3])
-
-    first, second, _ = measured_impacts.weighed([item, other])
-    assert (first.wins, first.losses, first.settled, first.contradicts) == (1, 0, False, False)
-    assert second.settled
-    stated = measured_impacts.finding([item, other])
-    assert "Of 3 pairs of laws 2 are parted" in stated[0]
-    assert stated[-1] == "No law explains 1 impacts under any seed, and 3 under one at least."
     turned = _study({"a": 0.15, "b": 0.10, "c": 0.20}, 0.02, [])
-    assert "b and a beat each other" in " ".join(measured_impacts.finding([other, turned, turned]))
+
+    first, last = agreement([item, other])
+    assert "3 pairs of laws 2 are" in first
+    assert "explains 1 impacts" in last
+    assert opposite_orders([item, other]) == []
+    assert opposite_orders([other, turned, turned]) == [("a", "b")]
 
 
 def test_the_page_has_a_place_for_the_tables() -> None:
@@ -57,8 +54,7 @@ def test_the_page_has_a_place_for_the_tables() -> None:
     f"docs/measurements.md says where they are had. Then put them into {ELLIPSES}.",
 )
 def test_poisson_beats_newton_on_the_published_ellipses() -> None:
-    impacts = read_impacts(ELLIPSES)
-    data = study(impacts, [usual_law("newton"), usual_law("poisson")], workers=1)
+    data = cl.validate(ELLIPSES, ["newton", "poisson"]).data.to_dataset()
 
     assert data["law"].values[0] == "poisson"
     assert float(data["difference_interval"].sel(law="newton", other="poisson", end="low")) > 0.004

@@ -116,7 +116,7 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "status", "key"),
+    ("overrides", "status", "key"),
     [
         (["drive.frequency=3 kHz"], 0, "finding"),
         # Patches of another length: not the numbers of Table 1.
@@ -126,9 +126,9 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
     ],
 )
 def test_the_exit_status_is_that_of_the_finding_or_of_a_refusal(
-    label: list[str], status: int, key: str, tmp_path: Path
+    overrides: list[str], status: int, key: str, tmp_path: Path
 ) -> None:
-    command = [sys.executable, str(SCRIPTS / "table1_placement.py"), "output=out", *label]
+    command = [sys.executable, str(SCRIPTS / "table1_placement.py"), "output=out", *overrides]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == status, done.stderr
     if status == 2:

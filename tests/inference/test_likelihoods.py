@@ -8,15 +8,15 @@ from scipy.stats import multivariate_normal, multivariate_t, t
 
 import contactlab as cl
 from contactlab.inference.free_parameters import free_parameters
-from contactlab.inference.impact_problem import ImpactModel
+from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.likelihood import (
     approach_scale,
-    impact_terms,
-    series_terms,
-    student_terms,
-    wandering,
+    impact_log_densities,
+    ornstein_uhlenbeck,
+    series_log_densities,
+    student_log_densities,
 )
-from contactlab.inference.problem import IMPOSSIBLE, log_likelihood
+from contactlab.inference.problem import IMPOSSIBLE
 from contactlab.inference.synthetic import made_impacts, with_noise, without_errors
 
 DRAWS = np.random.default_rng(5)
@@ -30,16 +30,16 @@ def test_the_filter_gives_the_density_of_the_dense_multivariate_normal(amplitude
     apart = np.abs(TIME[:, None] - TIME)
     dense = np.diag(WHITE**2) + amplitude**2 * np.exp(-apart / correlation)
 
-    found = series_terms(residuals, TIME, WHITE, amplitude, correlation)
+    result = series_log_densities(residuals, TIME, WHITE, amplitude, correlation)
 
-    assert found.sum() == pytest.approx(multivariate_normal(cov=dense).logpdf(residuals), rel=1e-12)
+    assert result.sum() == pytest.approx(multivariate_normal(cov=dense).logpdf(residuals), rel=1e-12)
     # Of each given those before it: the first alone knows of none.
-    assert found[0] == pytest.approx(multivariate_normal(cov=dense[:1, :1]).logpdf(residuals[:1]), rel=1e-12)
+    assert result[0] == pytest.approx(multivariate_normal(cov=dense[:1, :1]).logpdf(residuals[:1]), rel=1e-12)
 
 
 def test_a_drawn_discrepancy_has_the_covariance_that_the_likelihood_takes():
     draws, time = np.random.default_rng(1), np.array([0.0, 0.1, 0.5])
-    paths = np.array([wandering(draws, time, 2.0, 0.3) for _ in range(20_000)])
+    paths = np.array([ornstein_uhlenbeck(draws, time, 2.0, 0.3) for _ in range(20_000)])
 
     expected = 4.0 * np.exp(-np.abs(time[:, None] - time) / 0.3)
 
@@ -51,26 +51,26 @@ def test_the_density_of_an_impact_is_that_of_stated_error_and_error_of_the_law()
     residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
     scale = approach_scale(data.delassus, data.velocity_before)
 
-    found = impact_terms(residuals, data.covariance, data.delassus, scale, 0.2)
+    result = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2)
 
     for i in range(6):
         u = data.velocity_before[i]
         size = 0.2**2 * (u @ np.linalg.inv(data.delassus[i]) @ u)
         covariance = data.covariance[i] + size * data.delassus[i]
-        assert found[i] == pytest.approx(multivariate_normal(cov=covariance).logpdf(residuals[i]), rel=1e-10)
+        assert result[i] == pytest.approx(multivariate_normal(cov=covariance).logpdf(residuals[i]), rel=1e-10)
 
 
 def test_the_error_of_a_law_is_measured_as_the_errors_of_measured_impacts():
     law = cl.law("newton", restitution=0.6)
     data = without_errors(made_impacts(law, 500, 0.05, 3))
     free = free_parameters(law, {"restitution": None})
-    model = ImpactModel(data, law, free, free, spread=True)
+    problem = ImpactProblem(data, LawPredictor(law, free, ""), discrepancy=True)
     sizes = np.geomspace(0.01, 0.2, 60)
 
-    best = sizes[np.argmax([log_likelihood(model, np.array([0.6, size])) for size in sizes])]
+    best = sizes[np.argmax([problem.log_likelihood(np.array([0.6, size])) for size in sizes])]
 
     # Two directions share the norm; their mean square is twice that of one.
-    errors = data.errors(model.predicted(np.array([0.6]))["velocity_after"])
+    errors = data.errors(problem.predict(np.array([0.6]))["velocity_after"])
     assert best == pytest.approx(np.sqrt(np.mean(errors**2) / 2.0), rel=0.06)
     assert best == pytest.approx(0.05, rel=0.06)
 
@@ -79,10 +79,10 @@ def test_a_law_that_cannot_be_made_of_the_values_is_impossible_not_an_error():
     law = cl.law("newton")
     data = with_noise(made_impacts(law, 4, 0.05, 3), 0.1)
     free = free_parameters(law, {"restitution": None})
-    model = ImpactModel(data, law, free, free, spread=False)
+    problem = ImpactProblem(data, LawPredictor(law, free, ""))
 
-    assert log_likelihood(model, np.array([7.0])) == IMPOSSIBLE
-    assert not np.isfinite(model.residuals(np.array([7.0]))).any()
+    assert problem.log_likelihood(np.array([7.0])) == IMPOSSIBLE
+    assert not np.isfinite(problem.residuals(np.array([7.0]))).any()
 
 
 @pytest.mark.parametrize("degrees_of_freedom", [1.0, 3.5, 50.0])
@@ -91,15 +91,15 @@ def test_student_densities_are_those_of_an_independent_library(degrees_of_freedo
     residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
     scale = approach_scale(data.delassus, data.velocity_before)
 
-    found = impact_terms(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom)
+    result = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom)
 
     for i in range(6):
         shape = data.covariance[i] + 0.2**2 * scale[i] * data.delassus[i]
         expected = multivariate_t(shape=shape, df=degrees_of_freedom).logpdf(residuals[i])
-        assert found[i] == pytest.approx(expected, rel=1e-10)
+        assert result[i] == pytest.approx(expected, rel=1e-10)
     white = np.linspace(0.1, 0.4, 12)
     np.testing.assert_allclose(
-        student_terms(residuals.ravel(), white, degrees_of_freedom),
+        student_log_densities(residuals.ravel(), white, degrees_of_freedom),
         t.logpdf(residuals.ravel(), degrees_of_freedom, scale=white),
         rtol=1e-12,
     )
@@ -115,9 +115,9 @@ def test_student_noise_finds_the_friction_that_outliers_hide_from_normal_noise()
     values, sizes = np.linspace(0.02, 0.8, 79), np.geomspace(0.005, 0.9, 25)
     off = {}
     for degrees_of_freedom in (np.inf, 2.0):
-        model = ImpactModel(data, law, free, free, True, degrees_of_freedom)
+        problem = ImpactProblem(data, LawPredictor(law, free, ""), True, degrees_of_freedom)
         off[degrees_of_freedom] = max(
-            (log_likelihood(model, np.array([mu, size])), abs(mu - 0.2)) for mu in values for size in sizes
+            (problem.log_likelihood(np.array([mu, size])), abs(mu - 0.2)) for mu in values for size in sizes
         )[1]
 
     assert off[2.0] <= 0.02

@@ -11,9 +11,9 @@ from scipy.optimize import minimize
 from support.measurements import ELLIPSES
 
 from contactlab.inference.candidates import usual_laws
-from contactlab.inference.folds import folds_of
+from contactlab.inference.cross_validation import folds_of
+from contactlab.inference.impact_problem import LawPredictor
 from contactlab.inference.likelihood import approach_scale
-from contactlab.inference.models import LawModel
 from contactlab.measured.ellipses import AXES, MASS, read_ellipses
 from contactlab.measured.files import read_impacts
 from contactlab.measured.floors import with_constant_impulse
@@ -89,7 +89,7 @@ def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_t
             assert getattr(found, name) == pytest.approx(getattr(ellipses, name), rel=1e-9, abs=1e-12), name
 
 
-def _usual(name: str) -> tuple[LawModel, Callable[[float, float], np.ndarray]]:
+def _usual(name: str) -> tuple[LawPredictor, Callable[[float, float], np.ndarray]]:
     """A rigid law, and its parameters from restitution and friction coefficient."""
     model = next(one for one in usual_laws() if one.label == name)
     places = [one.name for one in model.free]
@@ -107,7 +107,7 @@ def test_poissons_friction_coefficient_depends_on_what_is_minimised(
     weight = 1.0 if scale == "body" else np.sqrt(2.0 * ellipses.kinetic_energy / approach)
 
     def misfit(x: np.ndarray) -> float:
-        errors = ellipses.errors(model.after(values(*x), ellipses)) * weight
+        errors = ellipses.errors(model.velocities_after(values(*x), ellipses)) * weight
         return float((errors**power).mean())
 
     found = minimize(misfit, [0.54, 0.17], method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-10})
@@ -147,7 +147,10 @@ def test_a_restitution_of_slip_or_incidence_gains_less_than_tangential_complianc
     assert np.degrees(angle.max()) == pytest.approx(30.7, abs=0.05)
     errors = np.array(
         [
-            [ellipses.errors(model.after(values(e, mu), ellipses)) for mu in np.arange(0.155, 0.195, 0.001)]
+            [
+                ellipses.errors(model.velocities_after(values(e, mu), ellipses))
+                for mu in np.arange(0.155, 0.195, 0.001)
+            ]
             for e in np.arange(0.44, 0.62, 0.0025)
         ]
     )

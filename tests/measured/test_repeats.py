@@ -8,16 +8,9 @@ from support.measured_impacts import drawn_bodies, drawn_impacts
 from support.struck_discs import struck_discs
 
 import contactlab as cl
-from contactlab.cli import fit as fit_verb
-from contactlab.inference.fit import read
-from contactlab.inference.models import LawModel
-from contactlab.inference.outcome import digest_of
-from contactlab.inference.study import ValidationError, study
+from contactlab.inference.cross_validation import ValidationError, digest_of
 from contactlab.measured.files import MeasurementError, read_impacts, write_impacts
 from contactlab.measured.repeats import copies_warning, measurements
-from contactlab.studies import validate_tables as tables
-
-NEWTON = LawModel.of(cl.Newton(), {"restitution": None, "friction_coefficient": None})
 
 
 def copied(impacts, times):
@@ -92,31 +85,27 @@ def test_rows_of_a_file_of_bodies_that_are_copied_are_found_and_labels_must_be_w
         read_impacts(path)
 
 
-def test_a_study_holds_copies_and_repeats_out_together_and_warns_of_copies():
+def test_a_validation_holds_copies_and_repeats_out_together_and_warns_of_copies():
     impacts = struck_discs(cl.Newton(0.5, 0.2), 40, seed=0, spread=0.02)
-    many = study(copied(impacts, 5), [NEWTON], workers=1)
-    fold = many["fold"].values.reshape(5, 40)
+    many = cl.validate(copied(impacts, 5), "newton")
+    fold = many.data["fold"].values.reshape(5, 40)
 
     assert (fold == fold[0]).all()
-    assert any("160 of 200 " in one for one in tables.warnings(many))
+    assert any("160 of 200 " in line for line in many.findings)
     labelled = replace(impacts, measurement=np.arange(40) // 4)
-    repeats = study(labelled, [NEWTON], workers=1)
-    fold = repeats["fold"].values.reshape(10, 4)
+    repeats = cl.validate(labelled, "newton")
+    fold = repeats.data["fold"].values.reshape(10, 4)
     assert (fold == fold[:, :1]).all()
-    assert not any("equal an earlier one" in one for one in tables.warnings(repeats))
+    assert not repeats.data.attrs["copies"]
 
 
 def test_copies_do_not_make_enough_impacts():
     with pytest.raises(ValidationError):
-        study(copied(struck_discs(cl.Newton(0.5, 0.2), 9, seed=0), 5), [NEWTON], workers=1)
+        cl.validate(copied(struck_discs(cl.Newton(0.5, 0.2), 9, seed=0), 5), "newton")
 
 
-def test_the_fit_verb_warns_of_copies(tmp_path, capsys, monkeypatch):
+def test_a_fit_warns_of_copies():
+    pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
     impacts = copied(struck_discs(cl.Newton(0.5, 0.2), 10, seed=0, spread=0.02), 2)
-    write_impacts(impacts, tmp_path / "data.csv")
-    assert measurements(read(tmp_path / "data.csv")).max() == 9
-    monkeypatch.setattr(fit_verb, "_answered", lambda *_: 1 / 0)
-
-    with pytest.raises(ZeroDivisionError):
-        fit_verb.main([str(tmp_path / "data.csv"), "law=newton", "--output", str(tmp_path / "out")])
-    assert "10 of 20 impacts" in capsys.readouterr().err
+    result = cl.fit(impacts, "newton", points=25, starts=1)
+    assert any("10 of 20 impacts" in line for line in result.findings)

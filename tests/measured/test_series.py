@@ -5,8 +5,7 @@ import pytest
 import xarray
 
 import contactlab as cl
-from contactlab.inference.fit import read
-from contactlab.measured.files import MeasurementError, read_impacts
+from contactlab.measured.files import MeasurementError, read_impacts, read_measurements as read
 from contactlab.measured.series import SeriesError, chosen_names, read_series, write_series
 
 

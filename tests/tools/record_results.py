@@ -266,25 +266,50 @@ def branches_values(item: Item) -> Values:
 
 def fit_values(item: Item) -> Values:
     """Fit laws by least squares and nested sampling."""
-    from contactlab.inference.fit import fit, pose, read
-    from contactlab.inference.law_choice import sorted_words
+    from contactlab.inference.fit import candidates_of, fitted
+    from contactlab.inference.law_choice import LawChoice
+    from contactlab.inference.least_squares import best_fit
+    from contactlab.inference.nested_sampling import Posterior
+    from contactlab.measured.files import read_measurements
 
-    data = _made(item["made"]) if "made" in item else read(data_file(item["data"]))
-    tails = item.get("degrees_of_freedom", np.inf)
-    words = sorted_words(item["overrides"])
-    questions = pose(data, words, item.get("discrepancy", "off"), item["id"], "", tails)
+    data = _made(item["made"]) if "made" in item else read_measurements(data_file(item["data"]))
+    candidates = candidates_of(
+        data,
+        LawChoice.of(item["overrides"]),
+        discrepancy=item.get("discrepancy", "off"),
+        degrees_of_freedom=item.get("degrees_of_freedom", np.inf),
+    )
     values: Values = {}
-    for each in fit(questions, **item["options"]):
-        label, found, best = each.label, each.posterior, each.best
+    options = item["options"]
+    for each in candidates:
+        label, problem = each.label, each.problem
+        tree = fitted(each, **options)
+        about, sampled = tree.attrs, tree["weighted_samples"].to_dataset()
+        found = Posterior(
+            problem.free,
+            sampled["value"].values,
+            sampled["log_likelihood"].values,
+            sampled["log_weight"].values,
+            *(about[name] for name in ("log_evidence", "log_evidence_error", "information", "calls")),
+            points=0,
+            seed=0,
+        )
         names = [one.name for one in found.free]
         columns: Values = {}
-        if best is not None:
+        if problem.parameters:
+            best = best_fit(
+                problem.residuals,
+                problem.parameters,
+                options.get("starts", 16),
+                options.get("seed", 0),
+                step=problem.step,
+            )
             columns["least_squares/value"] = best.values
             values |= {
                 f"least_squares/costs[{label}]": best.costs,
                 f"least_squares/singular_values[{label}]": best.singular_values,
                 f"count/hits[{label}]": best.hits,
-                f"text/undetermined[{label}]": ", ".join(best.cannot_tell),
+                f"text/undetermined[{label}]": ", ".join(best.undetermined),
             }
         mean, covariance = found.moments()
         columns |= {
@@ -301,7 +326,7 @@ def fit_values(item: Item) -> Values:
             f"posterior/log_evidence_error[{label}]": found.error,
             f"posterior/information[{label}]": found.information,
             f"posterior/log_likelihood[{label}]": found.log_likelihood,
-            f"posterior/share_inside[{label}]": each.predictive_share(),
+            f"posterior/share_inside[{label}]": about["coverage"],
             f"count/evaluations[{label}]": found.calls,
         }
     return values
@@ -324,10 +349,9 @@ def validate_values(item: Item) -> Values:
         from oblique_spheres import study as spheres
 
         return _of_dataset(spheres(data_file(item["data"])), "spheres")
-    from contactlab.inference.study import study
-    from contactlab.measured.files import read_impacts
+    import contactlab as cl
 
-    data = study(read_impacts(data_file(item["data"])), workers=1, **item["options"])
+    data = cl.validate(data_file(item["data"]), **item["options"]).data.to_dataset()
     return _of_dataset(data, "validate")
 
 

@@ -1,0 +1,314 @@
+"""The study `fit`: what measurements tell about the numbers of laws and motors, and about laws."""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from math import inf, isfinite, nan
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Final
+from warnings import warn
+
+import pandas
+import xarray
+
+from contactlab.config import ConfigurationError
+from contactlab.inference.evidence import Evidence, ranked, sentences
+from contactlab.inference.fit import STARTS, Candidate, Data, Discrepancy, candidates_of, fitted
+from contactlab.inference.law_choice import LawChoice
+from contactlab.inference.nested_sampling import POINTS, available
+from contactlab.inference.synthetic import with_noise, without_errors
+from contactlab.measured.files import read_measurements
+from contactlab.measured.series import MeasuredSeries
+from contactlab.results.files import digest_of_file
+from contactlab.results.provenance import UNKNOWN, code_digest
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.runner import run
+from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.tables import UNIT, table
+
+FREE: Final = "free"
+"""Value of an option for a number that is free."""
+
+COLUMNS: Final = {"best": "best", "low": "5 %", "high": "95 %", "truth": "truth"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit(Study):
+    """What do measurements tell about the numbers of a law or a motor, and about laws?
+
+    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law without a value
+    are. Least squares from many starts are followed by nested sampling, which yields posterior and evidence.
+    Several laws, law=A,B, are compared by their evidence.
+    """
+
+    name: ClassVar[str] = "fit"
+
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
+        "choice": re.compile(r"[^=]+=.*"),
+        "data": re.compile(r"[^=]+"),
+    }
+
+    data: Annotated[str, option("file of measured impacts, or of series of a motor")] = ""
+    choice: Annotated[
+        list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
+    ] = None
+    noise: Annotated[str | None, option("standard deviation over the size of the data, or free")] = None
+    discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
+    student: Annotated[str | None, option("degrees of freedom of Student-t noise, or free")] = None
+    series: Annotated[list[str] | None, option("series of the data; all")] = None
+    points: Annotated[int, option("live points", at_least=25)] = POINTS
+    starts: Annotated[int, option("starts of least squares", at_least=1)] = STARTS
+    seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
+
+    @cached_property
+    def measured(self) -> Data:
+        """The measurements as read; `fit` sets those that are no file.
+
+        Raises:
+            ConfigurationError: the file cannot be read or contains no measurements.
+        """
+        if not self.data:
+            raise ConfigurationError(["study.data is missing; it must be a file of measurements."])
+        try:
+            return read_measurements(Path(self.data))
+        except OSError as error:
+            raise ConfigurationError(
+                [f"'{self.data}' cannot be read ({error.strerror or error})."]
+            ) from error
+        except ValueError as error:
+            raise ConfigurationError([str(error)]) from error
+
+    @cached_property
+    def measurements(self) -> Data:
+        """The measurements with the chosen series and noise.
+
+        Raises:
+            ConfigurationError: an option does not apply to them.
+        """
+        result, noise = self.measured, number_or_free("study.noise", self.noise, 1.0)
+        if self.series:
+            if not isinstance(result, MeasuredSeries):
+                raise ConfigurationError(["study.series is set and the data are impacts; leave it out."])
+            try:
+                result = result.only(self.series)
+            except ValueError as error:
+                raise ConfigurationError([str(error)]) from error
+        if noise is None:
+            return result
+        return without_errors(result) if noise == FREE else with_noise(result, float(noise))
+
+    @cached_property
+    def candidates(self) -> list[Candidate]:
+        """The laws to be fitted.
+
+        Raises:
+            ConfigurationError: laws or free numbers cannot be used with the measurements.
+        """
+        tails = number_or_free("study.student", self.student, inf)
+        digest = self.measured.digest if isinstance(self.measured, MeasuredSeries) else ""
+        return candidates_of(
+            self.measurements,
+            LawChoice.of(self.choice or ()),
+            discrepancy=self.discrepancy,
+            degrees_of_freedom=inf if tails is None else None if tails == FREE else float(tails),
+            name=Path(self.data).name,
+            digest=digest or (digest_of_file(Path(self.data)) if self.data else ""),
+        )
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return one task a law.
+
+        Raises:
+            NoSamplerError: dynesty is not installed.
+        """
+        del setups
+        available()
+        # Likelihoods are evaluated by several processes where the laws are not.
+        workers = None if self.workers == 1 and self.scheduler is None else 1
+        tasks = []
+        for item in self.candidates:
+            settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
+            key = f"{item.label} {self._digest(item)}"
+            tasks.append(Task(key, _fitted, (item, settings, workers), resumes=True))
+        return tasks
+
+    def _digest(self, candidate: Candidate) -> str:
+        """Return the digest of all that a fit depends on."""
+        try:
+            sampler = version("dynesty")
+        except PackageNotFoundError:
+            sampler = UNKNOWN
+        free = [str(item) for item in candidate.problem.free]
+        data = [item.values.tobytes() for item in candidate.problem.data]
+        parts = (candidate.label, *candidate.origin.items(), *free, sampler, code_digest(), *data)
+        return sha256(repr(parts).encode()).hexdigest()[:16]
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the fits, a group for each law."""
+        del setups
+        fits = {key.rpartition(" ")[0]: tree for key, tree in parts.items()}
+        tree = xarray.DataTree.from_dict({f"/{label}": None for label in fits})
+        for label, fit in fits.items():
+            tree[label] = fit
+        tree.attrs["title"] = f"Fit of {', '.join(fits)}"
+        return tree
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return mean and standard deviation of each free number, after the label of one of several laws."""
+        result = {}
+        for label, fit in data.children.items():
+            before = f"{label}." if len(data.children) > 1 else ""
+            for row in _rows(fit):
+                result[f"{before}{row['parameter']}"] = Estimate(row["mean"], row["deviation"])
+        return result
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the comparison of the laws, then what limits each fit."""
+        result = sentences(evidences(data))
+        for label, fit in data.children.items():
+            before = f"{label}: " if len(data.children) > 1 else ""
+            result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
+        return result
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return evidence and, for each law, posterior and correlation."""
+        tables = {}
+        if len(data.children) > 1:
+            first, *_ = every = ranked(evidences(data))
+            rows = [
+                {
+                    "law": item.label,
+                    "ln Z": Estimate(item.log_evidence, item.error),
+                    "less the largest": item.log_evidence - first.log_evidence,
+                }
+                for item in every
+            ]
+            tables["evidence"] = table(rows, caption="Evidence")
+        for label, fit in data.children.items():
+            rows = []
+            for row in _rows(fit):
+                columns = {head: row[name] for name, head in COLUMNS.items() if name == "best"}
+                columns["mean"] = Estimate(row["mean"], row["deviation"])
+                columns |= {head: row[name] for name, head in COLUMNS.items() if name != "best"}
+                rows.append({"number": row["parameter"], UNIT: row["units"], **columns})
+            frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
+            tables[f"posterior{_ending(data, label)}"] = (
+                frame.drop(columns="truth") if frame["truth"].isna().all() else frame
+            )
+            matrix = fit["summary"].to_dataset()["correlation"].to_pandas()
+            if len(matrix) > 1:
+                related = [{"number": name, **values} for name, values in matrix.round(2).iterrows()]
+                tables[f"correlation{_ending(data, label)}"] = table(
+                    related, caption=f"Correlation of the posterior of {label}"
+                )
+        return tables
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return, for each law, the posterior of all pairs of numbers, and data beside predictions."""
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.fit_figures import draw_corner, draw_predictions
+
+        return {
+            f"{name}{_ending(data, label)}": draw(fit)
+            for label, fit in data.children.items()
+            for name, draw in {"corner": draw_corner, "predictions": draw_predictions}.items()
+        }
+
+
+def _fitted(
+    candidate: Candidate, settings: dict[str, int], workers: int | None, checkpoint: Path | None = None
+) -> Part:
+    """Fit one law."""
+
+    def announce(sentence: str) -> None:
+        warn(sentence, stacklevel=1)
+
+    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers, announce=announce))
+
+
+def number_or_free(name: str, text: str | float | None, largest: float) -> float | str | None:
+    """Return a positive number, "free" or None.
+
+    Raises:
+        ConfigurationError: it is something else.
+    """
+    if text is None or text == FREE:
+        return text
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if not (0.0 < value <= largest and isfinite(value)):
+        limit = "" if largest == inf else f" and at most {largest:g}"
+        raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
+    return value
+
+
+def evidences(data: xarray.DataTree) -> list[Evidence]:
+    """Return the evidence of each law."""
+    return [
+        Evidence(
+            label,
+            float(fit.attrs["log_evidence"]),
+            float(fit.attrs["log_evidence_error"]),
+            bool(fit.attrs["covers"]),
+            float(fit.attrs["coverage"]),
+        )
+        for label, fit in data.children.items()
+    ]
+
+
+def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:
+    """Return the rows of a summary."""
+    data = fit["summary"].to_dataset().drop_dims("other")
+    rows: list[dict[str, Any]] = data.to_dataframe().reset_index().to_dict("records")
+    return rows
+
+
+def _ending(data: xarray.DataTree, label: str) -> str:
+    """Return the end of the names of one law's files."""
+    return f"_{label.replace(' + ', '_').replace(' ', '_')}" if len(data.children) > 1 else ""
+
+
+def fit(
+    data: str | Path | Data,
+    laws: str | Sequence[str] = (),
+    *,
+    free: Mapping[str, tuple[float | str, float | str]] | None = None,
+    fixed: Mapping[str, Any] | None = None,
+    folder: str | Path | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Result:
+    """Fit laws to measurements: the study `Fit`.
+
+        >>> import contactlab as cl
+        >>> cl.fit("impacts.csv", "newton", free={"law.restitution": (0.0, 1.0)})  # doctest: +SKIP
+
+    Args:
+        data: impacts or series of a motor, or their file.
+        laws: names; none is the law of the series' configuration.
+        free: ranges by key; without any, all numbers of the laws that are not fixed are free.
+        fixed: values by key, parts of a composed law as "law/normal".
+        folder: where finished laws and checkpoints are kept, so that an interrupted fit resumes.
+        progress: receives the number of finished laws and that of all.
+        options: fields of `Fit`.
+
+    Raises:
+        OSError: the file cannot be read.
+        ConfigurationError, ValueError: data, laws or options cannot be used.
+        NoSamplerError: dynesty is not installed.
+    """
+    names = [laws] if isinstance(laws, str) else [*laws]
+    choice = [f"law={','.join(names)}"] if names else []
+    choice += [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
+    choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
+    from_file = isinstance(data, str | Path)
+    study = Fit(data=str(data) if from_file else "", choice=choice, **options)
+    if not from_file:
+        # The cached property that reads the file.
+        study.__dict__["measured"] = data
+    return run(study, {}, None if folder is None else Path(folder), progress)

@@ -1,0 +1,353 @@
+"""The study `validate`: contact laws against measured impacts to which they were not fitted."""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from itertools import combinations
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Final
+
+import numpy as np
+import pandas
+import xarray
+
+from contactlab.config import ConfigurationError
+from contactlab.inference.assessment import PLUS_MINUS, assessed, comparisons, laws_in
+from contactlab.inference.cross_validation import FOLDS, cross_validated, digest_of, predictors_of
+from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
+from contactlab.inference.law_choice import law_predictors
+from contactlab.laws import ContactLaw
+from contactlab.measured.faults import MeasurementError
+from contactlab.measured.files import read_impacts
+from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.results.provenance import code_digest
+from contactlab.settling.statistics import Estimate
+from contactlab.studies.runner import run
+from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.tables import UNIT, table
+
+SHOWN: Final = 40
+"""Largest number of unexplained impacts in a sentence; the dataset has all of them."""
+
+Laws = Sequence[str | ContactLaw | LawPredictor]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validate(Study):
+    """How well do contact laws predict measured impacts to which they were not fitted?
+
+    Every impact is held out once, equal rows and repeats of one measurement together; a law is fitted to the
+    others and predicts it. Errors and their differences have bootstrap intervals, and stand beside those of
+    the frictionless law, of the best constant impulse and of the best impulse of each impact, which no law
+    can surpass. All numbers of a law without a value are free.
+    """
+
+    name: ClassVar[str] = "validate"
+
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
+        "choice": re.compile(r"[^=]+=.*"),
+        "data": re.compile(r"[^=]+"),
+    }
+
+    data: Annotated[str, option("file of measured impacts")] = ""
+    choice: Annotated[
+        list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
+    ] = None
+    folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
+    seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
+    repeats: Annotated[int, option("number of seeds, from the first on", at_least=1)] = 1
+
+    @cached_property
+    def impacts(self) -> MeasuredImpacts:
+        """The measured impacts; `validate` sets those that are no file.
+
+        Raises:
+            ConfigurationError: the file cannot be read or contains no impacts.
+        """
+        if not self.data:
+            raise ConfigurationError(["study.data is missing; it must be a file of measured impacts."])
+        try:
+            return read_impacts(Path(self.data))
+        except OSError as error:
+            raise ConfigurationError(
+                [f"'{self.data}' cannot be read ({error.strerror or error})."]
+            ) from error
+        except MeasurementError as error:
+            raise ConfigurationError([str(error)]) from error
+
+    @cached_property
+    def laws(self) -> Sequence[LawPredictor]:
+        """The laws that are validated; `validate` sets those that are objects."""
+        return law_predictors(self.choice or ())
+
+    @cached_property
+    def predictors(self) -> list[ImpactPredictor]:
+        """Laws and baselines.
+
+        Raises:
+            ConfigurationError, ValidationError: laws or impacts cannot be used.
+        """
+        return predictors_of(self.impacts, self.laws, self.folds)
+
+    @property
+    def seeds(self) -> range:
+        """The seeds."""
+        return range(self.seed, self.seed + self.repeats)
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return one task for each law and seed, the slow ones first."""
+        del setups
+        return [
+            Task(self._key(entry, seed), _cross_validated, (entry, self.impacts, self.folds, seed))
+            for seed in self.seeds
+            for entry in sorted(self.predictors, key=lambda each: not each.integrated)
+        ]
+
+    def _key(self, predictor: ImpactPredictor, seed: int) -> str:
+        depends = (predictor, self.folds, digest_of(self.impacts), code_digest())
+        return f"{seed} {sha256(repr(depends).encode()).hexdigest()[:16]}"
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the assessment, see `contactlab.inference.assessment`; further seeds are groups seed_N."""
+        del setups
+        trees = [
+            assessed(
+                [parts[self._key(entry, seed)].to_dataset() for entry in self.predictors],
+                self.impacts,
+                self.folds,
+                seed,
+            )
+            for seed in self.seeds
+        ]
+        first, *others = trees
+        groups = {f"seed_{seed}": data for seed, data in zip(self.seeds[1:], others, strict=True)}
+        return xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the mean held-out error of each law, with half its interval."""
+        every = data.to_dataset()
+        halves = 0.5 * np.diff(every["prediction_error_interval"].values, axis=1)[:, 0]
+        return {
+            str(label): Estimate(float(error), float(half))
+            for label, error, half in zip(
+                every["law"].values, every["prediction_error"].values, halves, strict=True
+            )
+        }
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the order of the laws, what limits it, and which impacts no law explains."""
+        every = data.to_dataset()
+        trees = [every, *(child.to_dataset() for child in data.children.values())]
+        return [
+            headline(every),
+            *comparisons(every),
+            *(agreement(trees) if len(trees) > 1 else []),
+            *limits(every),
+            unexplained(every),
+        ]
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return errors and fitted parameters."""
+        every = data.to_dataset()
+        rows = []
+        for label, number in self.numbers(data).items():
+            here = every.sel(law=label)
+            low, high = here["prediction_error_interval"].values
+            group, size = (int(here[name]) or "" for name in ("group", "fitted_on"))
+            kind = str(here["kind"].item())
+            ends = {"low": float(low), "high": float(high)}
+            rows.append(
+                {
+                    "law": label,
+                    "kind": kind,
+                    "held-out error": number.value,
+                    **ends,
+                    "group": group,
+                    "fitted on": size,
+                }
+            )
+        caption = (
+            "Mean error ||v+ - v+ predicted|| / ||v-|| in the norm of the kinetic energy, 95 % interval. "
+            "Laws of a group are not distinguishable from its first. A compliant law is fitted to a "
+            "sample of the other folds."
+        )
+        return {
+            "errors": table(rows, caption=caption),
+            "parameters": table(
+                [*parameters(every)], caption="Fitted parameters: median of the folds, least and greatest"
+            ),
+        }
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return errors, paired differences, residuals, and a map of the impacts."""
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.validate_figures import (
+            draw_differences,
+            draw_errors,
+            draw_impacts,
+            draw_residuals,
+        )
+
+        every = data.to_dataset()
+        return {
+            "prediction_error": draw_errors(every),
+            "paired_differences": draw_differences(every),
+            "residuals": draw_residuals(every),
+            "impacts": draw_impacts(every),
+        }
+
+
+def _cross_validated(predictor: ImpactPredictor, impacts: MeasuredImpacts, folds: int, seed: int) -> Part:
+    return Part(xarray.DataTree(cross_validated(predictor, impacts, folds, seed)))
+
+
+def headline(data: xarray.Dataset) -> str:
+    """Return a sentence on the best law and its distance from the best impulse."""
+    laws = laws_in(data)
+    best, floor = laws.isel(law=0), data.isel(law=-1)
+    first = laws["law"].values[laws["group"].values == 1]
+    low, high = best["prediction_error_interval"].values
+    error = f"{float(best['prediction_error']):.4f} {PLUS_MINUS} {0.5 * (high - low):.4f}"
+    others = f", not distinguishable from {', '.join(map(str, first[1:]))}" if len(first) > 1 else ""
+    return (
+        f"{best['law'].item()} predicts best: {error}{others}. The best impulse of each impact leaves "
+        f"{float(floor['prediction_error']):.4f}."
+    )
+
+
+def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
+    """Return sentences on whether laws have the same order under all seeds."""
+    orders = _orders(seeds)
+    settled = sum(len(signs) == 1 and 0 not in signs for signs in orders.values())
+    never = sum(signs == {0} for signs in orders.values())
+    opposite = opposite_orders(seeds)
+    odd = [set(entry["impact"].values[entry["unexplained"].values != 0].tolist()) for entry in seeds]
+    return [
+        f"Of {len(orders)} pairs of laws {settled} are distinct in one order under all {len(seeds)} seeds, "
+        f"{never} under none, {len(opposite)} in opposite orders.",
+        *(f"{a} and {b} predict better than each other under different seeds." for a, b in opposite),
+        f"No law explains {len(set.intersection(*odd))} impacts under any seed, and "
+        f"{len(set.union(*odd))} under at least one.",
+    ]
+
+
+def opposite_orders(seeds: Sequence[xarray.Dataset]) -> list[tuple[str, str]]:
+    """Return the pairs of laws of which each predicts better than the other under some seed."""
+    return [pair for pair, signs in _orders(seeds).items() if {-1, 1} <= signs]
+
+
+def _orders(seeds: Sequence[xarray.Dataset]) -> dict[tuple[str, str], set[int]]:
+    """Return, for each pair of laws, the signs of their difference over the seeds, 0 for not distinct."""
+    result = {}
+    for a, b in combinations(map(str, laws_in(seeds[0])["law"].values), 2):
+        ends = [entry["difference_interval"].sel(law=a, other=b).values for entry in seeds]
+        result[a, b] = {int(low > 0.0) - int(high < 0.0) for low, high in ends}
+    return result
+
+
+def limits(data: xarray.Dataset) -> list[str]:
+    """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
+    result = [copies] if (copies := data.attrs.get("copies")) else []
+    for label in map(str, data["law"].values):
+        here = data.sel(law=label)
+        if names := here["cannot_tell"].item():
+            result.append(f"{label}: {names} not determined.")
+        if names := here["at_end"].item():
+            result.append(f"{label}: {names} on an end of the range; the optimum may lie beyond.")
+        if names := here["unmoved"].item():
+            result.append(f"{label}: {names} have no effect on the impacts and are fixed.")
+        if count := int(here["unanswered"]):
+            result.append(
+                f"{label}: no prediction for {count} of {data.sizes['impact']} impacts; no change is assumed."
+            )
+    return result
+
+
+def unexplained(data: xarray.Dataset) -> str:
+    """Return a sentence on the impacts whose error is above noise under every law."""
+    noise = data.attrs["noise"]
+    if not isfinite(float(data["noise_bound"].max())):
+        return f"Unexplained impacts cannot be identified, as the noise is {noise}."
+    numbers = data["impact"].values[data["unexplained"].values != 0]
+    if not numbers.size:
+        return f"Every impact is explained by some law: its error is below that of noise, {noise}."
+    least = laws_in(data)["error"].min("law").sel(impact=numbers).values
+    worst = numbers[np.argsort(-least, kind="stable")]
+    rest = f" and {numbers.size - SHOWN} more, in the dataset" if numbers.size > SHOWN else ""
+    return (
+        f"No law explains {numbers.size} of {data.sizes['impact']} impacts: under every law their error "
+        f"is above that of noise, {noise}; by number in their file, the worst first: "
+        f"{', '.join(map(str, worst[:SHOWN]))}{rest}."
+    )
+
+
+def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
+    """Yield a row for each fitted parameter: median of the folds, least, greatest and a remark."""
+    for label in data["law"].values:
+        here = data.sel(law=label)
+        at_end, undetermined = (here[name].item().split(", ") for name in ("at_end", "cannot_tell"))
+        for name in map(str, data["parameter"].values):
+            values = here["value"].sel(parameter=name).values
+            if np.isfinite(values).any():
+                remark = "on an end of its range" if name in at_end else ""
+                yield {
+                    "law": str(label),
+                    "parameter": name,
+                    UNIT: str(here["units"].sel(parameter=name).item()),
+                    "median": float(np.median(values)),
+                    "least": float(values.min()),
+                    "greatest": float(values.max()),
+                    "remark": "not determined" if name in undetermined else remark,
+                }
+
+
+def validate(
+    data: str | Path | MeasuredImpacts,
+    laws: str | ContactLaw | Laws = (),
+    *,
+    free: Mapping[str, tuple[float | str, float | str]] | None = None,
+    fixed: Mapping[str, Any] | None = None,
+    folder: str | Path | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Result:
+    """Cross-validate laws by measured impacts: the study `Validate`.
+
+        >>> import contactlab as cl
+        >>> cl.validate("impacts.csv", ["newton", "poisson"], folds=3)  # doctest: +SKIP
+
+    Args:
+        data: impacts, or their file.
+        laws: names or laws; none are all rigid laws and some compliant ones.
+        free: ranges by key, of laws chosen by name.
+        fixed: values by key, parts of a composed law as "law/normal".
+        folder: where finished laws are kept, so that an interrupted study resumes.
+        progress: receives the number of finished pieces and that of all.
+        options: fields of `Validate`.
+
+    Raises:
+        OSError, MeasurementError: the file cannot be read.
+        ConfigurationError, ValidationError: laws or impacts cannot be used.
+    """
+    every = [laws] if isinstance(laws, str | ContactLaw) else [*laws]
+    choice = [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
+    choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
+    if names := [entry for entry in every if isinstance(entry, str)]:
+        choice = [f"law={','.join(names)}", *choice]
+    from_file = isinstance(data, str | Path)
+    study = Validate(data=str(data) if from_file else "", choice=choice, **options)
+    # Cached properties that read the file and make the laws.
+    if not from_file:
+        study.__dict__["impacts"] = data
+    if objects := [entry for entry in every if not isinstance(entry, str)]:
+        if names or choice:
+            raise ValueError(
+                "Laws must be names, or all objects with their own numbers, without free and fixed."
+            )
+        study.__dict__["laws"] = [
+            LawPredictor.of(entry) if isinstance(entry, ContactLaw) else entry for entry in objects
+        ]
+    return run(study, {}, None if folder is None else Path(folder), progress)

@@ -1,0 +1,224 @@
+"""Claims on fits: from synthetic data to posterior, evidence and page, and what is refused."""
+
+import json
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from support.command_line import Command
+
+import contactlab as cl
+from contactlab.config import ConfigurationError
+from contactlab.inference import nested_sampling as nested
+from contactlab.inference.synthetic import made_impacts, made_series, without_errors
+from contactlab.measured.files import read_impacts, write_impacts
+
+pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
+
+FREE = {"law.restitution": (0.1, 0.9), "contact.friction_coefficient": (0.02, 0.8)}
+FEW = {"points": 25, "starts": 1}
+
+
+@pytest.fixture(scope="module")
+def impacts(tmp_path_factory):
+    """A file of impacts under Newton's law."""
+    path = tmp_path_factory.mktemp("made") / "impacts.nc"
+    setup = cl.build(["law=newton", "law.restitution=0.6", "contact.friction_coefficient=0.2"])
+    write_impacts(made_impacts(setup.law, 30, 0.05, 0, setup.configuration), path)
+    return path
+
+
+def test_two_laws_are_compared_by_evidence_and_leave_posteriors_that_arviz_reads(impacts, tmp_path):
+    result = cl.fit(impacts, ["newton", "lagrange_slip"], free=FREE, points=40, starts=2)
+    result.save(tmp_path)
+
+    assert "decisive" in result.findings[0]
+    assert "newton against lagrange_slip" in result.findings[0]
+    assert result.numbers["newton.law.restitution"].value == pytest.approx(0.6, abs=0.05)
+    assert {"evidence", "posterior_newton", "correlation_newton"} <= {*result.tables}
+    assert {"fit.nc", "report.html", "corner_newton.png", "predictions_newton.pdf", "evidence.csv"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
+    page = (tmp_path / "report.html").read_text()
+    assert "decisive" in page
+    assert "http://" not in page
+    with xarray.open_datatree(tmp_path / "fit.nc") as tree:
+        fit = tree["newton"]
+        assert json.loads(fit.attrs["truth"])["law.restitution"] == 0.6
+        assert fit["posterior"]["law.restitution"].shape == (1, 1000)
+        assert fit["posterior_predictive/velocity_after"].dims == ("chain", "draw", "impact", "direction")
+        row = fit["summary"].to_dataset().sel(parameter="law.restitution")
+        assert float(row["low"]) < float(row["mean"]) < float(row["high"])
+        assert float(row["truth"]) == 0.6
+    arviz = pytest.importorskip("arviz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        outcome = arviz.InferenceData.from_datatree(
+            xarray.open_datatree(tmp_path / "fit.nc").load()["newton"]
+        )
+        assert arviz.summary(outcome, kind="stats").loc["law.restitution", "mean"] == pytest.approx(
+            0.6, abs=0.05
+        )
+        assert np.isfinite(arviz.loo(outcome).elpd_loo)
+
+
+def test_the_truth_is_a_column_where_it_is_known(impacts):
+    known = cl.fit(impacts, "newton", **FEW).tables["posterior"]
+    measured = read_impacts(impacts)
+    unknown = cl.fit(without_errors(measured.part(np.arange(10))), "poisson", **FEW).tables["posterior"]
+
+    assert known["truth"].tolist() == [0.2, 0.6]
+    assert "truth" not in unknown
+    assert unknown["number"].tolist()[-1] == "discrepancy"
+
+
+@pytest.mark.long
+def test_a_fit_that_is_interrupted_resumes_to_the_same_bytes(impacts, tmp_path, monkeypatch):
+    settings = {"free": {"law.restitution": (0.1, 0.9)}, "points": 25, "starts": 2}
+    whole = cl.fit(impacts, "newton", **settings)
+    again = cl.fit(impacts, "newton", **settings)
+    xarray.testing.assert_identical(again.data, whole.data)
+    monkeypatch.setattr(nested, "EVERY", -1.0)
+    monkeypatch.setattr(nested, "WORTH_A_PROCESS", np.inf)
+    original, calls = nested.Problem.log_likelihood, []
+
+    def counting(problem, values):
+        calls.append(values)
+        if len(calls) == 150:
+            raise KeyboardInterrupt
+        return original(problem, values)
+
+    monkeypatch.setattr(nested.Problem, "log_likelihood", counting)
+    with pytest.raises(KeyboardInterrupt):
+        cl.fit(impacts, "newton", folder=tmp_path, **settings)
+    assert [path.suffix for path in (tmp_path / "tasks").iterdir()] == [".checkpoint"]
+    resumed = cl.fit(impacts, "newton", folder=tmp_path, **settings)
+
+    # It did not start again.
+    assert len(calls) < 2 + int(whole.data["newton"].attrs["calls"]) + 100
+    xarray.testing.assert_identical(resumed.data, whole.data)
+
+
+@pytest.mark.long
+def test_a_rotor_velocity_shows_that_a_law_with_a_wrong_stiffness_is_wrong():
+    overrides = ["law=hertz_penalty", "solver.duration=3e-4", "record.interval=1e-5", "law.stiffness=1e10"]
+    data = made_series(
+        cl.build([*overrides, "contact.friction_coefficient=0.3"]), ["rotor_velocity"], 0.01, 0
+    )
+    result = cl.fit(
+        data,
+        free={"contact.friction_coefficient": (0.1, 0.5)},
+        fixed={"law.stiffness": 1e9},
+        discrepancy="both",
+        points=25,
+        starts=2,
+    )
+
+    assert "hertz_penalty + discrepancy against hertz_penalty is decisive" in result.findings[0]
+    fit = result.data["hertz_penalty + discrepancy"]
+    assert fit["posterior_predictive/rotor_velocity"].dims == ("chain", "draw", "time")
+    assert float(fit["posterior/discrepancy.rotor_velocity"].min()) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("laws", "options", "named"),
+    [
+        ("newton", {"free": {"law.restitution": (0.9, 0.1)}}, "law.restitution"),
+        ("newton", {"free": {"law.restitution": (0.5, 1.5)}}, "law.restitution"),
+        ("newton", {"free": {"law.restitutoin": (0, 1)}}, "law.restitutoin"),
+        (["newton", "poisson"], {"free": {"law.stiffness": (1, 2)}}, "law.stiffness"),
+        ("newton", {"free": {"rotor.inertia": (1e-7, 1e-5)}}, "rotor.inertia"),
+        ("newton", {"fixed": {"drive.phase": 1}}, "drive.phase"),
+        ("newton", {"fixed": {"solver.duration": 1}}, "solver.duration"),
+        (["newton", "poisson"], {"fixed": {"law.stiffness": 1}}, "law.stiffness"),
+        ([], {"free": {"law.restitution": (0, 1)}}, "law"),
+        (["newton", "newton"], {}, "law=newton"),
+        ("newtn", {}, "newton"),
+        ("newton", {"free": {"law.restitution": ("a", "b")}}, "law.restitution"),
+        ("newton", {"series": ["gap"]}, "study.series"),
+        ("newton", {"noise": "free", "discrepancy": "on"}, "discrepancy"),
+        ("newton", {"noise": "-1"}, "study.noise"),
+        ("newton", {"student": "none"}, "study.student"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused_with_its_key(impacts, tmp_path, laws, options, named):
+    with pytest.raises(ConfigurationError, match=named):
+        cl.fit(impacts, laws, folder=tmp_path / "out", **options)
+
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_that_is_not_there_and_a_missing_package_are_refused(impacts, tmp_path, monkeypatch):
+    with pytest.raises(ConfigurationError, match="none"):
+        cl.fit(tmp_path / "none.nc", "newton")
+    monkeypatch.setattr(nested, "find_spec", {}.get)
+    with pytest.raises(nested.NoSamplerError):
+        cl.fit(impacts, "newton")
+
+
+@pytest.mark.parametrize("key", ["solver.duration", "record.interval", "hydra.run.dir"])
+def test_keys_without_effect_on_series_are_refused(key):
+    data = made_series(cl.build(["law=newton", "solver.duration=1e-4"]), ["rotor_velocity"], 0.01, 0)
+    with pytest.raises(ConfigurationError, match=key):
+        cl.fit(data, "newton", fixed={key: 1})
+
+
+@pytest.mark.long
+def test_several_laws_have_free_numbers_of_their_own(impacts):
+    result = cl.fit(
+        impacts,
+        ["newton", "composed"],
+        free={"contact.friction_coefficient": (0.02, 0.8)},
+        fixed={"law/normal": "walton_braun", "law.normal.loading_stiffness": 1e7},
+        **FEW,
+    )
+    newton, composed = (fit["summary"]["parameter"].values.tolist() for fit in result.data.children.values())
+
+    assert {*newton} == {"contact.friction_coefficient", "law.restitution"}
+    assert "law.normal.unloading_stiffness" in composed
+    assert "law.normal.loading_stiffness" not in composed
+    assert "law.normal.loading_stiffness" in result.data["newton"].attrs["findings"]
+
+
+def test_no_odds_are_stated_where_the_stated_noise_is_far_too_small(impacts):
+    result = cl.fit(impacts, ["newton", "lagrange_slip"], free=FREE, noise="0.0025", **FEW)
+
+    assert not any("odds of" in line for line in result.findings)
+    assert sum("Warning" in line for line in result.findings) == 2
+    assert not result.data["newton"].attrs["covers"]
+
+
+def test_the_verbs_make_data_and_fit_them(command: Command) -> None:
+    status, _, _ = command("synthetic", "law=newton", "law.restitution=0.6", "impacts=20", "noise=0.05")
+    assert status == 0
+    overrides = [
+        "law=newton",
+        "law.restitution=0.1..0.9",
+        "--points",
+        "25",
+        "--starts",
+        "1",
+        "--output",
+        "here",
+    ]
+    status, out, _ = command("fit", "synthetic/synthetic.nc", *overrides)
+    assert status == 0
+    assert "law.restitution" in out
+    assert Path("here/fit.nc").exists()
+    assert not Path("here/tasks").exists()
+    status, _, error = command(
+        "fit", "synthetic/synthetic.nc", "law=newton", "drive.phase=1", "--output", "no"
+    )
+    assert status == 2
+    assert "drive.phase" in error
+    assert not Path("no").exists()
+
+
+def test_series_are_made_at_the_times_of_a_run(command: Command) -> None:
+    overrides = ["law=newton", "solver.duration=1e-4", "record.interval=1e-5", "series=gap,rotor_velocity"]
+    assert command("synthetic", *overrides)[0] == 0
+    with xarray.open_dataset("synthetic/synthetic.nc") as data:
+        assert data["time"].size == 11
+        assert {"gap", "rotor_velocity", "gap_error"} <= {*data.data_vars}
