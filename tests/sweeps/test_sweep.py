@@ -186,7 +186,7 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
     [
         ({"metrics": ["peak_farce"]}, "peak_farce"),
         ({"series": ["gab"], "record_interval": 1e-5}, "gab"),
-        ({"metrics": []}, ""),
+        ({"metrics": []}, "metric"),
         ({"metrics": ["torque"]}, "record_interval"),
         ({"series": ["gap"]}, "record_interval"),
     ],
