@@ -12,6 +12,7 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 
 from contactlab.comparison import ComparisonError as ComparisonError, compare as compare
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
+from contactlab.estimate import Estimate as Estimate
 from contactlab.impact import impact as impact
 from contactlab.laws import (
     AgeingStick as AgeingStick,
@@ -82,7 +83,11 @@ from contactlab.motor import (
     cantilever as cantilever,
     oscillator as oscillator,
 )
-from contactlab.orbits import (
+from contactlab.parameter import Parameter as Parameter
+from contactlab.processes import WorkerError as WorkerError
+from contactlab.results.provenance import versions
+from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
+from contactlab.steady_state import (
     Attractor as Attractor,
     BrokenOffError as BrokenOffError,
     Converged as Converged,
@@ -92,11 +97,6 @@ from contactlab.orbits import (
     UnboundedError as UnboundedError,
     attractors as attractors,
 )
-from contactlab.parameter import Parameter as Parameter
-from contactlab.processes import WorkerError as WorkerError
-from contactlab.results.provenance import versions
-from contactlab.settling.statistics import Estimate as Estimate
-from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
 from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise

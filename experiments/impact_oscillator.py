@@ -1,6 +1,6 @@
 """The oscillator that hits a stop: its period doubling and its grazing, by number and in closed form.
 
-Period maps, branches and events of `contactlab.orbits` are judged here on what is known: Shaw and Holmes
+Period maps, branches and events of `contactlab.steady_state` are compared with known results: Shaw and Holmes
 (J. Sound Vib. 90 (1983) 129) give the motions of one impact a period and their stability in closed form,
 Guckenheimer and Holmes (Nonlinear Oscillations, 1983, sec. 2.4) the fold of the bouncing ball, and a motion
 grazes where it just reaches the stop (Nordmark, J. Sound Vib. 145 (1991) 279).
@@ -21,12 +21,12 @@ from matplotlib.figure import Figure
 from matplotlib.style import context
 
 import contactlab as cl
-from contactlab.orbits.continuation import Followed, follow
-from contactlab.orbits.curve import Mark
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.shooting import orbit_from
 from contactlab.plot.orbits import LINES
 from contactlab.plot.style import STYLE
+from contactlab.steady_state.continuation import Followed, follow
+from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.shooting import orbit_from
 from contactlab.testing.impact_oscillator import ImpactOscillator, doubling_between
 
 AGREE = 1e-6

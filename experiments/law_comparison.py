@@ -25,7 +25,7 @@ from contactlab.config import compose
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
 from contactlab.metrics.convergence import FINER, richardson
-from contactlab.orbits import BrokenOffError, NotSettledError
+from contactlab.steady_state import BrokenOffError, NotSettledError
 from contactlab.studies.study import Part, Setups, Task, option
 
 PAPER = ("lagrange_slip", "lagrange_stick", "hertz_penalty")

@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 from variations import tip_phasors
 
 import contactlab as cl
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 
 STEADY = 1e-5
 """Two quarters of a settled run differ in their mean torque by at most this, over R times the mean normal

@@ -31,9 +31,9 @@ from variations import changed
 import contactlab as cl
 from contactlab.config import compose
 from contactlab.metrics.convergence import richardson
-from contactlab.orbits import BrokenOffError, NotSettledError
-from contactlab.orbits.period_map import period_of
 from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.steady_state.period_map import period_of
 from contactlab.studies.study import Part, Setups, Task
 
 MOTORS, SEED = 20, 14

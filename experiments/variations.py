@@ -15,7 +15,7 @@ from experiment import Experiment, part_of
 import contactlab as cl
 from contactlab.config.nesting import flat, nested
 from contactlab.metrics import Run, assess
-from contactlab.orbits import BrokenOffError, NotSettledError
+from contactlab.steady_state import BrokenOffError, NotSettledError
 from contactlab.studies.study import Part, Setups, Task
 from contactlab.sweeps import Status
 

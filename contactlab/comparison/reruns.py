@@ -17,8 +17,8 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, richardson
-from contactlab.orbits import NotSettledError, attractors
 from contactlab.simulation import simulate
+from contactlab.steady_state import NotSettledError, attractors
 
 FRICTION_CHANGE: Final = 0.01  # of the friction coefficient, to show the sensitivity to it, relative
 MORE_SHAPES: Final = 4  # functions that are added to the resonator's basis, to show that to it

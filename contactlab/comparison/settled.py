@@ -8,8 +8,8 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.metrics import Run, assess
-from contactlab.orbits import NotSettledError, Steady, steady
 from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state import NotSettledError, Steady, steady
 
 QUANTITIES: Final = ("rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics whose differences between settled motors are weighed."""

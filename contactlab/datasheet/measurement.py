@@ -8,9 +8,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.datasheet.electrodes import currents, dielectric_loss
-from contactlab.orbits.period_map import PeriodMap
-from contactlab.orbits.steady_state import Steady
 from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.state import Steady
 from contactlab.trajectory import Trajectory
 
 Number = tuple[float, float]

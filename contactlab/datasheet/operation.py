@@ -7,7 +7,7 @@ import numpy as np
 
 from contactlab.config import Setup
 from contactlab.datasheet.measurement import UNKNOWN, Measurement, Number
-from contactlab.orbits import BrokenOffError, Converged, NotSettledError, converged
+from contactlab.steady_state import BrokenOffError, Converged, NotSettledError, converged
 from contactlab.trajectory import Trajectory
 
 LONGEST: Final = (480, 4000)

@@ -13,8 +13,8 @@ from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.convergence import FINER
 from contactlab.motor import Drive, ModalState, Motor
-from contactlab.orbits.period_map import PeriodMap
 from contactlab.simulation import changed
+from contactlab.steady_state.period_map import PeriodMap
 
 STARTED: Final = 0.9
 STOPPED: Final = 0.1

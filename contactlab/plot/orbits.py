@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.style import context
 
+from contactlab.estimate import Estimate
 from contactlab.parameter import from_cf
 from contactlab.plot.style import STYLE
 from contactlab.results.summary import prefixed_unit
@@ -109,11 +110,10 @@ def draw_basins(data: xarray.Dataset) -> Figure:
 def _told(attractor: xarray.Dataset) -> str:
     """Tell share, kind and velocity of an attractor."""
     kind, share = str(attractor["kind"].values), 100.0 * float(attractor["share"])
-    velocity, error = float(attractor["velocity"]), float(attractor["velocity_error"])
-    moves = f", {velocity:.4g}{f' ± {error:.1g}' if error else ''} rad/s"
+    velocity = Estimate(float(attractor["velocity"]), float(attractor["velocity_error"]))
     if kind in ("without contact", "neutral"):
         return f"{share:.3g} %: {kind}, any velocity{' in a range' if kind == 'neutral' else ''}"
-    return f"{share:.3g} %: {kind}{moves}"
+    return f"{share:.3g} %: {kind}, {velocity.text('±')} rad/s"
 
 
 def _unit(values: xarray.DataArray) -> tuple[str, float]:

@@ -1,11 +1,12 @@
 """Means over long runs with their statistical error, and what kind of motion a sequence shows."""
 
-from typing import Final, NamedTuple, final
+from typing import Final
 
 import numpy as np
 from scipy.special import stdtrit
 
 from contactlab.arrays import Array
+from contactlab.estimate import Estimate
 
 WINDOW: Final = 2.5
 """Times the sum of the correlations over which they are summed, five times their memory."""
@@ -31,20 +32,6 @@ CHAOTIC: Final = 0.8
 
 LEAST_TESTED: Final = 200
 """Values of the 0-1 test: a tenth of them are the lags of a random walk, and fewer than twenty show none."""
-
-
-@final
-class Estimate(NamedTuple):
-    """A number and its error, in one unit; the error is NaN where none is known.
-
-    >>> import contactlab as cl
-    >>> velocity = cl.steady(cl.build()).velocity
-    >>> round(velocity.value, 6), velocity.error < 1e-6
-    (-2.191106, True)
-    """
-
-    value: float
-    error: float
 
 
 def mean_with_error(values: Array) -> Estimate:

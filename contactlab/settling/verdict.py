@@ -3,12 +3,13 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from math import floor, inf, isfinite, isnan, log10, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any, Final, final
 
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.estimate import Estimate
 from contactlab.settling.approach import LEAST_VALUES, approach
 from contactlab.settling.periods import Columns, Periods, Recorded, UnknownError, periods_of
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after
@@ -30,6 +31,9 @@ LATE: Final = 4
 """A run's last part of so many shows what it does in the end."""
 
 WITHOUT_CONTACT: Final = "without contact"
+
+DIGITS: Final = 6
+"""Significant digits of an extrapolated number at most."""
 
 
 @final
@@ -91,7 +95,7 @@ class Settling:
     @property
     def estimate(self) -> str:
         """The estimate with its error, '-2.25 +- 0.28 rad/s'."""
-        return f"{with_error(self.velocity, self.error)} rad/s"
+        return f"{Estimate(self.velocity, self.error).text(most=DIGITS)} rad/s"
 
     @cached_property
     def sentence(self) -> str:
@@ -149,17 +153,6 @@ class Settling:
         }
 
 
-def with_error(value: float, error: float) -> str:
-    """Write a value to the second digit of its error, and at most to six digits."""
-    if not (isfinite(value) and isfinite(error)):
-        return f"{value:.4g} +- {error:.2g}"
-    digits = 6
-    if 0.0 < error < abs(value):
-        digits = min(floor(log10(abs(value))) - floor(log10(error)) + 2, digits)
-    # Plus nothing: a rotor at rest has no sign.
-    return f"{value + 0.0:#.{digits}g} +- {error:.2g}" if error > 0.0 else f"{value + 0.0:.{digits}g} +- 0"
-
-
 def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterable[str] = ()) -> Settling:
     """Judge a run by its series, its contacts (see `contactlab.variables`) and its drive's period [s].
 
@@ -206,7 +199,7 @@ def _memory_of(run: Periods) -> tuple[float, str]:
         off = abs(found.distance) + found.error
         own = off / scale if off > 0.0 else 0.0
         if own > max(share, SHARE):
-            limit = with_error(found.limit, found.error)
+            limit = Estimate(found.limit, found.error).text(most=DIGITS)
             reason = (
                 f"the law's internal variable {name.removeprefix(INTERNAL)} is {found.now:.4g} at the end, "
                 f"changes by {abs(found.drift):.2g} per period, and tends to "

@@ -12,12 +12,12 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.quantity import UnitError, to_si
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.orbits.basins import COORDINATES, basins as mapped, default_axes
-from contactlab.orbits.search import steady_setup
 from contactlab.parameter import from_cf
-from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
+from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
@@ -135,10 +135,10 @@ def basins(
 
     Args:
         motor: what moves, or a whole setup.
-        axes: values of two coordinates of the start, keys of `contactlab.orbits.basins.COORDINATES`; None
-            takes the default ones.
+        axes: values of two coordinates of the start, keys of `COORDINATES` in
+            `contactlab.steady_state.basins`; None takes the default ones.
         law: what acts between tip and rotor; a setup has its own.
-        options: further ones of `contactlab.orbits.basins.basins`.
+        options: further ones of `contactlab.steady_state.basins.basins`.
 
     Raises:
         ValueError: the axes are not two coordinates.

@@ -10,12 +10,12 @@ import xarray
 
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.quantity import UnitError, to_si
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.orbits.branches import branch as followed, unit_of
-from contactlab.orbits.search import steady_setup
 from contactlab.parameter import Parameter
-from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.branches import branch as followed, unit_of
+from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable

@@ -12,10 +12,10 @@ import xarray
 from contactlab.config import ConfigurationError, Setup
 from contactlab.datasheet.quantities import MOTOR, POINT
 from contactlab.datasheet.sheet import data_sheet
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.orbits.search import steady_setup
-from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.search import steady_setup
 from contactlab.studies.runner import finish, run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates
 from contactlab.studies.tables import table_of_quantities

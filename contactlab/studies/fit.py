@@ -15,6 +15,7 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError
+from contactlab.estimate import Estimate
 from contactlab.inference.evidence import Evidence, ranked, sentences
 from contactlab.inference.fit import STARTS, Candidate, Data, Discrepancy, candidates_of, fitted
 from contactlab.inference.law_choice import LawChoice
@@ -24,7 +25,6 @@ from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.results.provenance import UNKNOWN, code_digest
-from contactlab.settling.statistics import Estimate
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table

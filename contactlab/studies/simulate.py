@@ -7,9 +7,9 @@ from typing import ClassVar
 import xarray
 
 from contactlab.config import Setup
+from contactlab.estimate import Estimate
 from contactlab.metrics import METRICS, assess
 from contactlab.results.netcdf import to_datatree
-from contactlab.settling.statistics import Estimate
 from contactlab.studies.study import Part, Setups, Study, Task
 from contactlab.variables import Variable
 

@@ -10,14 +10,14 @@ import pandas
 import xarray
 
 from contactlab.config import Setup
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
-from contactlab.orbits.convergence import Converged, converged as find_refined
-from contactlab.orbits.report import NEUTRAL, ROUGH, tree_of
-from contactlab.orbits.search import LONGEST, steady_setup
-from contactlab.orbits.steady_state import Steady as State
 from contactlab.parameter import Parameter
-from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.convergence import Converged, converged as find_refined
+from contactlab.steady_state.search import LONGEST, steady_setup
+from contactlab.steady_state.state import Steady as State
+from contactlab.studies.steady_dataset import NEUTRAL, ROUGH, tree_of
 from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates, option
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
@@ -65,7 +65,7 @@ class Steady(Study):
 
     @property
     def given(self) -> dict[str, Any]:
-        """The arguments of `contactlab.orbits.search.steady`."""
+        """The arguments of `contactlab.steady_state.search.steady`."""
         return {name: getattr(self, name) for name in ("belt", "load", "brake", "longest")}
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
@@ -113,7 +113,7 @@ class Steady(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return path of the tip, multipliers, velocity, gap and forces."""
         # Imported here: it brings matplotlib.
-        from contactlab.orbits.figure import draw
+        from contactlab.studies.steady_figure import draw
 
         return {self.name: draw(data)}
 

@@ -20,8 +20,8 @@ import pandas
 import xarray
 
 from contactlab.config import Setup
+from contactlab.estimate import Estimate
 from contactlab.parameter import Parameter
-from contactlab.settling.statistics import Estimate
 from contactlab.studies.tables import as_text
 from contactlab.variables import Variable
 

@@ -7,10 +7,10 @@ from typing import Annotated, ClassVar
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
+from contactlab.estimate import Estimate
 from contactlab.inference.synthetic import made_impacts, made_series
 from contactlab.measured.files import to_xarray
 from contactlab.measured.series import MEASURABLE
-from contactlab.settling.statistics import Estimate
 from contactlab.studies.study import Part, Setups, Study, Task, option
 
 

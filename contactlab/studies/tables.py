@@ -11,9 +11,9 @@ from typing import Any, Final
 import numpy as np
 import pandas
 
+from contactlab.estimate import Estimate
 from contactlab.parameter import from_cf
 from contactlab.results.summary import prefixed_unit
-from contactlab.settling.statistics import Estimate
 from contactlab.variables import Variable
 
 UNIT: Final = "unit"
@@ -46,17 +46,16 @@ def table_of_quantities(
 
 
 def shown(cell: object, plus_minus: str = "+-") -> str:
-    """Return a cell as text: an error has two digits, its number as many as the error leaves certain.
+    """Return a cell as text; see `Estimate.text`.
 
     >>> shown(Estimate(-2.19118, 0.00213)), shown(0.1 + 0.2), shown(float("nan"))
-    ('-2.19118 +- 0.0021', '0.3', '')
+    ('-2.1912 +- 0.0021', '0.3', '')
     """
     match cell:
         case Estimate(_, error) if np.isinf(error):
             return "no limit"
-        case Estimate(value, error) if np.isfinite(value) and np.isfinite(error) and error > 0.0:
-            digits = int(np.clip(np.ceil(np.log10(max(abs(value), error) / error)) + 2, 2, 9))
-            return f"{value:.{digits}g} {plus_minus} {error:.2g}"
+        case Estimate() if np.isfinite(cell).all() and cell.error > 0.0:
+            return cell.text(plus_minus)
         case Estimate(value, _):
             return shown(float(value), plus_minus)
         case float() | np.floating():

@@ -15,6 +15,7 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError
+from contactlab.estimate import Estimate
 from contactlab.inference.assessment import PLUS_MINUS, assessed, comparisons, laws_in
 from contactlab.inference.cross_validation import FOLDS, cross_validated, digest_of, predictors_of
 from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
@@ -24,7 +25,6 @@ from contactlab.measured.faults import MeasurementError
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
-from contactlab.settling.statistics import Estimate
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table

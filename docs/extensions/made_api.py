@@ -14,7 +14,7 @@ from contactlab.laws.base import Part
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
     "Studies, and many runs": ("studies", "sweeps", "comparison", "datasheet"),
-    "Steady states": ("orbits", "settling"),
+    "Steady states": ("steady_state", "settling"),
     "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),

@@ -7,7 +7,7 @@ import pytest
 
 import contactlab as cl
 from contactlab.datasheet.electrodes import currents, dielectric_loss, modal_motion
-from contactlab.orbits.period_map import PeriodMap
+from contactlab.steady_state.period_map import PeriodMap
 from contactlab.trajectory import Trajectory
 
 BASES = ("ritz", "finite_element")

@@ -13,11 +13,12 @@ from contactlab.arrays import Array
 from contactlab.comparison import findings
 from contactlab.comparison.reruns import Refined
 from contactlab.comparison.scorecard import scorecard
+from contactlab.estimate import Estimate
 from contactlab.metrics import INVARIANTS, METRICS, Run, assess
 from contactlab.motor.drive import Drive, NoPeriodError, period_of
 from contactlab.settling.approach import LEAST_VALUES, approach
 from contactlab.settling.periods import Recorded, UnknownError, period_told, periods_of
-from contactlab.settling.verdict import Settling, settling_of, with_error
+from contactlab.settling.verdict import Settling, settling_of
 
 PERIOD, LIMIT, SWING, TIME_CONSTANT = 3e-4, -2.0, 2.0, 8e-3
 """Of a rotor that comes to its steady state like a first-order lag [s], [rad/s], [rad/s], [s]."""
@@ -200,9 +201,11 @@ def test_tones_that_repeat_together_have_a_period_and_silent_ones_do_not_count()
 
 
 def test_numbers_are_written_to_what_is_known_of_them() -> None:
-    assert with_error(-2.247, 0.284) == "-2.25 +- 0.28"
-    assert with_error(-2.1911087, 3e-8) == "-2.19111 +- 3e-08"
-    assert with_error(0.0, 0.0) == "0 +- 0"
+    assert Estimate(-2.247, 0.284).text() == "-2.25 +- 0.28"
+    assert Estimate(-2.1911087, 3e-8).text(most=6) == "-2.19111 +- 3e-08"
+    assert Estimate(-0.0, 0.0).text() == "0 +- 0"
+    assert Estimate(123.4, 20.0).text() == "123 +- 20"
+    assert Estimate(0.0, 0.5).text() == "0.0 +- 0.5"
 
 
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")

@@ -8,9 +8,9 @@ import numpy as np
 import contactlab as cl
 from contactlab.metrics.convergence import richardson
 from contactlab.motor.drive import period_of
-from contactlab.orbits import BrokenOffError, NotSettledError, UnboundedError
-from contactlab.orbits.arrival import _grows
 from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state import BrokenOffError, NotSettledError, UnboundedError
+from contactlab.steady_state.arrival import _grows
 
 SEED: Final = 26
 DURATION: Final = 1.0

@@ -584,11 +584,12 @@ class Comparison:
         if "text/exception" in {**old, **new}:
             # One of them has no numbers.
             old, new = ({"exception": each.get("text/exception", np.array("none"))} for each in (old, new))
-        for name in {**old, **new}:
+        for word, names in (("missing", old.keys() - new.keys()), ("new", new.keys() - old.keys())):
+            if quantities := sorted({name.partition("[")[0] for name in names}):
+                first = ", ".join(quantities[:4]) + ", ..." * (len(quantities) > 4)
+                self.changed[f"{len(quantities)} quantities are {word}: {first}"].append(item)
+        for name in old.keys() & new.keys():
             quantity = name.partition("[")[0]
-            if name not in old or name not in new:
-                self.changed[f"{quantity} is {'missing' if name in old else 'new'}"].append(item)
-                continue
             if old[name].dtype.kind == new[name].dtype.kind == "f":
                 size, same = deviation(old[name], new[name], scales[name]), same_bits(old[name], new[name])
                 if size > TOLERANCE:

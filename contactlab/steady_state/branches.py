@@ -14,13 +14,13 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.orbits.continuation import follow
-from contactlab.orbits.curve import BranchPoint, MapAt, Mark
-from contactlab.orbits.dataset import attributes_of, flags
-from contactlab.orbits.period_map import PeriodMap
-from contactlab.orbits.search import steady, steady_setup
 from contactlab.parameter import from_cf
 from contactlab.simulation import variable_numbers, with_number
+from contactlab.steady_state.continuation import follow
+from contactlab.steady_state.curve import BranchPoint, MapAt, Mark
+from contactlab.steady_state.dataset import attributes_of, flags
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.search import steady, steady_setup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,8 +39,8 @@ class Branch:
     """A branch of periodic orbits.
 
         >>> import contactlab as cl
-        >>> found = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6)
-        >>> found.to_xarray()["rotor_velocity"].values[[0, -1]].round(3)
+        >>> branch = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6).details
+        >>> branch.to_xarray()["rotor_velocity"].values[[0, -1]].round(3)
         array([-2.191, -2.142])
 
     Args:
@@ -131,8 +131,7 @@ def branch(
     unstable orbits too, until the number leaves its range or no orbit goes on; `Branch.end` says which.
 
         >>> import contactlab as cl
-        >>> found = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.1e-6)
-        >>> found.end
+        >>> cl.branch(cl.build(), "contact.clearance", 1e-6, 1.1e-6).details.end
         'It ends where the range of the parameter does, at 1.1e-06.'
 
     Args:

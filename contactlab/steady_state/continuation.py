@@ -15,9 +15,9 @@ from typing import Final, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.orbits.bifurcations import SMOOTH, end_of, events_between, without_speed
-from contactlab.orbits.curve import BranchPoint, Curve, MapAt, Place, corrected, place_at
-from contactlab.orbits.shooting import CLOSED, Orbit
+from contactlab.steady_state.bifurcations import SMOOTH, end_of, events_between, without_speed
+from contactlab.steady_state.curve import BranchPoint, Curve, MapAt, Place, corrected, place_at
+from contactlab.steady_state.shooting import CLOSED, Orbit
 
 EASY: Final = 4
 """Corrections at most after which the next step may be longer."""

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq
 
-from contactlab.orbits.curve import BranchPoint, Mark, Place, place_at
-from contactlab.orbits.period_map import BrokenOffError
-from contactlab.orbits.shooting import ROUGH, STEP, Orbit
+from contactlab.steady_state.curve import BranchPoint, Mark, Place, place_at
+from contactlab.steady_state.period_map import BrokenOffError
+from contactlab.steady_state.shooting import ROUGH, STEP, Orbit
 
 LOCATED: Final = 1e-9
 """Length along a branch to which an event is located."""

@@ -8,8 +8,8 @@ from typing import Final, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.shooting import CLOSED, Orbit, derivative_of, updated
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.shooting import CLOSED, Orbit, derivative_of, updated
 from contactlab.trajectory import Trajectory
 
 MOST_CORRECTIONS: Final = 10

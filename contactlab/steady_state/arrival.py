@@ -11,10 +11,10 @@ from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.laws import PenaltyLaw
 from contactlab.motor import ModalState, NormalModes
-from contactlab.orbits.period_map import BELT, BrokenOffError, PeriodMap, period_of
-from contactlab.orbits.shooting import NoOrbitError, Orbit, orbit_from
-from contactlab.orbits.steady_state import Steady
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
+from contactlab.steady_state.period_map import BELT, BrokenOffError, PeriodMap, period_of
+from contactlab.steady_state.shooting import NoOrbitError, Orbit, orbit_from
+from contactlab.steady_state.state import Steady
 from contactlab.trajectory import Ending, Trajectory
 
 FORGOTTEN: Final = 1e-3

@@ -10,11 +10,11 @@ import contactlab as cl
 from contactlab.engine import Flow
 from contactlab.motor.bodies import block
 from contactlab.motor.drive import period_of
-from contactlab.orbits import NotSettledError, UnboundedError
-from contactlab.orbits.arrival import _drifts, _grows
-from contactlab.orbits.branches import NoBranchError
-from contactlab.orbits.coexisting import same
-from contactlab.orbits.period_map import PeriodMap
+from contactlab.steady_state import NotSettledError, UnboundedError
+from contactlab.steady_state.arrival import _drifts, _grows
+from contactlab.steady_state.branches import NoBranchError
+from contactlab.steady_state.coexisting import same
+from contactlab.steady_state.period_map import PeriodMap
 from contactlab.testing.plants import run
 
 PRONY = ("law=composed", "law/normal=prony")

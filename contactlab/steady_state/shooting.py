@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 
 STEP: Final = 1e-6
 """Of the differences, in parts of |z|."""

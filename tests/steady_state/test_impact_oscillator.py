@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from contactlab.orbits.continuation import Followed, follow
-from contactlab.orbits.curve import Mark
-from contactlab.orbits.period_map import PeriodMap
-from contactlab.orbits.shooting import Orbit, orbit_from
+from contactlab.steady_state.continuation import Followed, follow
+from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.shooting import Orbit, orbit_from
 from contactlab.testing.impact_oscillator import ImpactOscillator, doubling_between
 
 

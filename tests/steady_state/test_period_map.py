@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contactlab.config import build
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 
 
 @pytest.mark.parametrize("law", ["hertz_penalty", "lagrange_stick"])

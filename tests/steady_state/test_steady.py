@@ -9,9 +9,9 @@ import pytest
 
 import contactlab as cl
 from contactlab.motor import NormalModes
-from contactlab.orbits import NoPeriodError, NotSettledError, converged
-from contactlab.orbits.arrival import _goes_to
-from contactlab.orbits.shooting import Orbit, derivative_of
+from contactlab.steady_state import NoPeriodError, NotSettledError, converged
+from contactlab.steady_state.arrival import _goes_to
+from contactlab.steady_state.shooting import Orbit, derivative_of
 from contactlab.testing.plants import FLAT
 
 
@@ -221,7 +221,7 @@ def test_an_orbit_behind_another_is_not_where_a_motor_goes(place: float, goes: b
 def test_an_orbit_that_the_motor_is_not_seen_to_go_to_is_not_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     setup = cl.build(["law=newton"])
     assert cl.steady(setup, belt=0.0, longest=200).orbit is not None
-    monkeypatch.setattr("contactlab.orbits.arrival._goes_to", lambda *_: False)
+    monkeypatch.setattr("contactlab.steady_state.arrival._goes_to", lambda *_: False)
     assert cl.steady(setup, belt=0.0, longest=200).orbit is None
 
 

@@ -8,10 +8,11 @@ import pandas
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
+from contactlab.estimate import Estimate
 from contactlab.motor import ModalState
-from contactlab.orbits.period_map import PeriodMap, memory_at_end, period_of
-from contactlab.orbits.shooting import CLOSED, Orbit
-from contactlab.settling.statistics import Estimate, mean_with_error
+from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state.period_map import PeriodMap, memory_at_end, period_of
+from contactlab.steady_state.shooting import CLOSED, Orbit
 from contactlab.trajectory import Trajectory
 
 CUMULATIVE: Final = (
@@ -93,7 +94,7 @@ class Steady:
 
         That of an orbit is what its closure leaves; a motion that was run until it repeated itself has the
         range of its rates, another one its statistical error. What steps and tolerance do comes on top, see
-        `contactlab.orbits.converged`.
+        `contactlab.steady_state.converged`.
         """
         if self.orbit is not None or rates.size == 1:
             mean = float(rates.mean())

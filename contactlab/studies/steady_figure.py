@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from contactlab.orbits.report import with_error
+from contactlab.estimate import Estimate
 from contactlab.plot.overview import explain_shades, shade
 from contactlab.plot.recording import recording_of, steps
 from contactlab.plot.style import COLOURS
@@ -16,7 +16,7 @@ from contactlab.results.summary import prefixed_unit
 def draw(tree: xarray.DataTree) -> Figure:
     """Draw the panels: over one orbit, or over one period of a motion that has none."""
     run, about, state = recording_of(tree), tree["steady"].attrs, tree["steady"].to_dataset()
-    velocity = (float(state["rotor_velocity"]), float(state["rotor_velocity_error"]))
+    velocity = Estimate(float(state["rotor_velocity"]), float(state["rotor_velocity_error"]))
     series, (unit, scale) = run.series, run.unit
     time = run.time / scale
     figure = Figure(figsize=(7.1, 6.2), layout="constrained")
@@ -26,7 +26,7 @@ def draw(tree: xarray.DataTree) -> Figure:
         height_ratios=(1.7, 1, 1, 1),
     )
     figure.suptitle(
-        f"{tree.attrs['law']}, {about['kind']}: {with_error(velocity, 'rad/s')}".replace("+-", "\u00b1"),
+        f"{tree.attrs['law']}, {about['kind']}: {velocity.text('±')} rad/s",
         x=0.01, ha="left", fontsize=9,
     )  # fmt: skip
     _draw_path(panels["path"], tree)

@@ -10,9 +10,9 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
-from contactlab.orbits.arrival import NotSettledError, UnboundedError
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.search import LONGEST, Steady, steady, steady_setup
+from contactlab.steady_state.arrival import NotSettledError, UnboundedError
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.search import LONGEST, Steady, steady, steady_setup
 
 SAME: Final = 1e-5
 """Relative distance of the states of two orbits at one section below which they are one: an orbit is closed

@@ -8,11 +8,11 @@ import numpy as np
 
 from contactlab.config import Setup
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
+from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.motor import Motor
-from contactlab.orbits.search import Steady, steady, steady_setup
-from contactlab.settling.statistics import Estimate
+from contactlab.steady_state.search import Steady, steady, steady_setup
 
 
 @final
@@ -21,7 +21,7 @@ class Converged:
     """A steady state at finer and finer steps.
 
         >>> import contactlab as cl
-        >>> found = cl.converged(cl.build(["law=hertz_penalty"]))
+        >>> found = cl.converged(cl.build(["law=hertz_penalty"])).details
         >>> found.control, len(found.steps)
         ('tolerance', 3)
         >>> f"{found.best.velocity.value:.5f} rad/s"
@@ -38,8 +38,7 @@ class Converged:
     steps: tuple[Steady, ...]
 
     def __repr__(self) -> str:
-        velocity, error = self.velocity
-        return f"<Converged: {self.best.kind}, {velocity:.6g} +- {error:.1g} rad/s over {self.control}>"
+        return f"<Converged: {self.best.kind}, {self.velocity.text()} rad/s over {self.control}>"
 
     @property
     def best(self) -> Steady:

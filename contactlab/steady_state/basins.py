@@ -14,13 +14,13 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
-from contactlab.orbits.arrival import NotSettledError, UnboundedError, settled
-from contactlab.orbits.bifurcations import SMOOTH
-from contactlab.orbits.coexisting import at_phase, reach, same, touches
-from contactlab.orbits.dataset import attributes_of, flags
-from contactlab.orbits.period_map import BrokenOffError, PeriodMap
-from contactlab.orbits.search import LONGEST, Steady, steady_setup
-from contactlab.orbits.shooting import Orbit
+from contactlab.steady_state.arrival import NotSettledError, UnboundedError, settled
+from contactlab.steady_state.bifurcations import SMOOTH
+from contactlab.steady_state.coexisting import at_phase, reach, same, touches
+from contactlab.steady_state.dataset import attributes_of, flags
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.search import LONGEST, Steady, steady_setup
+from contactlab.steady_state.shooting import Orbit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,9 +10,9 @@ from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
-from contactlab.orbits.arrival import TAIL, NotSettledError, Start, settled
-from contactlab.orbits.steady_state import Steady as Steady
 from contactlab.simulation import setup_of
+from contactlab.steady_state.arrival import TAIL, NotSettledError, Start, settled
+from contactlab.steady_state.state import Steady as Steady
 
 LONGEST: Final = 4000
 """Periods after which a motion without an orbit has its means."""
@@ -32,14 +32,14 @@ def steady(
 ) -> Steady:
     """Find the steady state that a motor comes to from its start.
 
-    The motor runs until its resonator has forgotten the start; then Newton's method looks for the periodic
-    orbit next to where it is, in `contactlab.orbits.shooting`. An orbit counts if it is stable, and if the
-    motor moves towards it as its multipliers foretell, from where it is and from half the way. If not, the
-    motor runs on, and so on. One that has come to no orbit after the longest run has means over as long a
-    run again, with their statistical error.
+    The motor runs until the resonator's free vibration has decayed; then Newton's method computes the
+    periodic orbit next to its state (`contactlab.steady_state.shooting`). The orbit is accepted if it is
+    stable, and if two test runs, from the current state and from half-way to the orbit, follow the
+    linearised map. Otherwise the transient is continued and the test repeated. A motion without an orbit
+    after the longest run is averaged over a run of the same length, with statistical errors.
 
-    Every error is that of the orbit, or of statistics, at one step of the solver. `converged` finds the same
-    state at three steps and adds what is left of that.
+    Errors are those of the orbit, or of statistics, at one step of the solver. `converged` computes the
+    state at three steps and adds the discretisation error.
 
         >>> import contactlab as cl
         >>> found = cl.steady(cl.build())
