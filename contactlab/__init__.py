@@ -84,6 +84,7 @@ from contactlab.motor import (
     oscillator as oscillator,
 )
 from contactlab.parameter import Parameter as Parameter
+from contactlab.processes import WorkerError as WorkerError
 from contactlab.results.provenance import versions
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
 from contactlab.steady_state import (
@@ -99,17 +100,14 @@ from contactlab.steady_state import (
 from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
+from contactlab.studies.collection import collect as collect
 from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
+from contactlab.studies.sweep import sweep as sweep
 from contactlab.studies.synthetic import Synthetic as Synthetic
 from contactlab.studies.validate import Validate as Validate, validate as validate
-from contactlab.sweeps import (
-    SweepError as SweepError,
-    WorkerError as WorkerError,
-    collect as collect,
-    sweep as sweep,
-)
+from contactlab.sweeps import SweepError as SweepError
 from contactlab.trajectory import Ending as Ending
 
 __version__ = versions()["contactlab_version"]

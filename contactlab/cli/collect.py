@@ -51,7 +51,8 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.config import ConfigurationError
     from contactlab.results.files import told
-    from contactlab.sweeps import SweepError, collect
+    from contactlab.studies.collection import collect
+    from contactlab.sweeps import SweepError
     from contactlab.sweeps.dataset import summary
 
     try:

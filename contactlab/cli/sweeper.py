@@ -1,12 +1,10 @@
 """The sweep of a command line: every run checked before the first, what is complete skipped, all collected.
 
 Hydra's own sweeper hands every job to the launcher, so that a cluster would be asked for a node to find a run
-complete. Here the jobs are known and sound, and the launcher is given those that are to run: a job each where
-runs leave their folders, a job a chunk where they leave their metrics alone.
+complete. Here the jobs are known and sound, and the launcher receives those that are to run, where runs leave
+folders. A sweep that keeps numbers alone is the study `contactlab.studies.sweep.Sweep`.
 """
 
-import os
-import platform
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -34,13 +32,13 @@ from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
 from contactlab.config.schema import idle_friction
 from contactlab.config.studies import RUN
-from contactlab.processes import processors
+from contactlab.processes import WorkerError, processors
 from contactlab.results.files import LOG, STATE, told
-from contactlab.sweeps.batch import Outputs, WorkerError
+from contactlab.studies.sweep import Sweep as SweepStudy, begin, continued, runs_of
 from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
-from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state
-from contactlab.sweeps.store import CHUNKS, Store
+from contactlab.sweeps.outputs import Outputs
+from contactlab.sweeps.plan import NOTHING, Plan, full_keys, planned, raise_faults, setups_of
+from contactlab.sweeps.state import ABSENT, State, resume, write_state
 from contactlab.sweeps.values import SweepError
 
 
@@ -76,11 +74,11 @@ class Sweeping:
             parser = OverridesParser.create(config_loader=self.context.config_loader)
             overrides = parser.parse_overrides(list(lines))
             folder = Path(str(self.config.hydra.sweep.dir))
-            section: Any = OmegaConf.to_container(self.config.sweep, resolve=True)
+            settings: Any = OmegaConf.to_container(self.config.sweep, resolve=True)
         # Hydra lets the errors of what it calls through.
         except Exception as error:
             raise ConfigurationError(sentences(error, lines)) from error
-        arguments = Arguments(self.context, self.config, overrides, section)
+        arguments = Arguments(self.context, self.config, overrides, settings)
         faults = [*misplaced(lines, swept=True), *arguments.faults]
         try:
             validate({**arguments.compose({}), "sweep": arguments.settings})
@@ -89,7 +87,8 @@ class Sweeping:
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
         raise_faults(faults)
         settings = Sweep(**arguments.settings)
-        study = str(self.config.study.name)
+        section: dict[str, Any] = dict(self.config.study)
+        study = section["name"]
         samples = settings.samples
         plan = planned(
             arguments,
@@ -105,18 +104,19 @@ class Sweeping:
         set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
         if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
             tell(f"contactlab: {words}", sys.stderr)
-        store = Store(folder, plan)
         if plan.keep == "metrics":
-            return self._metrics(store, settings.workers)
-        status = self._folders(store, arguments)
+            workers = settings.workers or (section.get("workers", 1) if study != RUN else None)
+            workers = workers or processors()
+            sweep = SweepStudy(plan=plan, workers=workers, scheduler=section.get("scheduler"))
+            return self._metrics(sweep, folder)
+        status = self._folders(plan, folder, arguments)
         collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
         if status == COMPLETE and any(axis.key == "law" for axis in plan.axes):
             tell_next("compare", [str(folder)], "sets the laws side by side")
         return status
 
-    def _folders(self, store: Store, arguments: Arguments) -> int:
-        """Run what leaves a folder each, but for what is complete; give the worst status."""
-        plan, folder = store.plan, store.path
+    def _folders(self, plan: Plan, folder: Path, arguments: Arguments) -> int:
+        """Run what leaves a folder each, but for what is complete; return the worst status."""
         jobs = []
         with terminal.progress(plan.cells, "runs", "Checking the sweep") as show:
             for cell, setup in enumerate(setups_of(plan, arguments)):
@@ -133,7 +133,7 @@ class Sweeping:
         tried = {*(folder / name for name in names if (folder / name).exists())}
         faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
         raise_faults(faults)
-        store.begin()
+        begin(folder, plan)
         runs, said = resume([(folder / name, job.key) for name, job in jobs])
         print(said, flush=True)
         pending = [job for job, is_to_run in zip(jobs, runs, strict=True) if is_to_run]
@@ -147,12 +147,12 @@ class Sweeping:
             OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
         batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending]
-        return self._launched(self.task, batch, store)
+        return self._launched(batch, folder)
 
-    def _metrics(self, store: Store, workers: int | None) -> int:
-        """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
-        plan = store.plan
-        faults = list(refusals(store.path, "Choose another one by hydra.sweep.dir=DIR."))
+    def _metrics(self, sweep: SweepStudy, folder: Path) -> int:
+        """Do what is left of a sweep that keeps numbers alone; return the exit status."""
+        plan = sweep.plan
+        faults = list(refusals(folder, "Choose another one by hydra.sweep.dir=DIR."))
         if not plan.axes:
             faults.append(NOTHING)
         if "${" in str(plan.bases):
@@ -160,50 +160,37 @@ class Sweeping:
                 "The configuration has references in ${...}; a sweep of metrics must have their values, "
                 "which may depend on what is swept. Write the values."
             )
+        if (launcher := self.config.hydra.runtime.choices["hydra/launcher"]) != "basic":
+            faults.append(
+                f"hydra/launcher is '{launcher}', which is for runs that leave folders; with "
+                "sweep.keep=metrics it must be left out. Take sweep.workers=N on one machine and "
+                "study.scheduler=ADDRESS, a Dask scheduler, on several."
+            )
         raise_faults(faults)
-        store.begin()
-        print(sentence(plan.cells, {ABSENT: store.missing_runs()}), flush=True)
+        begin(folder, plan)
         if plan.outputs.series:
-            # A run that is refused is told of at its place.
+            # A faulty cell is refused at its place.
             with suppress(ConfigurationError):
                 first = plan.setup_at(0).configuration
                 announce_series(plan.cells, len(plan.outputs.series), first)
         try:
-            with terminal.raising():
-                status = self._chunks(store, workers)
-                dataset = store.merge()
+            with terminal.raising(), terminal.progress(plan.cells, "runs", "The sweep") as show:
+                dataset = continued(sweep, folder, runs_of(plan, show))
         except (WorkerError, OSError) as error:
             why = told(error) if isinstance(error, OSError) else str(error)
             tell(f"The sweep stopped: {why}", sys.stderr)
             return INCOMPLETE
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
-                "Interrupted. The chunks that are finished are kept: the same command goes on there."
+                "Interrupted. The tasks that are finished are kept: the same command goes on there."
             ) from None
         print(summary(dataset, dataset.encoding["source"]))
         # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
         ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
-        return max(status, COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE)
+        return COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE
 
-    def _chunks(self, store: Store, workers: int | None) -> int:
-        """Run the chunks that are missing, here or by a launcher."""
-        missing = store.missing()
-        if missing and self.config.hydra.runtime.choices["hydra/launcher"] == "basic":
-            with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
-                store.run_missing(workers, show)
-            return COMPLETE
-        below = self.config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
-        own = [
-            f"+chunk.folder={quoted(str(store.path.absolute()))}",
-            f"+chunk.workers={workers or 0}",
-            f"hydra.sweep.dir={quoted(below)}",
-            "hydra.sweep.subdir=log/${hydra.job.num}",
-            "hydra.output_subdir=null",
-        ]
-        return self._launched(run_chunk, [[f"+chunk.number={n}", *own] for n in missing], store)
-
-    def _launched(self, task: TaskFunction, batch: list[list[str]], store: Store) -> int:
-        """Have a launcher run jobs; give the status of the worst, and tell why they cannot be run."""
+    def _launched(self, batch: list[list[str]], folder: Path) -> int:
+        """Have a launcher run jobs; return the status of the worst, and tell why they cannot be run."""
         if not batch:
             return COMPLETE
         status = COMPLETE
@@ -211,7 +198,7 @@ class Sweeping:
             # Between the jobs an exception, at which a launcher ends the processes that it has begun.
             with terminal.raising():
                 launcher = Plugins.instance().instantiate_launcher(
-                    hydra_context=self.context, task_function=task, config=self.config
+                    hydra_context=self.context, task_function=self.task, config=self.config
                 )
                 size = self.max_batch_size or len(batch)
                 for at in range(0, len(batch), size):
@@ -226,26 +213,6 @@ class Sweeping:
                 sys.stderr,
             )
             with suppress(OSError):
-                write_log(store.path / LOG, error)
+                write_log(folder / LOG, error)
             status = INCOMPLETE
         return status
-
-
-def run_chunk(settings: DictConfig) -> int:
-    """Run one chunk of a sweep that keeps metrics; launchers import it from here.
-
-    Raises:
-        SweepError: this machine has other code than the sweep was begun with.
-    """
-    asked = settings.chunk
-    store = Store.opened(Path(asked.folder))
-    if code_digest_of(store.plan.bases) != store.plan.code:
-        raise SweepError(
-            f"The sweep in '{store.path}' was begun by other code than {platform.node()} has; both must be "
-            "the same, laws of other packages included. Install one version everywhere."
-        )
-    # The processes of a launcher share a machine, unless a cluster gives each some processors.
-    workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
-    with store.plan.batch(min(workers, processors())) as batch:
-        store.run(asked.number, batch)
-    return COMPLETE

@@ -55,7 +55,7 @@ _known = partial(
     below=1.0,
     hint="It is half of the range over the value; 0 is a value that is known exactly.",
 )
-_CHUNK = _said("runs kept together as they are finished", at_least=1)
+_CHUNK = _said("runs of a task, whose numbers are kept together", at_least=1)
 
 
 @final

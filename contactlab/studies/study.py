@@ -95,6 +95,9 @@ class Study(ABC):
     words: ClassVar[Mapping[str, re.Pattern[str]]] = {}
     """Options that take words of the command line matching a pattern, as KEY=START..END."""
 
+    delay: ClassVar[float] = 0.0
+    """Processor time after which other processes are started, which takes seconds itself [s]."""
+
     workers: Annotated[int, option("processes at work", at_least=1)] = 1
     scheduler: Annotated[str | None, option("address of a Dask scheduler whose workers do the tasks")] = None
 

@@ -1,9 +1,4 @@
-"""Many runs: what becomes of each, and their metrics in one dataset over the parameters."""
+"""Plans of many runs: values, axes, what becomes of each run, and the dataset over the parameters."""
 
-from contactlab.sweeps.batch import WorkerError
-from contactlab.sweeps.collection import collect
-from contactlab.sweeps.state import Status
-from contactlab.sweeps.sweep import sweep
-from contactlab.sweeps.values import SweepError
-
-__all__ = ["Status", "SweepError", "WorkerError", "collect", "sweep"]
+from contactlab.sweeps.state import Status as Status
+from contactlab.sweeps.values import SweepError as SweepError

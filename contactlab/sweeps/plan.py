@@ -7,7 +7,7 @@ import json
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from itertools import product
 from math import ceil, prod
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
@@ -24,16 +24,19 @@ from contactlab.laws import ContactLaw
 from contactlab.parameter import Parameter
 from contactlab.settling.until import STEADY
 from contactlab.suggestion import suggestion
-from contactlab.sweeps.batch import Batch, Outputs, Report
 from contactlab.sweeps.dataset import Axis
+from contactlab.sweeps.outputs import Outputs
 from contactlab.sweeps.state import code_digest_of
 from contactlab.sweeps.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, spread
 
 if TYPE_CHECKING:
     from contactlab.studies.study import Study
 
-CHUNK: Final = 1000
-"""Runs in a chunk where nothing is said: seconds of work. And chunks: clusters take about so many tasks."""
+CHUNK: Final = 100
+"""Least number of runs in a task: a file of each is written."""
+
+MOST_TASKS: Final = 1000
+"""Number of tasks from which on each has more runs."""
 
 NOTHING: Final = (
     f"Nothing is swept; there must be one parameter at least: KEY={FORMS}. One run alone needs no sweep."
@@ -42,9 +45,12 @@ NOTHING: Final = (
 MOST_JOBS: Final = 100_000
 """Runs that leave a folder each, which takes a fifth of a second beside the run."""
 
-_TIMES: Final = ("solver.duration", "solver.until", "solver.precision", "record.interval")
-
 Configuration = Mapping[str, Any]
+
+ONE_PROCESS: Final[Configuration] = {"workers": 1, "scheduler": None}
+"""Options of a study in a sweep, whose workers do whole cells."""
+
+_TIMES: Final = ("solver.duration", "solver.until", "solver.precision", "record.interval")
 
 Columns = Mapping[str, Sequence[Value]]
 """What is swept: values by key or group, each a number, a text, or a text that stands for several."""
@@ -53,14 +59,14 @@ Columns = Mapping[str, Sequence[Value]]
 @final
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Says what a sweep runs: every combination of the axes, the last one changing first, or samples.
+    """Runs of a sweep: every combination of the axes, the last one changing first, or samples.
 
     Args:
         samples: whether the n-th run has the n-th value of every axis.
         groups: keys of the axes whose values are options of a group of the configuration.
         choices: the combinations of options that there are, in the order of the groups.
         bases: a configuration for each of them.
-        chunk: runs in a chunk.
+        chunk: runs in a task.
         code: digest of the code that makes the numbers.
     """
 
@@ -85,14 +91,14 @@ class Plan:
         """The number of runs."""
         return prod(self.shape)
 
-    @property
-    def chunks(self) -> range:
-        """The numbers of the chunks."""
-        return range(ceil(self.cells / self.chunk))
-
-    def cells_of(self, chunk: int) -> range:
-        """Give the cells of a chunk."""
-        return range(self.cells)[chunk * self.chunk : (chunk + 1) * self.chunk]
+    def rows(self, cells: range) -> "Plan":
+        """Return the plan of some cells alone, as samples."""
+        places = [self.places(cell) for cell in cells]
+        axes = (
+            replace(axis, values=tuple(axis.values[row[number]] for row in places))
+            for number, axis in enumerate(self.axes)
+        )
+        return replace(self, axes=tuple(axes), samples=True)
 
     def places(self, cell: int) -> list[int]:
         """Give the place of a cell's value on each axis."""
@@ -120,12 +126,6 @@ class Plan:
         """Return the study that is put to the setup of a cell."""
         return study_of(validate(self.configuration(cell))["study"])
 
-    def batch(self, workers: int | None = None, report: Report | None = None) -> Batch:
-        """Return what runs the cells."""
-        return Batch(
-            self.setup_at, self.outputs, workers, report, self.study_at if self.outputs.study else None
-        )
-
     def text(self) -> str:
         """Write the plan as JSON, the same for the same plan."""
         return json.dumps(asdict(self), indent=1, ensure_ascii=False)
@@ -134,6 +134,11 @@ class Plan:
     def of_text(cls, text: str | bytes) -> "Plan":
         """Read the plan that `text` wrote; a ValueError tells that it is something else."""
         return TypeAdapter(cls).validate_json(text)
+
+
+def size_of_tasks(cells: int) -> int:
+    """Return the number of runs in a task."""
+    return max(CHUNK, ceil(cells / MOST_TASKS))
 
 
 class Composer(Protocol):
@@ -169,6 +174,8 @@ def planned(
     combined = zip(*listing, strict=True) if samples and groups else product(*listing)
     choices = tuple(dict.fromkeys(combined))
     bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
+    if keep == "metrics":
+        bases = tuple(_without_workers(base) for base in bases)
     if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
         words = (
             "solver.until is steady and series are kept; they must be at the same times in every run. Keep "
@@ -213,7 +220,7 @@ def planned(
         groups=tuple(groups),
         choices=choices,
         bases=bases,
-        chunk=chunk or max(CHUNK, ceil(prod(sizes) / CHUNK)),
+        chunk=chunk or size_of_tasks(prod(sizes)),
         code=code_digest_of(bases),
         keep=keep,
     )
@@ -262,6 +269,11 @@ def with_key(configuration: Configuration, key: str, value: Value) -> Configurat
     below = configuration.get(first)
     inner = below if isinstance(below, Mapping) else {}
     return {**configuration, first: with_key(inner, rest, value) if rest else value}
+
+
+def _without_workers(base: Configuration) -> Configuration:
+    """Return a configuration whose study is done by one process: those of the sweep share its runs."""
+    return {**base, "study": {**base["study"], **ONE_PROCESS}} if "study" in base else base
 
 
 def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:

@@ -18,7 +18,7 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.motor.patched_beam import Steel
 from contactlab.parameter import Parameter
-from contactlab.sweeps import sweep
+from contactlab.studies.sweep import sweep
 from contactlab.testing.plants import paper_motor
 
 MOTOR = paper_motor()

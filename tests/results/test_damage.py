@@ -12,7 +12,8 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import read_run
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps import SweepError, collect
+from contactlab.studies.collection import collect
+from contactlab.sweeps import SweepError
 from contactlab.sweeps.state import Status, is_done
 
 

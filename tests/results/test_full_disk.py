@@ -10,8 +10,9 @@ from support.command_line import Command
 from support.sweeps import begun, left_run
 
 from contactlab.comparison import compare
-from contactlab.sweeps import collect
-from contactlab.sweeps.store import CHUNKS
+from contactlab.studies.collection import collect
+from contactlab.studies.runner import TASKS
+from contactlab.studies.sweep import continued
 
 resource = pytest.importorskip(
     "resource", reason="This system bounds no file; run the tests on Linux or macOS."
@@ -50,14 +51,14 @@ def test_a_collection_that_finds_no_space_leaves_the_one_before(tmp_path: Path) 
     collect(tmp_path, series=["gap"])
 
 
-def test_a_sweep_that_finds_no_space_keeps_its_chunks(tmp_path: Path) -> None:
-    folder = begun(tmp_path, finished=3, series=("gap",))
+def test_a_sweep_that_finds_no_space_keeps_its_tasks(tmp_path: Path) -> None:
+    sweep = begun(tmp_path, finished=3)
     there = files(tmp_path)
     with full(9_000), pytest.raises(OSError, match=rf"'sweep\.nc' cannot be written \({CAUSE}\)"):
-        folder.merge()
+        continued(sweep, tmp_path)
     assert files(tmp_path) == there
-    assert len(list((tmp_path / CHUNKS).iterdir())) == 3
-    assert not (folder.merge()["status"] == 7).any()
+    assert len(list((tmp_path / TASKS).iterdir())) == 3
+    assert not (continued(sweep, tmp_path)["status"] == 7).any()
 
 
 def test_a_comparison_that_finds_no_space_says_so(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps import collect
+from contactlab.studies.collection import collect
 from contactlab.sweeps.state import COMPLETE, Job, State, Status, write_state
 
 

@@ -12,7 +12,8 @@ from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
 from contactlab.metrics import METRICS, assess, read_run
-from contactlab.sweeps import Status, collect
+from contactlab.studies.collection import collect
+from contactlab.sweeps import Status
 from contactlab.trajectory import Ending
 
 GRID = ("law=lagrange_stick,hertz_penalty", "contact.clearance=2 um,1e-6,3e-6")

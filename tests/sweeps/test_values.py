@@ -4,7 +4,7 @@ import pytest
 from support.command_line import Command
 from support.sweeps import METRICS_ALONE, QUICK, Simulations
 
-from contactlab.sweeps import collect
+from contactlab.studies.collection import collect
 from contactlab.sweeps.values import short_names, spread
 
 RANGES = {

@@ -22,11 +22,11 @@ from contactlab.metrics import assess, is_complete, read_run
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import checkout_state
+from contactlab.studies.sweep import collected, read_plan
 from contactlab.sweeps.axes import dimensions, parameters
-from contactlab.sweeps.batch import Outputs
 from contactlab.sweeps.dataset import DATASET, REASONS, RUN, SERIES, Slab, dataset_of, write
+from contactlab.sweeps.outputs import Outputs
 from contactlab.sweeps.state import RUNNING, Job, Status, read_state, status_of
-from contactlab.sweeps.store import Store, read_plan
 from contactlab.sweeps.values import SweepError
 from contactlab.trajectory import Ending
 from contactlab.variables import INTERNAL, Variable
@@ -106,7 +106,7 @@ def collect(
                 f"'{directory}' is the folder of a sweep that keeps metrics, whose dataset is its {DATASET} "
                 "with the series that it keeps; another file and other series must be left out."
             )
-        return Store(directory, plan).merge()
+        return collected(directory, plan)
     outputs = Outputs.named(metrics or "all", series)
     if not (runs := list(discovered(directory))):
         raise SweepError(
