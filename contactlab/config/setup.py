@@ -17,7 +17,7 @@ from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.arguments import default_contact_step
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, take_in
 from contactlab.engine.simulation import simulate
-from contactlab.fingerprint import is_own
+from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (

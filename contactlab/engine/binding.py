@@ -25,17 +25,16 @@ import warnings
 from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from typing import Any, Final, NamedTuple, final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numba import types
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
-from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, keep_code, remade
+from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel
 from contactlab.engine.callback import Callback, law_errors, stand_in
 from contactlab.engine.context import HEAD, IMPACT, SPEED, SPIN, STEP, TILT
-from contactlab.fingerprint import Fingerprint, is_own
+from contactlab.foreign import is_own
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import LawError, names_of
@@ -472,43 +471,16 @@ def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any
     return made
 
 
-_made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
-"""Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
-
-
+@lru_cache(maxsize=256)
 def _own_compiled(function: Any, kinds: tuple[Any, ...]) -> Any:
     """Return a law's own kernel, compiled; where there is an obstacle, that in words."""
-    plain = getattr(function, "py_func", function)
-    if plain is not function and is_own(plain) and not plain.__closure__:
-        return function
-    return _made(Fingerprint(function), kinds)
-
-
-@lru_cache(maxsize=256)
-def _made(found: Fingerprint, kinds: tuple[Any, ...]) -> Any:
-    function: Any = found.subject
+    kernel = function if hasattr(function, "py_func") else fleeting_kernel(function)
     try:
-        # A user's own kernel may have code of other values.
-        kernel = remade(function) if hasattr(function, "py_func") else fleeting_kernel(function)
-        _renew_callees(kernel)
-        keep_code(kernel, found.digest)
         _compile(kernel, kinds)
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:
         return _reason(error)
     return kernel
-
-
-def _renew_callees(kernel: Any) -> None:
-    """Compile what a kernel calls again where its sources or values have changed since its code was made."""
-    callees = [(each, Fingerprint(each)) for each in Fingerprint(kernel).kernels]
-    # What another one calls comes before it.
-    for each, found in sorted(callees, key=lambda pair: len(pair[1].kernels)):
-        if _made_from.get(each) != found.digest:
-            # Of code that is kept by the compiler's own rules, this does away with the index.
-            if each.overloads or each.stats.cache_path is not None:
-                each.recompile()
-            _made_from[each] = found.digest
 
 
 def _compile(kernel: Any, signature: Any) -> None:

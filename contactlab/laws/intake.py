@@ -14,7 +14,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
-from contactlab.fingerprint import is_own
+from contactlab.foreign import is_own
 from contactlab.laws import base
 from contactlab.laws.base import (
     ELASTOPLASTIC,

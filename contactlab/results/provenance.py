@@ -49,7 +49,9 @@ def code_digest() -> str:
 def digest_of(package: Path) -> str:
     """Give the digest of the sources in a package's folder, whatever machine it lies on."""
     digest = sha256()
-    files = {file.relative_to(package): file for file in package.rglob("*.py")}
+    # Compiled code may lie below, with sources written for it.
+    every = (file for file in package.rglob("*.py") if "__pycache__" not in file.parts)
+    files = {file.relative_to(package): file for file in every}
     for name, file in sorted((name.as_posix(), file) for name, file in files.items()):
         if name.partition("/")[0] not in _AFTER_A_RUN:
             # Line ends differ between systems, and say nothing.

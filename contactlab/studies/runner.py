@@ -14,7 +14,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
-from inspect import getsourcefile
 from pathlib import Path
 from time import process_time
 from typing import Any, Final, final
@@ -22,7 +21,7 @@ from typing import Any, Final, final
 import xarray
 import yaml
 
-from contactlab.fingerprint import is_own
+from contactlab.foreign import digest_of_sources
 from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
@@ -154,7 +153,11 @@ class Store:
 
     def __init__(self, folder: Path, study: Study, setups: Setups) -> None:
         self.folder = folder
-        parts = [study.name, json.dumps(study.options, sort_keys=True, default=str), _code_of(type(study))]
+        parts = [
+            study.name,
+            json.dumps(study.options, sort_keys=True, default=str),
+            digest_of_sources(type(study)),
+        ]
         parts += [f"{label}\0{key_of(setup)}" for label, setup in setups.items()]
         self._digest = sha256("\0".join(parts).encode()).hexdigest()
 
@@ -198,12 +201,6 @@ class Store:
 def _loaded(file: Path) -> xarray.DataTree:
     with xarray.open_datatree(file, engine="netcdf4") as tree:
         return tree.load()
-
-
-def _code_of(study: type[Study]) -> str:
-    """Return the digest of a study's module where another package brings it; the setups' keys cover ours."""
-    file = None if is_own(study) else getsourcefile(study)
-    return sha256(Path(file).read_bytes()).hexdigest() if file else ""
 
 
 def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:

@@ -20,7 +20,7 @@ from pydantic import TypeAdapter
 from contactlab import metrics
 from contactlab.config import Setup
 from contactlab.config.groups import NO_NUMBERS
-from contactlab.fingerprint import Fingerprint, is_own
+from contactlab.foreign import digest_of_sources
 from contactlab.laws.declaration import Declared
 from contactlab.laws.registry import classes_in, classes_of, provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
@@ -131,16 +131,11 @@ def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _code_of(*law: type[Declared]) -> tuple[str, ...]:
-    """Give what tells the code that a run depends on: version, digests, and whose law and parts it has."""
-    foreign = [digest for owner in law for digest in _foreign_code(owner)]
-    return (versions()["contactlab_version"], code_digest(), provenance(*law), *foreign)
+    """Return what identifies the code of a run: version, digests, and where its law and parts come from."""
+    return (versions()["contactlab_version"], code_digest(), provenance(*law), _foreign_code(*law))
 
 
-@cache
-def _foreign_code(owner: type) -> tuple[str, ...]:
-    """Give the digests of what a law or part of another package is made of; `code_digest` covers ours."""
-    found = None if is_own(owner) else Fingerprint(owner)
-    return (found.digest, found.sources()) if found else ()
+_foreign_code = cache(digest_of_sources)
 
 
 def is_done(folder: Path, key: str) -> bool:

@@ -14,6 +14,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
+from support.kernels import solve_of
 
 from contactlab.laws import (
     LAWS,
@@ -116,8 +117,7 @@ def chosen(law: Law, mu: float) -> MultiplierLaw:
 
 def answer_of(law: Law, step: Step) -> tuple[float, float, int]:
     """What a law answers; without an impulse where it releases."""
-    acting = chosen(law, step.mu)
-    p_n, p_t, mode = acting.solve(*step.arguments, acting.parameters())
+    p_n, p_t, mode = solve_of(chosen(law, step.mu), *step.arguments)
     return (p_n, p_t, mode) if not p_n <= 0.0 else (0.0, 0.0, SLIP)
 
 

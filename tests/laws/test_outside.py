@@ -10,7 +10,7 @@ from contactlab.testing.contract import PROPERTIES
 RUN = (
     "law=power_law",
     "law.exponent=2",
-    "law.depth=2 um",
+    "law.unit_depth=2 um",
     SHORT,
     "record.picture=false",
     "hydra.run.dir=run",
@@ -113,7 +113,7 @@ def test_it_runs_and_the_run_says_so(answers: Answers, elsewhere: Elsewhere) -> 
     assert name == "power_law"
     with xarray.open_dataset(elsewhere.folder / "run/run.nc") as root:
         assert root.attrs["law_origin"] == "example-law 1.2.3"
-    assert section == {"name": "power_law", "load": 10.0, "depth": 2e-6, "exponent": 2.0}
+    assert section == {"name": "power_law", "load": 10.0, "unit_depth": 2e-6, "exponent": 2.0}
 
 
 def test_its_declarations_are_the_rules_of_its_keys(answers: Answers) -> None:

@@ -271,13 +271,13 @@ def test_no_law_of_the_package_fails_for_what_has_no_answer(law: Any, mu: float)
     assert [str(claim) for claim in check(bench, "kernel_is_consistent") if not claim.holds] == []
 
 
-def test_a_law_that_raises_fails_with_the_sentence() -> None:
-    def raises(*_: Any) -> Any:
+def test_a_law_that_raises_fails_with_its_error() -> None:
+    def raises(d_nn: float) -> Any:
         raise ZeroDivisionError("by nothing")
 
     (claim,) = check(Bench(RigidCheat(raises)), "kernel_is_consistent")
     assert not claim.holds
-    assert "ZeroDivisionError: by nothing" in claim.statement
+    assert "ZeroDivisionError" in claim.statement
 
 
 @final
