@@ -148,13 +148,6 @@ def test_series_lie_beside_the_metrics(command: Command) -> None:
             assert cell[name].attrs["units"] == run[name].attrs["units"]
 
 
-def test_a_folder_that_cannot_be_written_to_is_told(command: Command) -> None:
-    Path("file").touch()
-    status, _, err = command(*METRICS_ALONE, "drive.phase=1,2", "hydra.sweep.dir=file/map")
-    assert status == 2
-    assert "Choose another one by hydra.sweep.dir=DIR." in err
-
-
 @pytest.mark.long
 def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
     arguments = ["drive.phase=linspace(-3,3,2000)", "sweep.chunk=20", "hydra.sweep.dir=here", SHORT]
