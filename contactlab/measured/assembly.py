@@ -132,7 +132,7 @@ class _Columns:
             raise MeasurementError(
                 f"it has {len(table.places)} impacts and none without a flag; there must be at least one."
             )
-        self.places = [table.places[row] for row in self.rows]
+        self.places = [table.places[int(row)] for row in self.rows]
 
     def option(self, column: Column, *coordinates: str) -> Array | None:
         """Return an optional column in SI, shape (impact,)."""

@@ -6,7 +6,7 @@ negative on approach, and an impulse p = (p_n, p_t) makes u+ = u- + D p.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self, final
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,4 +123,5 @@ class MeasuredImpacts:
         """Return some of the impacts, by a mask or by indices, shape (any,)."""
         fields = ("delassus", "velocity_before", "velocity_after", "kinetic_energy", "outside", "covariance")
         columns = {name: getattr(self, name) for name in (*fields, "number", "measurement")}
-        return replace(self, **{name: x if x is None else x[chosen] for name, x in columns.items()})
+        parts: dict[str, Any] = {name: x if x is None else x[chosen] for name, x in columns.items()}
+        return replace(self, **parts)

@@ -228,6 +228,6 @@ def test_the_examples_of_the_page_are_read(
         assert found.notes == ()
 
 
-@pytest.mark.parametrize("column", (*BODY_COLUMNS, *CONTACT_COLUMNS[2:], *OTHER_COLUMNS))
+@pytest.mark.parametrize("column", [*BODY_COLUMNS, *CONTACT_COLUMNS[2:], *OTHER_COLUMNS])
 def test_the_page_names_every_column(column: Column) -> None:
     assert f"`{column.form.format('NAME', 'OTHER')}`" in PAGE.read_text()
