@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.engine.state import SAMPLE
 from contactlab.laws.base import Kernel
-from contactlab.laws.intake import HEAD as HEAD
+from contactlab.laws.consistency import HEAD as HEAD
 
 STEP, IMPACT, TILT, SPIN, SPEED = range(HEAD)
 """Places in a law's row of what the engine writes there; internal variables begin at HEAD."""

@@ -26,7 +26,7 @@ from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import CANARIES, check_answers, check_words, guarded
+from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
 from contactlab.laws.memory import ODD
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
@@ -206,7 +206,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     with law_errors(law.name):
-        check_words(law)
+        check_declarations(law)
         parameters = row_of(law)
     bound = bind(law)
     errors = partial(law_errors, law.name, *bound.callbacks)
@@ -216,7 +216,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
     # Interpreted functions may have changed since.
     if bound.callbacks or made_of not in _sound:
         with errors():
-            check_answers(law, parameters, *bound.kernels)
+            check_kernels(law, parameters, *bound.kernels)
         _sound.append(made_of)
     # What the law may only read, the engine writes.
     row = guarded(parameters)
