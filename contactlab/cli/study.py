@@ -27,6 +27,9 @@ from contactlab.sweeps.values import listed
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
 
+PLAIN: Final = re.compile(r"(?!-)[^=]+")
+"""A word that is neither an option nor an override."""
+
 FOLDER = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
 
@@ -48,24 +51,17 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     place = FOLDER[sweeps]
     while rest:
         word = rest.pop(0)
-        name, sign, _ = word.partition("=")
+        name, sign, value = word.partition("=")
         if word.startswith("--") and name not in FLAGS:
-            lines.append(_option(word, rest, options, place))
-        elif name == "output":
-            lines.append(f"{place}={quoted(word.removeprefix('output='))}")
-        elif study.several and not sweeps and LISTED.match(word):
-            several.append(word)
-        elif sign and name in options:
-            lines.append(f"study.{name}={_value(options[name], word.partition('=')[2])}")
+            name, values = _option(word, rest, options)
+            given[name] += values
+        elif sign and name in (*options, "output"):
+            given[name] += _split(options.get(name), value)
+        elif taken := next((key for key, form in study.words.items() if form.fullmatch(word)), ""):
+            given[taken].append(word)
         else:
-            taken = next((key for key, form in study.words.items() if form.fullmatch(word)), None)
-            (lines if taken is None else given[taken]).append(word)
-    for name, values in given.items():
-        several_values = list[str] in options[name].kinds
-        if len(values) > 1 and not several_values:
-            raise RefusalError(f"{', '.join(values)} are given; it must be one of them.")
-        text = ",".join(map(quoted, values))
-        lines.append(f"study.{name}=[{text}]" if several_values else f"study.{name}={text}")
+            (several if study.several and not sweeps and LISTED.match(word) else lines).append(word)
+    lines += [_line(study, name, values, place) for name, values in given.items()]
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     if sweeps:
@@ -74,25 +70,44 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     return [f"{place}={verb}", "hydra.output_subdir=null", *lines]
 
 
-def _option(word: str, rest: list[str], options: Mapping[str, DeclaredField], place: str) -> str:
-    """Return an option with dashes as an override; its value may be the first of the other words."""
+def _option(word: str, rest: list[str], options: Mapping[str, DeclaredField]) -> tuple[str, list[str]]:
+    """Return name and values of an option with dashes; several values may be the next of the other words."""
     key, sign, value = word.removeprefix("--").partition("=")
     name = key.replace("-", "_")
     if name.removeprefix("no_") in options and bool in options[name.removeprefix("no_")].kinds and not sign:
-        return f"study.{name.removeprefix('no_')}={str(not name.startswith('no_')).lower()}"
+        return name.removeprefix("no_"), [str(not name.startswith("no_")).lower()]
     if name not in (*options, "output"):
         raise RefusalError(f"{word} is no option; it must be one of {', '.join([*options, 'output'])}.")
     if not sign and not rest:
         raise RefusalError(f"{word} has no value; one must follow it.")
     value = value if sign else rest.pop(0)
-    return f"{place}={quoted(value)}" if name == "output" else f"study.{name}={_value(options[name], value)}"
+    values = _split(options.get(name), value)
+    if _takes_several(options.get(name)) and not sign and PLAIN.fullmatch(value):
+        while rest and PLAIN.fullmatch(rest[0]):
+            values.append(rest.pop(0))
+    return name, values
 
 
-def _value(field: DeclaredField, value: str) -> str:
-    """Return the value of an option as Hydra reads it: a text in quotes, several texts as a list."""
-    if list[str] in field.kinds and not value.startswith("["):
-        return f"[{','.join(quoted(one.strip()) for one in value.split(','))}]"
-    return quoted(value) if str in field.kinds and value != "null" else value
+def _takes_several(field: DeclaredField | None) -> bool:
+    return field is not None and list[str] in field.kinds
+
+
+def _split(field: DeclaredField | None, value: str) -> list[str]:
+    """Return the values of an option that takes several, separated by commas."""
+    several = _takes_several(field) and not value.startswith("[")
+    return [each.strip() for each in value.split(",")] if several else [value]
+
+
+def _line(study: type[Study], name: str, values: Sequence[str], place: str) -> str:
+    """Return an option as Hydra reads it: a text in quotes, several texts as a list."""
+    if name == "output":
+        return f"{place}={quoted(values[-1])}"
+    field = declared_fields(study)[name]
+    if len(values) > 1 and name in study.words and not _takes_several(field):
+        raise RefusalError(f"{', '.join(values)} are given; it must be one of them.")
+    if _takes_several(field) and not values[0].startswith("["):
+        return f"study.{name}=[{','.join(map(quoted, values))}]"
+    return f"study.{name}={quoted(values[-1]) if str in field.kinds and values[-1] != 'null' else values[-1]}"
 
 
 def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:

@@ -1,246 +1,400 @@
-"""Runs of several laws in one motor -> scorecard, tables, figures, and one page that holds them all."""
+"""The study `compare`: contact laws in one motor, and the causes of their differences."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
-from html import escape
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Any, ClassVar, Final
 
+import numpy as np
+import pandas
 import xarray
-from tqdm import tqdm
 
-from contactlab.comparison.causes import settled_of, with_causes
-from contactlab.comparison.findings import conclusion, differences, first, verdicts
-from contactlab.comparison.measured import judged
-from contactlab.comparison.measurements import read_all
-from contactlab.comparison.page import bulleted, filled, pictured
-from contactlab.comparison.reruns import refined
-from contactlab.comparison.runs import ComparisonError, Source, collect
-from contactlab.comparison.samples import Design, Factor, Samples, factors_of
-from contactlab.comparison.scorecard import MINUS, PLUS_MINUS, Cell, as_csv, as_latex, rows, scorecard
-from contactlab.comparison.weighing import sample_count, unclear, written_share
-from contactlab.metrics import CANNOT_TELL, FAIL, NOT_APPLICABLE, PASS, Metric
-from contactlab.results.files import whole_file, whole_netcdf
+from contactlab.arrays import Array
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.estimate import Estimate
+from contactlab.laws import ContactLaw
+from contactlab.metrics import REPORTED, VERDICTS, Run
+from contactlab.motor import Motor
+from contactlab.processes import processors
+from contactlab.simulation import Solution
+from contactlab.steady_state.means import QUANTITIES
+from contactlab.steady_state.search import steady_setup
+from contactlab.studies.compare_causes import findings, sample_count, unclear, written_share
+from contactlab.studies.compare_draws import LAW, Factor, configurations_of, drawn, factors_of
+from contactlab.studies.compare_measured import (
+    Measurement,
+    check_motor,
+    do_prediction,
+    measured_rows,
+    read_all,
+    with_measurements,
+)
+from contactlab.studies.compare_reruns import Reruns, do_draw, do_rerun, do_starts, means_in, reruns_of
+from contactlab.studies.compare_runs import (
+    ComparisonError as ComparisonError,
+    Source,
+    labelled,
+    read_runs,
+    run_of_setup,
+    unchecked,
+)
+from contactlab.studies.compare_scorecard import motion, scorecard, with_causes
+from contactlab.studies.runner import finish, run
+from contactlab.studies.study import Result, Setups, Study, Task, option
+from contactlab.studies.tables import UNIT, table
 
-SAMPLES: Final = 32  # rows of a design: a minute or two for three laws
+SAMPLES: Final = 32
+"""Rows of the design of draws, which take a minute or two for three laws."""
+
 STARTS: Final = 6
 
-PAGE: Final = Path(__file__).with_name("report.html")  # the page without its words
 
-KINDS: Final = {PASS: "pass", FAIL: "fail", NOT_APPLICABLE: "none", CANNOT_TELL: "none"}
-"""Classes of the cells."""
+@dataclass(frozen=True, kw_only=True)
+class Compare(Study):
+    """By how much do contact laws differ in one motor, and is the law the cause?
 
-CAPTIONS: Final = {
-    "settled_quantities": "{headline} Marks are the settled motor with every law, or its run as recorded "
-    "where the first lines say so, bars how far each cause "
-    "moves it: one as long as marks are apart is of a cause that may explain their difference. A question "
-    "mark is a cause that is not known.",
-    "variance_shares": "What law, parameters, basis and step have of the variance of the settled rotor "
-    "velocity over all motors drawn, with 95 % intervals.",
-    "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
-    "rigid impacts grow without bound as the step falls; they are named, not drawn. {motion}",
-    "tip_trajectory": "Path of the tip in the last two drive periods. {motion}",
-    "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
-    "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
-    "energy_flow": "Where the work of the drive has gone. {motion}",
-    "phase_portrait": "Mean gap rate and slip over the gap in the last two drive periods. {motion}",
-}
-MOTION: Final = {
-    True: "The settled motion; one period of it where it repeats itself.",
-    False: "The transient, from the start of the recorded runs to their end.",
-}
+    Laws are chosen by law=A,B, or are those of recorded runs: DIR..., folders of runs, their run.nc, or
+    folders of such folders, of one motor with one drive. The motors are compared once they have settled. A
+    difference is an effect of the law only if it exceeds the effects of numerical error, basis of the resonator,
+    parameters within their ranges, and initial conditions.
+    """
+
+    name: ClassVar[str] = "compare"
+    several: ClassVar[bool] = True
+    ignored: ClassVar[tuple[str, ...]] = ("record.picture", "sweep")
+    delay: ClassVar[float] = 10.0
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
+        # A folder of a sweep is named by its overrides: two/law=newton.
+        "runs": re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
+    }
+
+    runs: Annotated[list[str] | None, option("folders or files of recorded runs")] = None
+    refine: Annotated[bool, option("whether the effects of all other causes are computed")] = True
+    transient: Annotated[
+        bool, option("whether runs are compared from their start on, not settled motors")
+    ] = False
+    samples: Annotated[
+        int, option("rows of the design of draws, a power of two; 0 draws nothing", at_least=0)
+    ] = SAMPLES
+    starts: Annotated[int, option("initial conditions of each law", at_least=1)] = STARTS
+    range: Annotated[
+        list[str] | None, option("half the range of parameters over their values: KEY=SHARE,...; 0 is exact")
+    ] = None
+    measured: Annotated[list[str] | None, option("files of measured impacts or series")] = None
+    workers: Annotated[int, option("processes at work", at_least=1)] = processors()
+
+    @cached_property
+    def recorded(self) -> list[Run]:
+        """The recorded runs; `compare` sets those in memory."""
+        return labelled(read_runs(self.runs or ()), transient=self.transient)
+
+    @cached_property
+    def measurements(self) -> list[Measurement]:
+        """The files of measurements."""
+        return read_all(self.measured or ())
+
+    @cached_property
+    def ranges(self) -> dict[str, float]:
+        """Half the range of parameters over their values, by full key."""
+        pairs = [text.partition("=") for text in self.range or ()]
+        try:
+            return {key.strip(): float(share) for key, _, share in pairs}
+        except ValueError:
+            raise ComparisonError(
+                [f"study.range is {self.range}; it must be KEY=SHARE, as contact.clearance=0.1."]
+            ) from None
+
+    def put_to(self, setups: Setups) -> Setups:
+        """Return the setups of the laws by label: those of the recorded runs, if there are any.
+
+        Raises:
+            ComparisonError: runs or setups cannot be compared.
+            ConfigurationError: overrides stand beside recorded runs.
+        """
+        if self.samples & (self.samples - 1):
+            raise ComparisonError([f"study.samples is {self.samples}; it must be a power of two, or 0."])
+        if not self.recorded:
+            if not setups:
+                raise ComparisonError(["There is nothing to compare; there must be a run or a setup."])
+            laws = labelled(
+                [run_of_setup(label, setup) for label, setup in setups.items()], transient=self.transient
+            )
+            return {law.label: setup for law, setup in zip(laws, setups.values(), strict=True)}
+        if any(setup.configuration != build().configuration for setup in setups.values()):
+            raise ConfigurationError(
+                ["Recorded runs have configurations of their own; other keys must be left out beside them."]
+            )
+        return {law.label: setup for law in self.recorded if (setup := _built(law))}
+
+    def laws(self, setups: Setups) -> list[Run]:
+        """Return the laws in their order: as recorded, or without records."""
+        return self.recorded or [
+            replace(run_of_setup(label, setup), label=label) for label, setup in setups.items()
+        ]
+
+    def factors(self, setups: Setups) -> tuple[Factor, ...]:
+        """Return what can be drawn; nothing where a setup was made in Python and has no configuration."""
+        whole = all("resonator" in setup.configuration for setup in setups.values())
+        if not (self.refine and not self.transient and setups and whole):
+            return ()
+        return factors_of([run_of_setup(label, setup) for label, setup in setups.items()], self.ranges)
+
+    def _plan(self, setups: Setups) -> dict[str, dict[str, Task]]:
+        """Return the tasks of each law by what they do: a rerun, "starts", the digest of a measurement."""
+        plan: dict[str, dict[str, Task]] = {}
+        recorded = {law.label: law for law in self.laws(setups)}
+        for label, setup in setups.items():
+            tasks = plan[label] = {}
+            if not (self.transient and not self.refine and recorded[label].columns):
+                period = recorded[label].period or 0.1 * setup.duration
+                for name, _, rerun in reruns_of(setup, refine=self.refine):
+                    key = _key(label, f"{name} {'transient' if self.transient else ''}", rerun)
+                    tasks[name] = Task(key, do_rerun, (rerun, self.transient, period))
+            if self.refine and self.starts > 1 and not self.transient:
+                tasks["starts"] = Task(_key(label, "starts", setup), do_starts, (setup, self.starts))
+            for measurement in self.measurements:
+                check_motor(measurement, setup)
+                key = _key(label, measurement.digest, setup)
+                tasks[measurement.digest] = Task(key, do_prediction, (setup, measurement.data))
+        return plan
+
+    def _draws(self, setups: Setups) -> tuple[Array, list[Task]] | None:
+        """Return the table of draws and the task of each; draws of equal configurations have one task."""
+        factors = self.factors(setups)
+        if not (factors and self.samples):
+            return None
+        table_of_draws = drawn(factors, self.samples)
+        configurations = configurations_of([*setups.values()], factors, table_of_draws)
+        return table_of_draws, [Task(_key("draw", "", each), do_draw, (each,)) for each in configurations]
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return reruns, other starts and predictions of measurements of each law, and the draws.
+
+        Raises:
+            ComparisonError, ConfigurationError: files or options cannot be used.
+        """
+        every = [task for tasks in self._plan(setups).values() for task in tasks.values()]
+        draws = self._draws(setups)
+        return [*every, *({task.key: task for task in draws[1]}.values() if draws else ())]
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the scorecard with the effects of causes; the group motion_N is that of the N-th law."""
+        plan = self._plan(setups)
+        laws = [Reruns(law) for law in self.laws(setups)]
+        for law in laws:
+            if setup := setups.get(law.label):
+                own = {name: parts[task.key] for name, task in plan[law.label].items()}
+                law.add(setup, own, transient=self.transient, refine=self.refine)
+            else:
+                law.notes.append(f"{law.label} is taken as recorded; its configuration does not build.")
+        marks = [f"_{n}" if len(self.measurements) > 1 else "" for n in range(1, len(self.measurements) + 1)]
+        measured = [
+            measured_rows(
+                measurement,
+                [law.label for law in laws],
+                {label: parts[tasks[measurement.digest].key] for label, tasks in plan.items()},
+                mark,
+            )
+            for measurement, mark in zip(self.measurements, marks, strict=True)
+        ]
+        notes = [*unchecked(self.recorded), *(note for each in measured for note in each.notes)]
+        data = scorecard(laws, notes, measured)
+        if not self.transient:
+            factors, draws = self.factors(setups), self._draws(setups)
+            table_of_draws, values = None, None
+            if draws:
+                table_of_draws, (values, failures) = draws[0], self._drawn_values(setups, draws, parts, laws)
+                if failures:
+                    count, of = len(failures), len({task.key for task in draws[1]})
+                    data.attrs["notes"] += f"\n{count} of {of} draws have no steady state: {failures[0]}"
+            data = with_causes(data, laws, factors, table_of_draws, values, self.ranges)
+        data = with_measurements(data, measured)
+        return xarray.DataTree(
+            data, {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
+        )
+
+    def _drawn_values(
+        self,
+        setups: Setups,
+        draws: tuple[Array, Sequence[Task]],
+        parts: Mapping[str, xarray.DataTree],
+        laws: Sequence[Reruns],
+    ) -> tuple[Array, list[str]]:
+        """Return values of the draws, shape (law, draw, quantity), and the messages of those that failed."""
+        table_of_draws, tasks = draws
+        names = [factor.name for factor in self.factors(setups)]
+        places = (
+            table_of_draws[:, names.index(LAW)].astype(int) if LAW in names else np.zeros(len(tasks), int)
+        )
+        labels, drawn_laws = [law.label for law in laws], [*setups]
+        values = np.full((len(laws), len(tasks), len(QUANTITIES)), np.nan)
+        every = {key: parts[key] for key in {task.key: None for task in tasks}}
+        for number, (task, place) in enumerate(zip(tasks, places, strict=True)):
+            if "failure" not in every[task.key].attrs:
+                law = labels.index(drawn_laws[place])
+                values[law, number] = means_in(every[task.key])[0].values
+        return values, [str(part.attrs["failure"]) for part in every.values() if "failure" in part.attrs]
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return the rotor velocity of each law with its error."""
+        key = "rotor_velocity" if "cause" in data.dims else "final_rotor_velocity"
+        every = data.to_dataset().sel(metric=key)
+        return {
+            str(law): Estimate(
+                float(every["value"].sel(law=law)), float(every["numerical_error"].sel(law=law))
+            )
+            for law in every["law"].values
+        }
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the differences with their causes, and failed thresholds."""
+        return findings(data.to_dataset())
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return scorecard, shares of the variance, files of measurements, and definitions of the metrics."""
+        every = data.to_dataset()
+        tables = {"scorecard": _scorecard_table(every)}
+        if "total_order" in every:
+            tables["shares"] = _shares_table(every)
+        if "measured" in every.dims:
+            names = {"title": "measured", "contents": "measured_contents", "source": "measured_source"}
+            names |= {"file": "measured_file", "SHA-256": "measured_digest"}
+            caption = "Measurements; the errors of their rows are half of a 95 % interval by resampling"
+            columns = {head: every[name].values for head, name in names.items()}
+            tables["measurements"] = table(columns, caption=caption)
+        names = {"metric": "metric", "symbol": "symbol", "unit": "units", "meaning": "meaning"}
+        names |= {"must be": "threshold", "reason": "reason", "source": "metric_source"}
+        columns = {head: every[name].values for head, name in names.items() if head != "unit"}
+        tables["metrics"] = table(columns, caption="Metrics")
+        tables["metrics"].attrs["reference"] = True
+        return tables
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return effects of causes and shares, or velocities of transients; forces, paths, energy, phases."""
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.compare_figures import draw_all
+
+        return draw_all(data)
+
+
+def _built(law: Run) -> Setup | None:
+    try:
+        return build(law.configuration) if law.configuration else None
+    except ConfigurationError:
+        return None
+
+
+def _key(label: str, name: str, subject: Setup | Mapping[str, Any]) -> str:
+    configuration = subject.configuration if isinstance(subject, Setup) else subject
+    digest = sha256(json.dumps(configuration, sort_keys=True, default=str).encode()).hexdigest()
+    return f"{label} {name} {digest[:16]}"
+
+
+def _scorecard_table(data: xarray.Dataset) -> pandas.DataFrame:
+    """Return a row for each metric: value, error and verdict of each law."""
+    rows = []
+    for key in map(str, data["metric"].values):
+        here = data.sel(metric=key)
+        row: dict[str, Any] = {
+            "metric": key,
+            UNIT: str(here["units"].item()),
+            "must be": str(here["threshold"].item()),
+        }
+        for law in map(str, data["law"].values):
+            cell = here.sel(law=law)
+            verdict = VERDICTS[int(cell["verdict"])]
+            row[law] = Estimate(float(cell["value"]), float(cell["numerical_error"]))
+            row[f"{law}: verdict"] = "" if verdict == REPORTED else verdict
+        rows.append(row)
+    return table(rows, caption="Scorecard")
+
+
+def _shares_table(data: xarray.Dataset) -> pandas.DataFrame:
+    """Return the shares of the factors in the variance of the settled velocity."""
+    here = data.sel(quantity="rotor_velocity")
+    inconclusive = f"{sample_count(data)} samples are inconclusive"
+    rows = [
+        {"factor": str(factor)}
+        | {
+            head: inconclusive if unclear(*estimate[1:]) else written_share(*estimate)
+            for head, estimate in (
+                ("alone", here["first_order"].sel(factor=factor).values),
+                ("with interactions", here["total_order"].sel(factor=factor).values),
+            )
+        }
+        for factor in data["factor"].values
+    ]
+    caption = (
+        f"Shares in the variance of the settled rotor velocity over {data.sizes['draw']} draws: laws, bases "
+        f"and steps of equal probability, {data.attrs['parameters']}"
+    )
+    return table(rows, caption=caption)
 
 
 def compare(
-    sources: Sequence[Source],
-    output: str | Path | None = None,
+    sources: Source | Setup | Motor | Sequence[Source | Setup],
+    law: ContactLaw | Sequence[ContactLaw] | None = None,
     *,
-    refine: bool = True,
-    transient: bool = False,
-    samples: int = SAMPLES,
-    starts: int = STARTS,
+    output: str | Path | None = None,
     ranges: Mapping[str, float] | None = None,
     measured: Sequence[str | Path] = (),
-    announce: Callable[[str], object] = bool,
-) -> xarray.Dataset:
-    """Compare contact laws in one motor, once it has settled.
-
-    Every difference is weighed against the numerical error, the resonator's basis, the parameters within
-    their ranges and other starts; `contactlab.comparison.weighing` has the rule.
+    **options: Any,
+) -> Result:
+    """Compare contact laws in one motor: the study `Compare`.
 
         >>> import contactlab as cl
         >>> setups = [cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")]
         >>> runs = [cl.simulate(setup, duration=5e-4) for setup in setups]
-        >>> found = cl.compare(runs, refine=False, transient=True)
-        >>> found["value"].sel(metric="contact_count").to_series().to_dict()
+        >>> result = cl.compare(runs, refine=False, transient=True)
+        >>> result["value"].sel(metric="contact_count").to_series().to_dict()
         {'newton': 2.0, 'hertz_penalty': 2.0}
 
     Args:
-        sources: run folders, their datasets, folders of such folders, or runs in memory; all of one
-            motor with one drive.
-        output: folder for tables, figures and the report; None writes nothing.
-        refine: whether every law is run again at finer steps, with more friction, on another basis, from
-            other starts and with other parameters; without, nothing is known of what a difference is due to.
-        transient: whether the runs are compared as they were recorded, from their start on.
-        samples: rows of the design in which law, parameters, basis and step are drawn together, a power of
-            two; about six times as many steady states. 0 draws none.
-        starts: from which each law's steady states are looked for.
-        ranges: half the range of a parameter over its value, by full key, beside or in place of what the
-            section `uncertainty` of the runs states; 0 is known exactly.
-        measured: files of impacts (docs/measured_data.md) or of the motor's series that were measured; the
-            laws are held against them with the parameters of their runs.
-        announce: told how long the drawn motors will take, before they are made.
+        sources: setups; or recorded runs: folders, their datasets, folders of such folders, runs in memory;
+            or a motor made in Python.
+        law: one or several, of that motor.
+        output: folder for the files; None writes none.
+        ranges: half the range of a parameter over its value, by full key, in place of what the section
+            `uncertainty` of the runs states; 0 is exact.
+        measured: files of measured impacts or series, which the laws predict with their parameters.
+        options: fields of `Compare`.
 
     Returns:
         Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
-        `law` and `term`, and what `contactlab.comparison.causes.with_causes` adds.
+        `law` and `term`, and the effects of all causes, see `compare_scorecard.with_causes`.
 
     Raises:
-        ComparisonError: the runs cannot be compared so; a sentence each.
+        ComparisonError: the laws cannot be compared.
         OSError: the folder cannot be written to.
     """
-    if samples < 0 or samples & (samples - 1):
-        raise ComparisonError(
-            [f"samples is {samples}; it must be a power of two, or 0 for none. {SAMPLES} is usual."]
-        )
-    runs, notes = collect(sources, transient=transient)
-    measurements = judged(read_all(measured), runs)
-    bar = tqdm(runs, unit=" laws", disable=None, delay=1.0, leave=False)
-    again = partial(refined, transient=transient, refine=refine, starts=starts)
-    laws = [again(run) for run in bar]
-    factors: tuple[Factor, ...] = ()
-    drawn = None
-    if refine and not transient and (complete := settled_of(laws)):
-        factors = factors_of(complete, ranges or {})
-        drawn = _drawn(Design(complete, factors, samples), announce) if samples else None
-    data = scorecard(laws, notes, measurements)
-    data = data.assign_attrs(first="") if transient else with_causes(data, laws, factors, drawn, ranges or {})
-    if output is None:
-        return data
-    # It brings the plotting.
-    from contactlab.comparison.figures import draw_all
-
-    folder = Path(output)
-    folder.mkdir(parents=True, exist_ok=True)
-    with whole_netcdf(folder / "metrics.nc") as part:
-        data.to_netcdf(part, engine="netcdf4")
-    report = page(data, draw_all(laws, data, folder))
-    texts = {"scorecard.csv": as_csv(data), "scorecard.tex": as_latex(data), "report.html": report}
-    for name, text in texts.items():
-        with whole_file(folder / name) as part:
-            part.write_text(text, encoding="utf-8")
-    return data
-
-
-def _drawn(design: Design, announce: Callable[[str], object]) -> Samples:
-    """Let motors settle that are drawn together."""
-    announce(
-        f"{design.size} motors are drawn and brought to their steady states; that takes about "
-        f"{tqdm.format_interval(design.estimate)}. Fewer by --samples."
+    study = Compare(
+        range=[f"{key}={share}" for key, share in (ranges or {}).items()] or None,
+        measured=[str(path) for path in measured] or None,
+        **options,
     )
-    bar = tqdm(design.run(), total=design.size, unit=" motors", disable=None, leave=False)
-    return design.samples([*bar])
-
-
-def page(data: xarray.Dataset, pictures: Iterable[Path]) -> str:
-    """Write the report: one page that holds its pictures, PNG files, itself and fetches nothing."""
-    labels, notes = [str(label) for label in data["law"].values], data.attrs["notes"].splitlines()
-    table, said_of = rows(data), [_typeset(said) for said in differences(data)]
-    shown = {path.stem: _picture(path, said_of, settled="cause" in data.dims) for path in pictures}
-    code = {k.removesuffix("_version"): v for k, v in data.attrs.items() if "_version" in k}
-    versions = [f"{k} {v}" for k, v in code.items()] + [f"revision {data.attrs['git_revision']}"]
-    said = {
-        "title": escape("Contact laws compared" if len(labels) > 1 else f"Contact law {labels[0]}"),
-        "first": bulleted(first(data)),
-        "headline": escape(next(iter(said_of), "")),
-        "differences": bulleted(said_of[1:]),
-        "causes": "\n".join(shown.pop(name, "") for name in ("settled_quantities", "variance_shares")),
-        "conclusion": escape(conclusion(data)),
-        "head": "".join(f"<th>{escape(word)}</th>" for word in ("metric", "must be", *labels)),
-        "scorecard": "\n".join(_row(*row) for row in table),
-        "pictures": "\n".join(shown.values()),
-        "shares": _shares(data),
-        "verdicts": "\n".join(f"<h3>{escape(k)}</h3>{bulleted(v)}" for k, v in verdicts(data).items()),
-        "measured": _measured(data),
-        "notes": f"<h2>Notes</h2>{bulleted(notes)}" if notes else "",
-        "definitions": "\n".join(_definition(metric) for metric, _ in table),
-        "configurations": "\n".join(_configuration(data.sel(law=label)) for label in labels),
-        "versions": escape("; ".join(versions)),
-    }
-    return filled(PAGE, said)
-
-
-def _typeset(sentence: str) -> str:
-    """Give a sentence as a page has it; an error stays in the line of its number."""
-    return sentence.replace(" +- ", f"\u00a0{PLUS_MINUS}\u00a0")
-
-
-def _row(metric: Metric, cells: dict[str, Cell]) -> str:
-    line = f"<tr><td title='{escape(metric.meaning)}'>{escape(metric.brief + metric.bracketed)}</td>"
-    line += f"<td>{escape(metric.threshold)}</td>"
-    for cell in cells.values():
-        kind = KINDS.get(cell.verdict, "")
-        number, sign, error = cell.number.partition(f" {PLUS_MINUS}")
-        small = f" <small>{PLUS_MINUS}{error}</small>" if sign else ""
-        line += f"<td class='{kind}'>{number}{small} {cell.word}</td>"
-    return f"{line}</tr>"
-
-
-def _measured(data: xarray.Dataset) -> str:
-    """Say where the rows come from that are measured; nothing where none is."""
-    if "measured" not in data.dims:
-        return ""
-    names = ("measured", "measured_contents", "measured_source", "measured_file", "measured_digest")
-    said = []
-    for title, contents, source, path, digest in zip(*(data[name].values for name in names), strict=True):
-        words = f"{title}: {contents}, as of {path}, SHA-256 {digest}."
-        said.append(f"{words} Source: {source}" if source else words)
-    return (
-        "<p>The last rows hold the laws, with the parameters as run, against what was measured; there \u00b1 "
-        f"is half of a 95 % interval by resampling the impacts. The data:</p>{bulleted(said)}"
-    )
-
-
-def _shares(data: xarray.Dataset) -> str:
-    """Make the table of the shares in the variance of the settled velocity; nothing where none was drawn."""
-    if "total_order" not in data:
-        return ""
-    here, count = data.sel(quantity="rotor_velocity"), sample_count(data)
-    lines = []
-    for name, alone, both in zip(
-        data["factor"].values, here["first_order"].values, here["total_order"].values, strict=True
-    ):
-        cells = "".join(
-            f"<td>{f'{count} samples do not tell' if unclear(*each[1:]) else written_share(*each)}</td>"
-            for each in (alone, both)
-        )
-        lines.append(f"<tr><td>{escape(str(name))}</td>{cells}</tr>".replace("-", MINUS))
-    head = "<tr><th>factor</th><th>alone</th><th>with others</th></tr>"
-    ranges = escape(str(data.attrs["parameters"]).replace("+-", PLUS_MINUS))
-    return (
-        "<h2>Shares in the variance of the settled rotor velocity</h2>"
-        f"<p>Of {data.sizes['motor']} motors drawn together: every law, both bases and three steps equally "
-        f"likely, {ranges}.</p><div class='box'><table>{head}{''.join(lines)}</table></div>"
-    )
-
-
-def _picture(path: Path, said_of: Sequence[str], *, settled: bool) -> str:
-    words = {"motion": MOTION[settled], "headline": next(iter(said_of), "")}
-    return pictured(path, CAPTIONS[path.stem].format(**words).strip())
-
-
-def _definition(metric: Metric) -> str:
-    """Give key, symbol, meaning and the threshold's reason of a metric."""
-    limit = f" Must be {metric.threshold}: {metric.reason}." if metric.threshold else ""
-    source = f" Source: {metric.source}." if metric.source else ""
-    text = escape(f"{metric.symbol}{metric.bracketed}: {metric.meaning}.{limit}{source}")
-    return f"<li><code>{escape(metric.key)}</code> = {text}</li>"
-
-
-def _configuration(law: xarray.Dataset) -> str:
-    said = {str(key): escape(str(law[key].item())) for key in law.coords if not law[key].dims}
-    return (
-        f"<h3>{said['law']}</h3><p>{said['run']}, recorded by contactlab {said['contactlab_version']}; "
-        f"values at {said['refined']}.</p><details><summary>Configuration</summary>"
-        f"<pre>{said['configuration']}</pre></details>"
-    )
+    setups: dict[str, Setup] = {}
+    if isinstance(sources, Motor):
+        laws: list[Any] = [] if law is None else [law]
+        if isinstance(law, Sequence):
+            laws = list(law)
+        setups = {f"law {n}": steady_setup(sources, each) for n, each in enumerate(laws, 1)}
+    else:
+        if law is not None:
+            raise TypeError("A law is given with a motor only; runs and setups have their own.")
+        single = str | Path | Solution | xarray.DataTree | Setup
+        every: list[Any] = [sources] if isinstance(sources, single) else list(sources)
+        setups = {f"setup {n}": each for n, each in enumerate(every, 1) if isinstance(each, Setup)}
+        if len(setups) < len(every):
+            if setups:
+                raise ComparisonError(["There are setups and recorded runs; there must be one kind."])
+            # The cached property that reads the option `runs`.
+            study.__dict__["recorded"] = labelled(read_runs(every), transient=study.transient)
+    folder = None if output is None else Path(output)
+    result = run(study, setups, folder)
+    if folder is not None:
+        finish(result, folder)
+    return result

@@ -50,7 +50,6 @@ from support.command_line import Command, cases, left_behind
         (["verify", "now"], "now"),
         (["collect", "here", "--outptu=x"], "--outptu"),
         (["compare", "here", "--no-refin"], "--no-refin"),
-        (["compare"], "compare"),
         (["animate", "nowhere/run.nc"], "nowhere/run.nc"),
         (["animate", "run.nc", "--fsp", "3"], "--fsp"),
         (["map", "sweep.drive.phase=1,2"], "map"),
