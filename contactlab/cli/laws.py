@@ -26,10 +26,15 @@ KERNELS = {
 }
 """What kernels that most have not say of a law or part."""
 
-FAMILIES = {"normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"}
-
-Sections = dict[str, list[tuple[str, partial[str]]]]
-"""Names and what prints their paragraphs, by heading."""
+HEADINGS = {
+    "": "Laws: choose one by law=NAME",
+    **{
+        family: f"{title} of a composed law: law=composed law/{family}=NAME"
+        for family, title in {
+            "normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"
+        }.items()
+    },
+}  # fmt: skip
 
 _wrapped = partial(
     fill,
@@ -42,48 +47,38 @@ _wrapped = partial(
 
 
 def main(arguments: list[str]) -> int:
-    """Print the listing, of everything or of one name, and give the exit status.
+    """Print the listing, of everything or of one name, and return the exit status.
 
     Raises:
         RefusalError: no law or part has the name.
     """
     parser = Parser(
         "laws",
-        ": equation, parameters with symbol, unit, default and range, what it declares of itself, source "
-        "and the package it comes from. A law that cannot be loaded is listed with the reason.",
+        ": equation, parameters with symbol, unit, default and range, its declarations, source and package. "
+        "A law that cannot be loaded is listed with the reason.",
     )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
-    headings = {"": "Laws: choose one by law=NAME"} | {
-        family: f"{words} of a composed law: law=composed law/{family}=NAME"
-        for family, words in FAMILIES.items()
-    }
     # Two packages may bring a law of one name.
-    sections: Sections = {
-        heading: [(_title(one, family), partial(_paragraph, one, family)) for one in origins(family)]
-        for family, heading in headings.items()
-    }
-    print("\n\n".join(_chosen(sections, wanted)))
+    listing = {family: [(_title(each, family), each) for each in origins(family)] for family in HEADINGS}
+    titles = [title for entries in listing.values() for title, _ in entries]
+    known = {name for title in titles for name in (title, title.rpartition("/")[2])}
+    if wanted is not None and wanted not in known:
+        hint = suggestion(wanted, known, f"It must be one of {', '.join(titles)}.")
+        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
+    blocks = []
+    for family, entries in listing.items():
+        if wanted is None:
+            blocks.append(HEADINGS[family])
+        for title, origin in entries:
+            if wanted in (None, title, title.rpartition("/")[2]):
+                blocks.append(_paragraph(origin, family))
+    print("\n\n".join(blocks))
     return COMPLETE
 
 
 def _title(origin: Origin, family: str) -> str:
     return f"{family}/{origin.name}" if family else origin.name
-
-
-def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
-    """Give the paragraphs; a part goes by its own name and by that with its family."""
-    names = [name for entries in sections.values() for name, _ in entries]
-    known = dict.fromkeys(each for name in names for each in (name.rpartition("/")[2], name))
-    if wanted is not None and wanted not in known:
-        hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
-        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
-    for heading, entries in sections.items():
-        if wanted is None:
-            yield heading
-        for name, paragraph in entries:
-            if wanted in (None, name, name.rpartition("/")[2]):
-                yield paragraph()
 
 
 def _paragraph(origin: Origin, family: str) -> str:
@@ -93,12 +88,9 @@ def _paragraph(origin: Origin, family: str) -> str:
             return _described(class_of(origin.name, family), title, f"{origin} ({origin.entry})")
     except ValueError as error:
         fault = str(error)
-    # What a law of another package declares may be anything.
+    # Declarations of another package may fail in any way.
     except Exception as error:
-        fault = (
-            f"What {origin.entry} of {origin} declares cannot be read ({type(error).__name__}: {error}). "
-            "Mend that package."
-        )
+        fault = f"The declarations of {origin.entry} of {origin} raise {type(error).__name__}: {error}."
     return f"{title}: not usable\n{_wrapped(fault)}"
 
 

@@ -19,7 +19,7 @@ DURATION: Final = 2e-6
 
 
 def main(arguments: list[str]) -> int:
-    """Compile or load every loop, and say of each what was there and how long it took."""
+    """Compile or load every loop, and print for each which it was and how long it took."""
     parser = Parser(
         "warm-up",
         ". A run compiles what it needs by itself, once for an installation; this does it for all at once, "

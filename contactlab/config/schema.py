@@ -3,25 +3,22 @@
 What comes out is its values in SI, and a sentence for each fault.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from types import NoneType
 from typing import Any, get_args
 
 from contactlab.checks import SMALLEST_STEP, is_kind
-from contactlab.config.faults import ConfigurationError, unknown_key
+from contactlab.config.faults import unknown_key
 from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, duration_for
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
 from contactlab.config.quantity import UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
-from contactlab.laws.registry import law_class, takes_shared
+from contactlab.laws.registry import law_class
 from contactlab.parameter import DeclaredField, Parameter
 from contactlab.settling.until import PRECISION, STEADY
-
-BYTES_A_RECORD = 350
-"""Memory that a record takes while its run is simulated and written, measured over runs of 1e6 and 1e7."""
 
 MOST_RECORDS = 10_000_000
 """Records of one run; they take 3.5 GB of memory."""
@@ -221,21 +218,3 @@ def _processes_are_for_metrics(keep: str, chunk: int | None, workers: int | None
                 f"sweep.{name} is {given} and every run leaves its folder; it must come with "
                 "sweep.keep=metrics. Leave it out; hydra/launcher=joblib runs folders side by side."
             )
-
-
-def idle_friction(laws: Iterable[Values]) -> str:
-    """Tell which of the laws to run, by their sections, the shared friction coefficient is none of.
-
-    A ConfigurationError says that it is none of any, so that nothing depends on what was set.
-    """
-    takes: dict[str, bool] = {}
-    for law in laws:
-        name = str(law["name"])
-        takes[name] = takes.get(name, True) and takes_shared(law)
-    idle = ", ".join(name for name, taken in takes.items() if not taken)
-    words = f"{FRICTION} is set, but law={idle} has no friction coefficient of that name"
-    if idle and not any(takes.values()):
-        raise ConfigurationError(
-            [f"{words}; it must be left out. Set the keys of the law, or choose another one."]
-        )
-    return f"{words}: what it gives does not depend on it." if idle else ""

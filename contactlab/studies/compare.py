@@ -59,8 +59,8 @@ class Compare(Study):
 
     Laws are chosen by law=A,B, or are those of recorded runs: DIR..., folders of runs, their run.nc, or
     folders of such folders, of one motor with one drive. The motors are compared once they have settled. A
-    difference is an effect of the law only if it exceeds the effects of numerical error, basis of the resonator,
-    parameters within their ranges, and initial conditions.
+    difference is an effect of the law only if it exceeds the effects of numerical error, basis of the
+    resonator, parameters within their ranges, and initial conditions.
     """
 
     name: ClassVar[str] = "compare"

@@ -1,7 +1,7 @@
 """Findings of a comparison: which differences between laws are effects of the law.
 
-A difference is an effect of the law if it exceeds the largest change that any other cause makes of either law's
-value, and `CLEAR` times the numerical errors of both.
+A difference is an effect of the law if it exceeds the largest change that any other cause makes of either
+law's value, and `CLEAR` times the numerical errors of both.
 """
 
 from collections.abc import Iterator, Mapping

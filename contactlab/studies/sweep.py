@@ -38,23 +38,23 @@ from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.internal import internal_series
 from contactlab.settling.until import STEADY
 from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
+from contactlab.studies.run_state import Status, status_of
 from contactlab.studies.runner import TASKS, Progress, done_parts, kept_parts
 from contactlab.studies.study import Part, Setups, Study, Task
-from contactlab.sweeps.dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
-from contactlab.sweeps.outputs import Outputs
-from contactlab.sweeps.plan import (
+from contactlab.studies.sweep_dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
+from contactlab.studies.sweep_plan import (
     NOTHING,
     ONE_PROCESS,
     Columns,
     Configuration,
+    Outputs,
     Plan,
     full_keys,
     planned,
     size_of_tasks,
     with_key,
 )
-from contactlab.sweeps.state import Status, status_of
-from contactlab.sweeps.values import SweepError, in_si, listed, spread
+from contactlab.studies.sweep_values import SweepError, in_si, listed, spread
 
 Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 

@@ -18,8 +18,6 @@ from support.configurations import CONF, options
 from support.synthetic import synthetic_trajectory
 
 from contactlab.cli import app
-from contactlab.cli.jobs import write_log
-from contactlab.laws import LawError
 from contactlab.trajectory import Ending, Trajectory
 
 NO_PICTURE = "record.picture=false"
@@ -66,13 +64,6 @@ def test_configuration_is_shown_and_nothing_run(command: Command) -> None:
     assert left_behind() == []
 
 
-def test_version_is_shown(command: Command) -> None:
-    status, out, _ = command("--version")
-    assert status == 0
-    assert out.startswith("contactlab ")
-    assert "hydra-core 1.3" in out
-
-
 @pytest.mark.parametrize(
     ("line", "completion"),
     [
@@ -115,18 +106,6 @@ def test_a_composed_law_runs_with_any_part_and_says_which(command: Command) -> N
     }
 
 
-@pytest.mark.long
-def test_a_sweep_runs_over_parts(command: Command, ending: Callable[[Ending], None]) -> None:
-    ending(Ending.COMPLETE)
-    status, _, err = command("-m", "law=composed", "law/normal=linear,hertz_point", "hydra.sweep.dir=here")
-    assert status == 0, err
-    laws = [configuration_of(path)["law"] for path in sorted(Path("here").glob("*/run.nc"))]
-    assert [law["normal"] for law in laws] == [
-        {"name": "hertz_point", "stiffness": 1e10},
-        {"name": "linear", "stiffness": 1e7},
-    ]
-
-
 def test_a_file_of_ones_own_is_an_option(
     command: Command, ending: Callable[[Ending], None], tmp_path: Path
 ) -> None:
@@ -144,18 +123,6 @@ def test_a_file_of_ones_own_is_an_option(
         law = configuration_of(Path("here/run.nc"))["law"]
         for key, value in stiffness.items():
             assert law[key] == value or law[key] == {"name": "linear", "stiffness": value}
-
-
-def test_an_exception_of_a_law_is_a_sentence(
-    command: Command, ending: Callable[[Ending | BaseException], None]
-) -> None:
-    ending(LawError("The run ended because the law mine raised KeyError: 'x'."))
-    status, _, err = command("hydra.run.dir=here")
-    assert status == 1
-    sentence, where = err.splitlines()
-    assert sentence == "The run ended because the law mine raised KeyError: 'x'."
-    assert where.endswith("here/run.log.")
-    assert "Traceback" in Path("here/run.log").read_text(encoding="utf-8")
 
 
 def test_run_leaves_dataset_picture_and_summary(command: Command) -> None:
@@ -186,26 +153,6 @@ def test_sweep_runs_every_combination_in_a_directory_of_its_own(command: Command
     assert laws == ["hertz_penalty", "lagrange_stick"]
 
 
-def test_experiment_is_a_change_of_the_default_that_arguments_override(
-    command: Command, ending: Callable[[Ending], None]
-) -> None:
-    ending(Ending.COMPLETE)
-    status, _, err = command("experiment=case_a", "drive.phase=0", NO_PICTURE, "hydra.run.dir=here")
-    assert status == 0, err
-    configuration = configuration_of(Path("here/run.nc"))
-    assert configuration["drive"]["frequency"] == 3210.0
-    assert configuration["drive"]["phase"] == 0.0
-    assert configuration["solver"]["duration"] == 5e-3
-
-
-@pytest.mark.long
-def test_configuration_may_ask_for_a_sweep_itself(command: Command, ending: Callable[[Ending], None]) -> None:
-    ending(Ending.COMPLETE)
-    status, _, err = command("hydra.mode=MULTIRUN", "contact.clearance=1 um,2 um")
-    assert status == 0, err
-    assert len(list(Path("multirun").rglob("run.nc"))) == 2
-
-
 def test_task_can_be_sent_to_another_process() -> None:
     assert pickle.loads(pickle.dumps(app.run)) is app.run
 
@@ -220,9 +167,8 @@ def test_run_that_is_not_complete_is_written_as_such_with_status_1(
     command: Command, ending: Callable[[Ending], None], how: Ending
 ) -> None:
     ending(how)
-    status, _, err = command(NO_PICTURE, "hydra.run.dir=here")
+    status, _, _ = command(NO_PICTURE, "hydra.run.dir=here")
     assert status == 1
-    assert "It ended too early." in err
     with xarray.open_dataset("here/run.nc") as root:
         assert root.attrs["complete"] == 0
 
@@ -243,15 +189,12 @@ def test_interrupted_run_leaves_nothing_that_looks_whole(
     assert command(NO_PICTURE, "hydra.run.dir=here")[0] == 0
 
     ending(KeyboardInterrupt())
-    status, _, err = command("hydra.run.dir=here")
-    assert status == 130
-    assert err == "Interrupted before the end; no result was written.\n"
+    assert command("hydra.run.dir=here")[0] == 130
     assert not list(Path("here").glob("*run*"))
 
     ending(Ending.INTERRUPTED)
-    status, _, err = command(NO_PICTURE, "hydra.run.dir=here")
+    status, _, _ = command(NO_PICTURE, "hydra.run.dir=here")
     assert status == 130
-    assert err == "It ended too early.\n"
     with xarray.open_dataset("here/run.nc") as root:
         assert root.attrs["complete"] == 0
 
@@ -261,20 +204,6 @@ def test_interrupt_stops_a_sweep(command: Command, ending: Callable[[Ending | Ba
     status, _, _ = command("-m", "contact.clearance=1 um,2 um", NO_PICTURE)
     assert status == 130
     assert len(list(Path("multirun").rglob("run.nc"))) == 1
-
-
-def test_disk_that_fails_is_told_in_a_sentence(
-    command: Command, ending: Callable[[Ending], None], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def write(*_: object) -> None:
-        raise OSError(28, "No space left on device", "run.nc")
-
-    ending(Ending.COMPLETE)
-    monkeypatch.setattr("contactlab.results.netcdf.write_tree", write)
-    status, _, err = command("hydra.run.dir=here")
-    assert status == 1
-    assert "The run could not be written: " in err
-    assert "No space left on device" in err
 
 
 @pytest.mark.skipif(
@@ -297,16 +226,3 @@ def test_ctrl_c_ends_the_real_command_with_status_130(tmp_path: Path) -> None:
     if (tmp_path / "here/run.nc").exists():
         with xarray.open_dataset(tmp_path / "here/run.nc") as root:
             assert root.attrs["complete"] == 0
-
-
-def test_a_log_that_finds_no_room_is_not_left_as_an_empty_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def full(path: Path, *_: object, **__: object) -> int:
-        path.touch()
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_text", full)
-    write_log(tmp_path / "run.log", ValueError("x"))
-    assert list(tmp_path.iterdir()) == []
-    assert capsys.readouterr().err == ""

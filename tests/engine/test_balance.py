@@ -13,7 +13,7 @@ from contactlab.metrics import METRICS, assess
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import reached_end, to_datatree
-from contactlab.sweeps.state import Status, status_of
+from contactlab.studies.run_state import Status, status_of
 from contactlab.testing.plants import block
 from contactlab.trajectory import LEDGER_LIMIT, Ending, Trajectory, openness
 

@@ -13,7 +13,7 @@ from support.motors import case_a, default_motor, every_law, final, hertz, run
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.motor.motor import Motor
-from contactlab.sweeps.state import status_of
+from contactlab.studies.run_state import status_of
 from contactlab.testing.plants import block
 from contactlab.trajectory import Ending
 

@@ -15,7 +15,7 @@ from contactlab import ComparisonError, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.collection import collect
-from contactlab.sweeps.state import COMPLETE, Job, State, Status, write_state
+from contactlab.studies.run_state import COMPLETE, Job, State, Status, write_state
 
 
 def left_run(
@@ -107,7 +107,7 @@ def test_units_come_from_the_runs_whose_configurations_can_be_checked(
         asked.append(configuration)
         raise ValueError("There is no law 'gone'.")
 
-    monkeypatch.setattr("contactlab.sweeps.axes.validate", check)
+    monkeypatch.setattr("contactlab.studies.collection.validate", check)
     assert (collect(tmp_path)["status"] == Status.COMPLETE).all()
     # The second is asked for what the first could not tell.
     assert len(asked) == 2
