@@ -21,9 +21,9 @@ from contactlab.inference.cross_validation import FOLDS, cross_validated, digest
 from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
 from contactlab.inference.law_choice import law_predictors
 from contactlab.laws import ContactLaw
-from contactlab.measured.faults import MeasurementError
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.table import MeasurementError
 from contactlab.results.provenance import code_digest
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
