@@ -79,7 +79,7 @@ RULES: Final = (
         Rule(
             ("sweep.keep", f"sweep.{name}"),
             lambda keep, value: keep == "metrics" or value is None,
-            f"sweep.{name} is {{1}}; it must come with sweep.keep=metrics. Folders have hydra/launcher=joblib.",
+            f"sweep.{name} is {{1}}; it must come with sweep.keep=metrics (folders: hydra/launcher=joblib).",
         )
         for name in ("chunk", "workers")
     ),

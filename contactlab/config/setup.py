@@ -190,8 +190,8 @@ def _refuse_undamped_resonance(frequency: float | None, drive: Drive, modes: Nor
     null = " null, that is the first natural frequency," if frequency is None else ""
     keys = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
     faults = [
-        f"{key} {tone:.12g} Hz, an undamped natural frequency, where the response is unbounded; it must differ "
-        f"from {natural:.12g} Hz by more than {RESONANCE:g} of it, or resonator.stiffness_damping be positive."
+        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
+        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or resonator.stiffness_damping be positive."
         for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
         for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
         if abs(tone - natural) <= RESONANCE * natural
