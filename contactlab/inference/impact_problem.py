@@ -105,7 +105,7 @@ def frictionless() -> LawPredictor:
 @final
 @dataclass(frozen=True)
 class ConstantImpulse:
-    """The same impulse in all impacts, its tangential component against the slip: a baseline."""
+    """An impulse that is equal in all impacts, its tangential component against the slip: a baseline."""
 
     free: tuple[FreeParameter, ...]
     label: str = "constant impulse"

@@ -131,7 +131,7 @@ def sample(
     seed: int = 0,
     checkpoint: Path | None = None,
     workers: int | None = None,
-    one_mode: bool = False,
+    single_mode: bool = False,
     announce: Callable[[str], object] = bool,
 ) -> Posterior:
     """Sample the posterior of a problem.
@@ -142,7 +142,7 @@ def sample(
         seed: the same seed gives the same bits, whatever the number of processes.
         checkpoint: file of the likelihoods evaluated so far, from which an interrupted run resumes.
         workers: processes; None is one a processor where that pays.
-        one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
+        single_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
         announce: receives a sentence if the checkpoint is damaged and the run starts again.
 
     Raises:
@@ -176,7 +176,7 @@ def sample(
             pool=SimpleNamespace(map=recorded),
             queue_size=GROUP,
             use_pool={"update_bound": False},
-            bound="single" if one_mode else "multi",
+            bound="single" if single_mode else "multi",
             # By bootstrap they may become so large that nearly no proposal lies in the prior.
             bootstrap=0,
             enlarge=ENLARGED,
