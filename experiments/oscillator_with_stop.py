@@ -108,7 +108,7 @@ class ImpactOscillator:
         return tuple(Impact(self, v, self._angle_at(stop, v, w)) for v in speeds)
 
     def _angle_at(self, stop: float, speed: float, w: Array) -> float:
-        """Return the angle of the drive when the mass hits the stop, where p - i pd / omega = X exp(i phi)."""
+        """Return the angle of the drive at the stop, where p - i pd / omega = X exp(i phi)."""
         place, rate = stop - speed * w[0], -speed * w[1]
         return float(np.angle((place - 1j * rate / self.frequency) / self.response))
 
@@ -147,7 +147,7 @@ class Impact:
     angle: float
 
     def later(self, part: float) -> tuple[float, Array]:
-        """Return the phase of the drive in periods, and displacement and velocity, a part of a period later."""
+        """Return the phase of the drive in periods, displacement and velocity, a part of a period later."""
         it = self.oscillator
         rates = np.array([[0.0, 1.0, 0.0], [-it.stiffness, -it.damping, it.weight], [0.0, 0.0, 0.0]])
         turns = np.exp(1j * (self.angle + 2.0 * np.pi * np.array([0.0, part])))
