@@ -128,37 +128,43 @@ def described_parameter(name: str, member: DeclaredField, own: bool = False) -> 
 
 
 def declared_rows(owner: type[Declared]) -> dict[str, str]:
-    """Return the declarations of a law or part by name; those that depend on parameters with their defaults."""
+    """Return the declarations of a law or part by name, with the defaults of its parameters."""
     is_open = any(member.default is MISSING for member in members_of(owner).values())
     law: Any = owner if owner is Composed or is_open else owner()
-    is_law, rows = issubclass(owner, ContactLaw), dict[str, str]()
-    if is_law:
+    rows: dict[str, str] = {}
+    if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
-    if is_law or getattr(law, "allows_tension", False):
+    if issubclass(owner, ContactLaw) or getattr(law, "allows_tension", False):
         rows["tension"] = _shown(law, "allows_tension", {True: "allowed", False: "none"})
-    if is_law:
+    if issubclass(owner, ContactLaw):
         rows["convergence order"] = _shown(law, "convergence_order")
         at_most = "at most " if getattr(owner, "projects", False) else ""
         rows["default contact step"] = f"{at_most}{owner.default_contact_step:g} s"
-    has_friction = is_law or issubclass(owner, Friction)
+    has_friction = issubclass(owner, ContactLaw | Friction)
     if has_friction:
         rows["stick"] = _shown(law, "exact_stick", STICK)
         offset = law.friction_offset
         rows["cone"] = f"widened by an offset C = {offset:g} N" if not _is_open(offset) and offset else ""
-    variables = getattr(law, "internal_variables", ())
-    if _is_open(variables):
-        rows["internal variables"] = _shown(law, "internal_variables")
-    else:
-        rows |= dict(_variables(variables))
-    for name, text in KERNELS.items():
-        if not _is_open(kernel := getattr(law, name, None)) and kernel is not None:
-            rows[name] = text
-    if not _is_open(guards := getattr(law, "guards", 0)) and guards:
-        rows["guards"] = f"{guards}: where one falls through zero, a step ends and the reset map is applied"
+    rows |= _contact_rows(law)
     if has_friction and _is_open(law.violations):
         rows["breaks"] = _shown(law, "violations")
     elif has_friction:
         rows |= {f"breaks {name}": reason for name, reason in law.violations.items()}
+    return rows
+
+
+def _contact_rows(law: Any) -> dict[str, str]:
+    """Return internal variables, kernels that most laws have not, and guards."""
+    variables, guards = getattr(law, "internal_variables", ()), getattr(law, "guards", 0)
+    if _is_open(variables):
+        rows = {"internal variables": _shown(law, "internal_variables")}
+    else:
+        rows = dict(_variables(variables))
+    for name, text in KERNELS.items():
+        if not _is_open(kernel := getattr(law, name, None)) and kernel is not None:
+            rows[name] = text
+    if not _is_open(guards) and guards:
+        rows["guards"] = f"{guards}: where one falls through zero, a step ends and the reset map is applied"
     return rows
 
 
