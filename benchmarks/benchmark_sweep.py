@@ -26,8 +26,7 @@ import numpy as np
 from contactlab.config import Setup
 from contactlab.studies.runner import run
 from contactlab.studies.sweep import ScriptComposer, Sweep
-from contactlab.sweeps.outputs import Outputs
-from contactlab.sweeps.plan import Plan, planned
+from contactlab.studies.sweep_plan import Outputs, Plan, planned
 
 SETUPS: list[Setup] = []
 """What the bare engine runs; processes that are forked later have it too."""

@@ -105,9 +105,9 @@ from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.studies.sweep import sweep as sweep
+from contactlab.studies.sweep_values import SweepError as SweepError
 from contactlab.studies.synthetic import Synthetic as Synthetic
 from contactlab.studies.validate import Validate as Validate, validate as validate
-from contactlab.sweeps import SweepError as SweepError
 from contactlab.trajectory import Ending as Ending
 
 __version__ = versions()["contactlab_version"]

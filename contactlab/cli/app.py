@@ -37,8 +37,8 @@ from contactlab.config.studies import RUN, study_of
 from contactlab.laws.registry import takes_shared
 from contactlab.results.files import STATE
 from contactlab.results.provenance import versions
-from contactlab.sweeps import state
-from contactlab.sweeps.state import Job, State, is_done, key_of, write_state
+from contactlab.studies import run_state
+from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
 
 MOST_CHARACTERS: Final = 120
 """Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
@@ -98,7 +98,7 @@ def run(settings: DictConfig) -> int:
         setup = setup or build(resolved(settings))
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
-        write_state(directory, State(state.REFUSED, job, " ".join(error.faults)))
+        write_state(directory, State(run_state.REFUSED, job, " ".join(error.faults)))
         return refuse(error.faults)
     if not swept and settings.study.name != RUN:
         section = validate(resolved(settings))
@@ -157,9 +157,9 @@ class Check(Callback):
             return
         folder = Path(str(config.hydra.sweep.dir))
         collect_swept(folder)
-        states = {each.state for path in folder.rglob(STATE) if (each := state.read_state(path.parent))}
-        if states != {state.COMPLETE}:
-            sys.exit(REFUSED if state.REFUSED in states else INCOMPLETE)
+        states = {each.state for path in folder.rglob(STATE) if (each := run_state.read_state(path.parent))}
+        if states != {run_state.COMPLETE}:
+            sys.exit(REFUSED if run_state.REFUSED in states else INCOMPLETE)
 
 
 def _is_ours(config: DictConfig) -> bool:

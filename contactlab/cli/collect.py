@@ -41,11 +41,11 @@ def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[st
 
 def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab import SweepError
     from contactlab.config import ConfigurationError
     from contactlab.results.files import told
     from contactlab.studies.collection import collect
-    from contactlab.sweeps import SweepError
-    from contactlab.sweeps.dataset import summary
+    from contactlab.studies.sweep_dataset import summary
 
     try:
         with terminal.raising():

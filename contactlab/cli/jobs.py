@@ -18,7 +18,7 @@ from contactlab.laws import LawError
 from contactlab.results import netcdf
 from contactlab.results.files import DATASET, LOG, told, whole_file
 from contactlab.results.summary import summarise
-from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
+from contactlab.studies.run_state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
 PICTURE: Final = "run.png"
 

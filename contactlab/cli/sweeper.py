@@ -38,12 +38,19 @@ from contactlab.config.nesting import Value
 from contactlab.config.studies import RUN
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import LOG, STATE, told
+from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
 from contactlab.studies.sweep import Sweep as SweepStudy, begin, continued, runs_of
-from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.outputs import Outputs
-from contactlab.sweeps.plan import NOTHING, Configuration, Plan, full_keys, planned, raise_faults
-from contactlab.sweeps.state import ABSENT, Job, State, key_of, resume, write_state
-from contactlab.sweeps.values import FORMS, SweepError, call_in, spread
+from contactlab.studies.sweep_dataset import summary
+from contactlab.studies.sweep_plan import (
+    NOTHING,
+    Configuration,
+    Outputs,
+    Plan,
+    full_keys,
+    planned,
+    raise_faults,
+)
+from contactlab.studies.sweep_values import FORMS, SweepError, call_in, spread
 
 
 @final
@@ -54,8 +61,6 @@ class Arguments:
         context, config: what Hydra hands a sweeper.
         lines: the overrides.
     """
-
-    build = staticmethod(build)
 
     def __init__(self, context: HydraContext, config: DictConfig, lines: Sequence[str]) -> None:
         self._loader, self._config = context.config_loader, config

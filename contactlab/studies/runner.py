@@ -26,8 +26,8 @@ from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
 from contactlab.results.provenance import code_attributes
+from contactlab.studies.run_state import key_of
 from contactlab.studies.study import Part, Result, Setups, Study, Task
-from contactlab.sweeps.state import key_of
 
 TASKS: Final = "tasks"
 """Folder of the finished tasks, beside the files of the result."""

@@ -60,10 +60,3 @@ def test_a_micro_sign_is_read_and_shown_in_a_plain_locale(sign: str, plain: Told
     err, status = told["-m", SWEEP[sign]]
     assert err.startswith("contact.clearance is -1e-06 m; it must be at least")
     assert status == "2"
-
-
-def test_a_run_in_a_plain_locale_keeps_its_arguments(plain: Told) -> None:
-    folder, told = plain
-    assert told[RUN][1] == "0", told[RUN][0]
-    written = (folder / "here/.hydra/overrides.yaml").read_text(encoding="utf-8")
-    assert RUN[0] in written

@@ -7,12 +7,12 @@ import pytest
 from support.sweeps import left_run
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
+from contactlab import SweepError
 from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.collection import collect
-from contactlab.sweeps import SweepError
-from contactlab.sweeps.state import Status, is_done
+from contactlab.studies.run_state import Status, is_done
 
 
 def test_no_damage_of_a_dataset_comes_through(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from contactlab.comparison import ComparisonError, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.collection import collect
-from contactlab.sweeps.state import COMPLETE, Job, State, Status, write_state
+from contactlab.studies.run_state import COMPLETE, Job, State, Status, write_state
 
 
 def left_run(

@@ -15,7 +15,7 @@ from support.sweeps import begun
 import contactlab as cl
 from contactlab.studies.runner import run
 from contactlab.studies.sweep import continued
-from contactlab.sweeps.dataset import DATASET
+from contactlab.studies.sweep_dataset import DATASET
 
 distributed = pytest.importorskip("distributed")
 ROOT = Path(__file__).parents[2]

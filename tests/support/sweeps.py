@@ -18,11 +18,10 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree, write_tree
+from contactlab.studies.run_state import COMPLETE, Job, State, write_state
 from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep import ScriptComposer, Sweep, begin
-from contactlab.sweeps.outputs import Outputs
-from contactlab.sweeps.plan import planned
-from contactlab.sweeps.state import COMPLETE, Job, State, write_state
+from contactlab.studies.sweep_plan import Outputs, planned
 from contactlab.trajectory import Ending, Trajectory
 
 METRICS_ALONE = ("-m", "sweep.keep=metrics")

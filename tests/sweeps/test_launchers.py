@@ -15,10 +15,10 @@ import pytest
 from hydra.core.plugins import Plugins
 from support import sweeps
 from support.command_line import Command
-from support.sweeps import METRICS_ALONE, QUICK, ChoosingSweeper, Simulations
+from support.sweeps import QUICK, ChoosingSweeper, Simulations
 
 from contactlab.studies.collection import collect
-from contactlab.sweeps import Status
+from contactlab.studies.run_state import Status
 
 JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
 
@@ -120,29 +120,6 @@ def test_a_lost_worker_ends_the_sweep_with_a_sentence(tmp_path: Path) -> None:
     assert process.returncode == 1
     assert "The sweep stopped: TerminatedWorkerError: A worker process" in err
     assert "Traceback" not in err
-
-
-def test_a_cluster_that_is_not_there_is_told_in_a_sentence(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("PATH", "")
-    status, _, err = command("-m", "hydra/launcher=submitit_slurm", "contact.clearance=1e-6,2e-6")
-    assert status == 1
-    assert err.startswith('The sweep stopped: RuntimeError: Could not detect "srun"')
-
-
-def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Command) -> None:
-    status, _, err = command("-m", *JOBLIB, "law=nonsense")
-    assert status == 2
-    assert err.startswith("law is 'nonsense'; it must be one of")
-    assert "n_jobs" not in err
-
-
-def test_a_launcher_is_refused_where_no_folders_are_left(command: Command) -> None:
-    status, _, err = command(*METRICS_ALONE, *JOBLIB, "drive.phase=0,1", "hydra.sweep.dir=here")
-    assert status == 2
-    assert "hydra/launcher" in err
-    assert not Path("here").exists()
 
 
 @pytest.mark.long

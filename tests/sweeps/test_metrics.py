@@ -15,12 +15,11 @@ from support.sweeps import METRICS_ALONE
 
 from contactlab.config import build
 from contactlab.metrics import METRICS
+from contactlab.studies.run_state import Status
 from contactlab.studies.runner import TASKS
 from contactlab.studies.sweep import DIGEST, MANIFEST
-from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.outputs import Outputs
-from contactlab.sweeps.plan import with_key
-from contactlab.sweeps.state import Status
+from contactlab.studies.sweep_dataset import DATASET
+from contactlab.studies.sweep_plan import Outputs, with_key
 
 SHORT = "solver.duration=1 ms"
 HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")
@@ -49,17 +48,6 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
             cell = found.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
-
-
-def test_a_sweep_is_the_sweep_of_single_runs_in_one_file(command: Command) -> None:
-    assert command(*HERE, "law=hertz_penalty,newton")[0] == 0
-    found = opened(Path("here"))
-    assert found["law"].values.tolist() == ["hertz_penalty", "newton"]
-    for law in ("hertz_penalty", "newton"):
-        assert command(SHORT, f"law={law}", f"hydra.run.dir={law}", "record.picture=false")[0] == 0
-        with xarray.open_dataset(Path(law) / "run.nc") as run:
-            alone = run["rotor_velocity"].values[-1]
-        assert found["final_rotor_velocity"].sel(law=law) == alone
 
 
 @pytest.mark.long
@@ -112,7 +100,7 @@ def test_another_sweep_does_not_go_into_the_folder_of_one(
     assert command(*HERE, "drive.phase=0,1")[0] == 0
     before = {path: path.read_bytes() for path in Path("here").iterdir()}
     if code:
-        monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: code)
+        monkeypatch.setattr("contactlab.studies.run_state.code_digest", lambda: code)
     assert command(*lines, SHORT, "hydra.sweep.dir=here")[0] == 2
     assert {path: path.read_bytes() for path in Path("here").iterdir()} == before
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 from support.sweeps import CELLS, begun, small_sweep
 
+from contactlab import SweepError
 from contactlab.studies import sweep as module
 from contactlab.studies.collection import collect
+from contactlab.studies.run_state import Status
 from contactlab.studies.runner import TASKS
 from contactlab.studies.sweep import DIGEST, MANIFEST, UNFINISHED, Cells, begin, continued, read_plan
-from contactlab.sweeps import Status, SweepError
-from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.plan import Plan
+from contactlab.studies.sweep_dataset import DATASET
+from contactlab.studies.sweep_plan import Plan
 
 
 def files_of(folder: Path) -> dict[str, bytes]:

@@ -14,7 +14,7 @@ from support.sweeps import QUICK
 
 from contactlab.config import build
 from contactlab.results import provenance
-from contactlab.sweeps import state
+from contactlab.studies import run_state as state
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 

@@ -1,8 +1,8 @@
-"""What becomes of a run: a code in a dataset, `state.json` in its folder.
+"""The status of a run: a code in a dataset, `state.json` in its folder.
 
-The state is written as ABSENT when a sweep is planned, as RUNNING before the run begins and with its end
-after its dataset is whole, so that a run that was killed, or never began, is known by it. It holds no times:
-the same run leaves the same bytes.
+The state is ABSENT when a sweep is planned, RUNNING before the run begins and its ending after its dataset is
+whole, so that a run that was killed, or never began, is recognised. It has no times: the same run leaves the
+same bytes.
 """
 
 import json
@@ -29,7 +29,7 @@ from contactlab.trajectory import Ending
 
 
 class Status(IntEnum):
-    """Codes what became of a run: an `Ending`, by its name, or why it has none."""
+    """Status of a run: a `contactlab.trajectory.Ending`, by its name, or why it has none."""
 
     COMPLETE = 0
     DIVERGED = 1
@@ -49,19 +49,22 @@ class Status(IntEnum):
 
 
 def status_of(ending: Ending) -> Status:
-    """Give the status of a run that ended in some way."""
+    """Return the status of a run with this ending."""
     return Status[ending.name]
 
 
 ABSENT, RUNNING, COMPLETE, FAILED, REFUSED = "absent", "running", "complete", "failed", "refused"
-INTERRUPTED, UNBALANCED = "interrupted", "unbalanced"
+INTERRUPTED = "interrupted"
 """States beside the other names of `contactlab.trajectory.Ending` in small letters."""
+
+CHANGED, LOST = "of another configuration or code", "without its dataset"
+"""Why a run that was complete runs again."""
 
 
 @final
 @dataclass(frozen=True)
 class Job:
-    """Holds what a run was asked for: its `key_of`, overrides as typed, options by group, numbers in SI.
+    """What a run is to do: its `key_of`, overrides as typed, options by group, numbers in SI.
 
     What is not known is empty, and so is the configuration where it is faulty.
     """
@@ -75,10 +78,7 @@ class Job:
 @final
 @dataclass(frozen=True)
 class State:
-    """Holds what became of a run, with a reason where it is not complete.
-
-    The digest of its dataset tells one that is damaged or was replaced.
-    """
+    """State of a run, the reason where it is not complete, and the digest of its dataset."""
 
     state: str
     job: Job
@@ -88,27 +88,16 @@ class State:
 
 _adapter: Final = TypeAdapter(State)
 
-_WHY: Final = {
-    FAILED: ("failed", "failed"),
-    RUNNING: ("was cut short", "were cut short"),
-    "early": ("ended early", "ended early"),
-    UNBALANCED: ("has an open ledger", "have open ledgers"),
-    "changed": ("is of another configuration or code", "are of another configuration or code"),
-    COMPLETE: ("has lost its dataset", "have lost their datasets"),
-    ABSENT: ("is new", "are new"),
-}
-"""Why one run, and several, that are to run are, in the order of the sentence."""
-
 
 def write_state(folder: Path, state: State) -> None:
-    """Write the state of a run, whole or not at all; an OSError says why it cannot be."""
+    """Write the state of a run, whole or not at all; an OSError if it cannot be written."""
     with whole_file(folder / STATE) as partial:
         text = json.dumps(asdict(state), indent=1, sort_keys=True, ensure_ascii=False)
         partial.write_text(f"{text}\n", encoding="utf-8")
 
 
 def read_state(folder: Path) -> State | None:
-    """Read the state of a run; None where there is none that can be read, as somebody else's file."""
+    """Return the state of a run; None where no file can be read as one."""
     try:
         return _adapter.validate_json((folder / STATE).read_bytes())
     except (OSError, ValueError):
@@ -116,16 +105,15 @@ def read_state(folder: Path) -> State | None:
 
 
 def key_of(setup: Setup) -> str:
-    """Give the digest of what a run's numbers depend on: configuration, version, code, whose law it is."""
+    """Return the digest of all that a run's numbers depend on: configuration, version and code."""
     numbers = {group: keys for group, keys in setup.configuration.items() if group not in NO_NUMBERS}
     parts = (json.dumps(numbers, sort_keys=True), *_code_of(*classes_of(setup.law)))
     return sha256("\0".join(parts).encode()).hexdigest()
 
 
 def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
-    """Give the digest of the code that a sweep's numbers depend on: that of its laws, metrics and sweeps."""
-    parts = [part for one in configurations for part in _code_of(*classes_in(one["law"]))]
-    # Of what a single run does not depend on.
+    """Return the digest of the code that a sweep depends on: that of its laws, metrics and studies."""
+    parts = [part for each in configurations for part in _code_of(*classes_in(each["law"]))]
     parts += [digest_of(Path(file).parent) for file in (str(metrics.__file__), __file__)]
     return sha256("\0".join(parts).encode()).hexdigest()
 
@@ -139,39 +127,28 @@ _foreign_code = cache(digest_of_sources)
 
 
 def is_done(folder: Path, key: str) -> bool:
-    """Tell whether a folder holds the complete run of a key, its dataset as the run left it."""
+    """Return whether a folder has the complete run of a key, its dataset as the run left it."""
     return not _why(folder, key)
 
 
 def resume(jobs: Sequence[tuple[Path, str]]) -> tuple[list[bool], str]:
-    """Tell which jobs, each folder and key, are to run, and say in a sentence how many and why."""
+    """Return which jobs, each folder and key, are to run, and a sentence that counts them by their states."""
     why = [_why(*job) for job in jobs]
-    return [*map(bool, why)], sentence(len(jobs), Counter(filter(None, why)))
-
-
-def sentence(total: int, why: Mapping[str, int]) -> str:
-    """Say how many of all runs are complete, and how many run for which reason."""
-    runs, pending = "1 run" if total == 1 else f"{total} runs", sum(why.values())
-    if not pending:
-        return f"{runs}: {'it is' if total == 1 else 'all are'} complete and skipped."
-    parts = [f"{why[name]} {said[why[name] > 1]}" for name, said in _WHY.items() if why.get(name)]
-    count = total - pending
-    skipped = f"{count} {'is' if count == 1 else 'are'} complete and skipped; " if count else ""
-    listed = " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
-    return f"{runs}: {skipped}{listed}: {'this runs' if pending == 1 else 'these run'}."
+    counts = Counter(each or "complete, skipped" for each in why)
+    shown = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
+    return [*map(bool, why)], f"{len(jobs)} runs: {shown}."
 
 
 def _why(folder: Path, key: str) -> str:
-    """Tell why the run of a key is to run in a folder, by a key of `_WHY`; empty where it is complete."""
+    """Return why the run of a key is to run in a folder; empty where it is complete."""
     state = read_state(folder)
-    name = state.state if state else ABSENT
-    name = {REFUSED: FAILED, INTERRUPTED: RUNNING}.get(name, name)
-    if state is None or name in (ABSENT, FAILED, RUNNING):
-        return name
+    if state is None or state.state in (ABSENT, FAILED, REFUSED, RUNNING, INTERRUPTED):
+        return state.state if state else ABSENT
     if state.job.key != key:
-        return "changed"
+        return CHANGED
+    if state.state != COMPLETE:
+        return state.state
     try:
-        whole = name == COMPLETE and digest_of_file(folder / DATASET) == state.digest
+        return "" if digest_of_file(folder / DATASET) == state.digest else LOST
     except OSError:
-        whole = False
-    return "" if whole else name if name in _WHY else "early"
+        return LOST

@@ -24,15 +24,15 @@ FORMS: Final = (
 )
 
 MOST_RUNS: Final = 10_000_000
-"""Runs of a sweep that keeps metrics; its numbers are in memory at the end, about 200 bytes a run."""
+"""Runs of a sweep that keeps numbers; they are in memory at the end, about 200 bytes a run."""
 
 _CALL: Final = re.compile(r"\s*(linspace|geomspace|range)\s*\((.*)\)\s*")
 _COMMA: Final = re.compile(r",(?![^(]*\))")
-"""One that is not inside brackets."""
+"""A comma outside of brackets."""
 
 
 class SweepError(ValueError):
-    """A sweep that cannot be made, or whose folder is damaged; the message is a sentence."""
+    """A sweep that cannot be made, or whose folder is damaged."""
 
 
 def listed(text: str) -> list[str]:
@@ -41,20 +41,20 @@ def listed(text: str) -> list[str]:
 
 
 def call_in(value: object) -> tuple[str, list[str]] | None:
-    """Give name and arguments of a text that stands for several values; None for what does not."""
+    """Return name and arguments of a text that stands for several values; None for another value."""
     call = _CALL.fullmatch(value) if isinstance(value, str) else None
     return call and (call[1], [part.strip().strip("'\"") for part in call[2].split(",")])
 
 
 def in_si(value: Value, units: str) -> Value:
-    """Give a text of a number in SI, in units as CF has them; whatever is no such text as it is."""
+    """Return the text of a number in SI, its units those of CF; any other value as it is."""
     with suppress(UnitError):
         return to_si(value, from_cf(units)) if isinstance(value, str) and units else value
     return value
 
 
 def spread(key: str, value: Value, units: str = "") -> list[Value]:
-    """Give all values that one element of a list stands for, numbers in SI.
+    """Return all values that one element of a list stands for, numbers in SI.
 
     Raises:
         SweepError: it cannot be read in the units, has no end or no value, or too many.
@@ -62,28 +62,17 @@ def spread(key: str, value: Value, units: str = "") -> list[Value]:
     if (call := call_in(value)) is None:
         return [in_si(value, units)]
     name, parts = call
-    form = "range(START,STOP,STEP)" if name == "range" else f"{name}(FIRST,LAST,COUNT)"
+    line = f"{key}={value}"
     if len(parts) not in ((1, 2, 3) if name == "range" else (3,)) or not all(parts):
-        raise SweepError(f"{key}={value} does not have three arguments; it must be {form}.")
+        raise SweepError(f"{line} has {len(parts)} arguments; a swept parameter must have {FORMS}.")
     if name == "range":
-        return _stepped(f"{key}={value}", key, parts, units)
+        return _stepped(line, key, parts, units)
     # A number of very many digits is none that Python reads.
     if not parts[2].isdecimal() or not 1 <= int(parts[2][:20]) <= MOST_RUNS:
-        raise SweepError(
-            f"{key}={value} has the count '{parts[2]}'; it must be a whole number of at least 1 and at "
-            f"most {MOST_RUNS}."
-        )
+        raise SweepError(f"{line} has the count '{parts[2]}'; it must be a whole number of 1 to {MOST_RUNS}.")
     first, last = (_number(key, end, units) for end in parts[:2])
-    if not isfinite(last - first):
-        raise SweepError(
-            f"{key} goes from {first:g} to {last:g}; both ends must be finite numbers, and so must be what "
-            "lies between them. Name others."
-        )
-    if name == "geomspace" and first * last <= 0.0:
-        raise SweepError(
-            f"{key} goes from {first:g} to {last:g} by geomspace, whose ends must not be zero and must "
-            "have one sign. Use linspace."
-        )
+    if not isfinite(last - first) or (name == "geomspace" and first * last <= 0.0):
+        raise SweepError(f"{line} has the ends {first:g} and {last:g}; they must be finite, and of one sign.")
     spaced = np.linspace if name == "linspace" else np.geomspace
     return list(spaced(first, last, int(parts[2])).tolist())
 
@@ -96,36 +85,31 @@ def _number(key: str, text: str, units: str) -> float:
 
 
 def _stepped(line: str, key: str, parts: list[str], units: str) -> list[Value]:
-    """Give the numbers of a range: as decimals, so that no round-off lets one reach STOP."""
+    """Return the numbers of a range: as decimals, so that no round-off lets one reach STOP."""
     ends = [*(["0"] if len(parts) == 1 else []), *parts, "1"][:3]
     start, stop, step = (Decimal(repr(_number(key, end, units))) for end in ends)
     if not all(end.is_finite() for end in (start, stop, step)) or not step:
         raise SweepError(f"{line} does not end; START, STOP and STEP must be finite and STEP not 0.")
     steps = (stop - start) / step
-    # Whoever sorts a range may have added and subtracted floats before.
+    # A range that was sorted may contain sums and differences of floats.
     whole = abs(steps - round(steps)) < Decimal("1e-9")
     count = max(0, round(steps) if whole else ceil(steps))
-    if not count:
-        raise SweepError(f"{line} has no values; a range ends before its STOP.")
-    if count > MOST_RUNS:
-        raise SweepError(
-            f"{line} has {count:.4g} values; it must have at most {MOST_RUNS}. Choose a larger STEP."
-        )
+    if not 1 <= count <= MOST_RUNS:
+        raise SweepError(f"{line} has {count:.4g} values; it must have 1 to {MOST_RUNS}, without STOP.")
     kind = int if all(re.fullmatch(r"[+-]?\d+", end) for end in ends) else float
     return [kind(start + place * step) for place in range(count)]
 
 
 def short_names(keys: Iterable[str], taken: Collection[str] = ()) -> dict[str, str]:
-    """Give each key or group its last part as a name, or the shortest tail that is its own.
+    """Return for each key or group its last part, or the shortest tail that no other has.
 
-    The names in `taken` stand for something else.
+    Args:
+        keys: full keys or groups.
+        taken: names that are used already.
     """
     tails = {}
     for key in keys:
         parts = re.split(r"[./]", key)
         tails[key] = ["_".join(parts[at:]) for at in reversed(range(len(parts)))]
-    several = [*taken, *(tail for found in tails.values() for tail in found)]
-    return {
-        key: next((tail for tail in found if several.count(tail) == 1), found[-1])
-        for key, found in tails.items()
-    }
+    several = [*taken, *(tail for ends in tails.values() for tail in ends)]
+    return {key: next((t for t in ends if several.count(t) == 1), ends[-1]) for key, ends in tails.items()}

@@ -1,11 +1,11 @@
-"""From the velocities of bodies to those of their contact: what a contact law is asked, and what it is not.
+"""Impacts of bodies in generalised coordinates, and the velocities of their contact.
 
 With the mass matrix M and the contact Jacobian G, whose rows are the normal and the tangential one,
 
     u = G v,    D = G M^-1 G',    v+ - v- = M^-1 G' p + r,    G r = 0
 
 so that r is the part of the jump that no impulse p at the contact makes: an error of the measurement, or of
-the model that has one contact and rigid bodies.
+the model of rigid bodies with one contact.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from contactlab.arrays import Array
 @final
 @dataclass(frozen=True, eq=False)
 class BodyImpacts:
-    """Impacts in generalized coordinates, in units that are coherent: SI, or radians beside metres.
+    """Impacts in generalised coordinates, in coherent units.
 
     Args:
         before, after: velocities of the coordinates, shape (impact, coordinate).
@@ -42,39 +42,38 @@ class BodyImpacts:
         return np.stack([self.normal, self.tangential], axis=1)
 
     def delassus(self) -> Array:
-        """Give D = G M^-1 G', shape (impact, 2, 2); symmetric to the last bit."""
+        """Return D = G M^-1 G', shape (impact, 2, 2), symmetric to the last bit."""
         jacobian = self.jacobian
-        given = jacobian @ np.linalg.solve(self.mass, jacobian.transpose(0, 2, 1))
-        return np.asarray(0.5 * (given + given.transpose(0, 2, 1)))
+        return _symmetric(jacobian @ np.linalg.solve(self.mass, jacobian.transpose(0, 2, 1)))
 
     def contact(self, velocities: Array) -> Array:
-        """Give the contact's velocities from those of the coordinates, shape (impact, 2)."""
+        """Return gap rate and slip for velocities of the coordinates, shape (impact, 2)."""
         return np.asarray(np.einsum("ndc,nc->nd", self.jacobian, velocities))
 
     def energy(self, velocities: Array) -> Array:
-        """Give v'Mv/2 of velocities of the coordinates [J], shape (impact,)."""
+        """Return v'Mv/2 of velocities of the coordinates [J], shape (impact,)."""
         return np.asarray(0.5 * np.einsum("ni,nij,nj->n", velocities, self.mass, velocities))
 
     def outside_of(self, jump: Array) -> Array:
-        """Give the part of a jump of the velocities that no impulse makes, shape (impact, coordinate)."""
-        jacobian = self.jacobian
+        """Return the part of a jump of the velocities that no impulse makes, shape (impact, coordinate)."""
         impulse = np.linalg.solve(self.delassus(), self.contact(jump)[..., None])
-        reached = np.linalg.solve(self.mass, jacobian.transpose(0, 2, 1) @ impulse)[..., 0]
-        return np.asarray(jump - reached)
+        return np.asarray(
+            jump - np.linalg.solve(self.mass, self.jacobian.transpose(0, 2, 1) @ impulse)[..., 0]
+        )
 
     def outside(self) -> Array:
-        """Give the energy r'Mr/2 of the part of the jump that no impulse makes [J], shape (impact,)."""
+        """Return the energy r'Mr/2 of the part of the jump that no impulse makes [J], shape (impact,)."""
         return self.energy(self.outside_of(self.after - self.before))
 
     def outside_share(self) -> float:
-        """Give the median over the impacts of the share of the jump's energy that lies outside [1]."""
+        """Return the share of the jump's energy that lies outside, median over the impacts [1]."""
         return self._share(self.outside())
 
     def share_of_errors(self) -> float | None:
-        """Give the same of what errors of the stated covariance would leave there; None without one."""
+        """Return the share that errors of the stated covariance leave outside; None without one."""
         if self.covariance is None:
             return None
-        # The energy of the columns of a root of the covariance is that of the errors, on the average.
+        # The mean energy of the errors is that of the columns of a root of the covariance.
         values, vectors = np.linalg.eigh(self.covariance)
         roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
         parts = [self.energy(self.outside_of(roots[:, :, place])) for place in range(roots.shape[2])]
@@ -86,8 +85,11 @@ class BodyImpacts:
         return float(np.median(energy[moved] / jump[moved])) if moved.any() else 0.0
 
     def contact_covariance(self) -> Array | None:
-        """Give the covariance of the contact's velocities G C G' [m^2/s^2], shape (impact, 2, 2), or None."""
+        """Return the covariance G C G' of the contact's velocities [m^2/s^2], shape (impact, 2, 2)."""
         if self.covariance is None:
             return None
-        given = self.jacobian @ self.covariance @ self.jacobian.transpose(0, 2, 1)
-        return np.asarray(0.5 * (given + given.transpose(0, 2, 1)))
+        return _symmetric(self.jacobian @ self.covariance @ self.jacobian.transpose(0, 2, 1))
+
+
+def _symmetric(matrices: Array) -> Array:
+    return np.asarray(0.5 * (matrices + matrices.transpose(0, 2, 1)))
