@@ -9,13 +9,7 @@ from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
-<<<<<<< HEAD
 from contactlab.results.netcdf import to_datatree
-=======
-from contactlab.results.netcdf import reached_end, to_datatree
-from contactlab.studies.run_state import Status, status_of
-from contactlab.testing.plants import block
->>>>>>> house
 from contactlab.trajectory import LEDGER_LIMIT, Ending, Trajectory, openness
 
 

@@ -12,10 +12,6 @@ from support.motors import case_a, default_motor, every_law, final, hertz, run
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.motor.motor import Motor
-<<<<<<< HEAD
-=======
-from contactlab.studies.run_state import status_of
->>>>>>> house
 from contactlab.testing.plants import block
 from contactlab.trajectory import Ending
 

@@ -104,7 +104,7 @@ def test_a_contact_begins_where_the_law_says_as_safely_as_at_zero(number: int) -
     grid, gaps, _ = flight.on_grid(DURATION)
     # It starts open, whatever the clearance.
     begin = min((-1e-7, 2e-9, 1e-10)[number % 3], 0.5 * float(gaps[0]))
-    made = attempt(flight.motor, Ledge(begin, begin), DURATION)
+    made = attempt(flight.motor, Ledge(begin=begin, end=begin), DURATION)
     found = made.contacts["start_time"]
     closed = grid[gaps <= begin]
     if found.size == 0:
@@ -116,7 +116,7 @@ def test_a_contact_begins_where_the_law_says_as_safely_as_at_zero(number: int) -
 
 
 def test_a_contact_ends_where_the_law_says() -> None:
-    law = Ledge(0.0, 1e-7)
+    law = Ledge(begin=0.0, end=1e-7)
     made = run(thrown(), law, 4e-4, record_interval=1e-7)
     # A force that is there at once is brought by nothing but the way from the ledge: 1/2 k g_1^2.
     rebound = np.sqrt(SPEED**2 + law.stiffness * law.end**2 / MASS)
