@@ -1,6 +1,6 @@
 """A law by itself: impacts against closed forms, against the whole engine, and against themselves."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import gamma, pi, sqrt
 from typing import Any
 
@@ -14,8 +14,7 @@ from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.impact import velocities_after
 from contactlab.laws import LAWS
-from contactlab.laws.base import SLIP, STICK
-from contactlab.motor.bodies import FLAT, HEAVY, block
+from contactlab.motor.bodies import FLAT
 from contactlab.testing.plants import coupled_body
 from contactlab.trajectory import Ending
 
@@ -52,31 +51,6 @@ def test_a_hertzian_contact_has_its_duration_depth_and_peak() -> None:
     assert_allclose(made.max_penetration, deepest, rtol=1e-9)
     assert_allclose(made.peak_normal_force, stiffness * deepest**1.5, rtol=1e-9)
     assert_allclose(made.velocity_after, [[speed, 0.0]], rtol=1e-9, atol=1e-15)
-
-
-def test_newton_on_a_decoupled_body_is_restitution_and_a_cone() -> None:
-    matrices, rates = drawn(50, coupling=0.0)
-    e = 0.6
-    made = cl.impact(cl.Newton(MU, e), matrices, rates)
-    nn, tt = matrices[:, 0, 0], matrices[:, 1, 1]
-    normal = (1.0 + e) * -rates[:, 0] / nn
-    friction = np.clip(-rates[:, 1] / tt, -MU * normal, MU * normal)
-    assert_allclose(made.impulse, np.column_stack([normal, friction]), rtol=1e-13)
-    slides = abs(friction) == MU * normal
-    assert 0 < slides.sum() < 50
-    assert_array_equal(made.mode, np.where(slides, SLIP, STICK))
-    assert made.released.all()
-    assert (made.duration == 0.0).all()
-    assert made.peak_normal_force.isnull().all()
-
-
-def test_poisson_that_slides_all_through_has_its_closed_form() -> None:
-    (nn, nt), (_, tt) = COUPLED
-    e, before = 0.7, np.array([-0.1, 2.0])
-    normal = (1.0 + e) * -before[0] / (nn - MU * nt)
-    expected = before + np.array([nn - MU * nt, nt - MU * tt]) * normal
-    assert expected[1] > 0.0
-    assert_allclose(velocities_after(cl.Poisson(MU, e), COUPLED, before)[0], expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("law", SOME, ids=lambda law: law.title)
@@ -183,43 +157,6 @@ def test_painleves_paradox_leaves_no_number() -> None:
     assert made.released.values.tolist() == [True, False, False]
 
 
-@dataclass(frozen=True)
-class Spring(cl.PenaltyLaw):
-    """A law that only the interpreter runs: the compiler takes no dictionary like this."""
-
-    name = "python_spring"
-    equation = "N = k d"
-    source = "a test"
-    default_contact_step = 4e-6
-    stiffness: float = 1e7
-    fault: float = 0.0
-    """Depth from which on it raises [m]; zero for none."""
-
-    @property
-    def force(self) -> Any:
-        fault = self.fault
-
-        def spring(gap, gap_rate, slip, impact_speed, parameters):
-            kept = {"stiffness": parameters[0], 3: "of another kind"}
-            if fault and -gap > fault:
-                raise ArithmeticError("too deep")
-            normal = kept["stiffness"] * max(-gap, 0.0)
-            return normal, 0.3 * normal, -0.5 * normal * gap, 0.0
-
-        return spring
-
-
-def test_a_law_that_the_interpreter_runs_answers_as_the_compiled_one() -> None:
-    linear = cl.Composed(normal=cl.Linear(stiffness=1e7), friction=cl.Coulomb(0.3))
-    one, other = (velocities_after(law, COUPLED, [-0.1, 0.05]) for law in (Spring(), linear))
-    assert_allclose(one, other, rtol=1e-12)
-
-
-def test_an_error_in_a_kernel_names_its_law() -> None:
-    with pytest.raises(cl.LawError, match="python_spring"):
-        cl.impact(Spring(fault=1e-6), COUPLED, [-0.1, 0.05])
-
-
 @pytest.mark.parametrize(
     ("matrix", "before", "more", "words"),
     [
@@ -237,15 +174,6 @@ def test_an_error_in_a_kernel_names_its_law() -> None:
 def test_impossible_impacts_are_refused(matrix: Any, before: Any, more: dict[str, Any], words: str) -> None:
     with pytest.raises((ValueError, TypeError), match=words):
         cl.impact(cl.Newton(), matrix, before, **more)
-
-
-def test_a_law_leaves_the_motor_alone_that_runs_after_it() -> None:
-    motor, law = block(MASS, height=1e-6, gap_rate=-0.1, velocity=0.05, belt_mass=HEAVY), SMOOTH[0]
-    one = simulate(motor, law, duration=2e-4, record_interval=1e-6)
-    velocities_after(law, *drawn(3))
-    other = simulate(motor, law, duration=2e-4, record_interval=1e-6)
-    for name, values in one.series.items():
-        assert_array_equal(values, other.series[name], strict=True)
 
 
 def test_the_page_on_impacts_is_right() -> None:

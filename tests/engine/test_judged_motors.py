@@ -10,7 +10,7 @@ from support.command_line import cases
 from support.judged_motors import DEFAULT, QUANTITIES, RIGID, TOTAL, case_of, judged, rows
 
 ROWS = rows()
-SHORT = [ROWS.index(name) for name in ("normal thornton", "friction mindlin", "friction stribeck", "newton")]
+SHORT = [ROWS.index(name) for name in ("normal thornton", "friction mindlin", "newton")]
 
 DENTS = [1003, 1007, 1009, 1011, 1014, 1015, 1016, 1023]
 """Touch down inside of a dent that a contact has left, or unload a spring that grows stiffer at once."""
