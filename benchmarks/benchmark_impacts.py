@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import contactlab as cl
-from contactlab.impact import Impacts
+from contactlab.impacts import Impacts
 from contactlab.laws import LAWS, MultiplierLaw
 
 CALLS = 3

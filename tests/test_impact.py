@@ -13,7 +13,7 @@ from support.pages import DOCS, names_of
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.impact import Impacts, velocities_after
+from contactlab.impacts import Impacts, velocities_after
 from contactlab.laws import LAWS, PARTS
 from contactlab.laws.base import SLIP, STICK
 from contactlab.motor.bodies import FLAT, HEAVY, block

@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.comparison.measurements import ENDS, Judged, Measurement, row
 from contactlab.config import Setup
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.inference.bootstrap import LEVEL, MeanIntervals, mean_intervals, paired_differences
 from contactlab.laws import LawError
 from contactlab.measured import floors

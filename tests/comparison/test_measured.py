@@ -16,7 +16,7 @@ from contactlab.comparison.findings import differences
 from contactlab.comparison.measurements import read_all
 from contactlab.comparison.report import page
 from contactlab.comparison.scorecard import as_csv, as_latex, as_text
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import Newton
 from contactlab.measured import floors
 from contactlab.measured.files import write_impacts

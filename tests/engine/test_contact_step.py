@@ -8,8 +8,8 @@ from support.motors import case_a, default_resonator, every_law, hertz, run
 from contactlab.checks import SMALLEST_STEP
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
-from contactlab.engine.arguments import LARGEST_TURN, default_contact_step
 from contactlab.engine.plant import plant_of
+from contactlab.engine.preparation import LARGEST_TURN, default_contact_step
 from contactlab.engine.propagator import ROOM, Workspace
 from contactlab.laws import (
     ContactLaw,

@@ -69,7 +69,7 @@ def test_it_does_not_matter_how_the_work_is_cut(steps: int, monkeypatch: pytest.
     for law in (hertz(), LagrangeStick()):
         whole = Flow(case_a(), law, PERIOD)(*starts)
         with monkeypatch.context() as patch:
-            patch.setattr("contactlab.engine.flow.STEPS_PER_CALL", 4 * steps)
+            patch.setattr("contactlab.engine.simulation.STEPS_PER_CALL", 4 * steps)
             cut = Flow(case_a(), law, PERIOD)(*starts)
         assert np.array_equal(cut.velocity, whole.velocity)
         assert np.array_equal(cut.rotor_velocity, whole.rotor_velocity)

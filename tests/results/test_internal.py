@@ -13,8 +13,7 @@ from contactlab import variables
 from contactlab.compiled import kernel
 from contactlab.config import ConfigurationError
 from contactlab.laws import Composed, InternalVariable, Mindlin, PenaltyLaw
-from contactlab.results.internal import internal_series
-from contactlab.results.netcdf import to_datatree, write_tree
+from contactlab.results.netcdf import internal_series, to_datatree, write_tree
 from contactlab.results.summary import summary_of
 from contactlab.trajectory import Trajectory
 from contactlab.variables import INTERNAL
