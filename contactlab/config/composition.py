@@ -19,7 +19,14 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
-from contactlab.config.options import conf_directory, content, group_told_by, groups, help_on_keys, known_keys
+from contactlab.config.options import (
+    conf_directory,
+    content,
+    group_selected_by,
+    groups,
+    help_on_keys,
+    known_keys,
+)
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
@@ -94,7 +101,7 @@ def refuse_lines(lines: Iterable[str]) -> None:
         if ENVIRONMENT in line and not key.startswith("hydra."):
             faults.append(f"{key} refers to a variable of the environment; it must be a value.")
         below = re.findall(r"(\w+)\s*:", value) if value.startswith("{") else []
-        for group in filter(None, map(group_told_by, [key, *(f"{key}.{leaf}" for leaf in below)])):
+        for group in filter(None, map(group_selected_by, [key, *(f"{key}.{leaf}" for leaf in below)])):
             faults.append(f"{line} would rename a {group} and keep its parameters; choose by {group}=NAME.")
     if faults:
         raise ConfigurationError(faults)

@@ -12,7 +12,7 @@ Several processes may therefore work on one sweep: they write the same bytes.
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -24,7 +24,7 @@ import xarray
 import yaml
 
 from contactlab.checks import check_kind
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import Value
@@ -39,7 +39,7 @@ from contactlab.results.netcdf import internal_series
 from contactlab.settling.until import STEADY
 from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
 from contactlab.studies.run_state import Status, status_of
-from contactlab.studies.runner import TASKS, Progress, done_parts, kept_parts
+from contactlab.studies.runner import TASKS, Parts, Progress, done_parts, kept_parts
 from contactlab.studies.study import Part, Setups, Study, Task
 from contactlab.studies.sweep_dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
 from contactlab.studies.sweep_plan import (
@@ -184,7 +184,7 @@ def _outcome(work: Cells, cell: int) -> Outcome:
         return Outcome(Status.REFUSED, " ".join(error.faults))
     except LawError as error:
         return Outcome(reason=str(error))
-    # One of ten thousand runs must not end the others.
+    # One of ten thousand runs does not end the others.
     except Exception as error:
         # The end of a cluster's time is no result of the cell: the task is to be done again.
         if is_of_a_signal(error):
@@ -211,7 +211,8 @@ def combined(
         "reason": np.full(plan.cells, REASONS[Status.ABSENT], dtype=object),
     }
     scalars = [*columns]
-    for start, part in _by_start(parts):
+    for key, part in parts.items():
+        start = int(key)
         size = part.sizes["run"]
         for name in scalars:
             columns[name][start : start + size] = part[name].values
@@ -219,11 +220,9 @@ def combined(
             series = part["series"].to_dataset()
             columns.setdefault("time", series["times"].values)
             for name in plan.outputs.series:
-                empty = partial(np.full, (plan.cells, series.sizes["time"]), np.nan)
-                column = columns.setdefault(f"{name}_series", None)
-                if column is None:
-                    column = columns[f"{name}_series"] = empty()
-                column[start : start + size] = series[name].values
+                if f"{name}_series" not in columns:
+                    columns[f"{name}_series"] = np.full((plan.cells, series.sizes["time"]), np.nan)
+                columns[f"{name}_series"][start : start + size] = series[name].values
     attributes: dict[str, Any] = {}
     if plan.bases != ({},):
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
@@ -238,20 +237,15 @@ def combined(
     )
 
 
-def _by_start(parts: Mapping[str, xarray.DataTree]) -> Iterator[tuple[int, xarray.DataTree]]:
-    """Yield the tasks with the number of their first cell."""
-    return ((int(key), part) for key, part in parts.items())
-
-
 def _slabs(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> Iterator[Slab]:
     """Yield the time series of every run, one task in memory at a time."""
-    for start, part in _by_start(parts):
+    for start, part in parts.items():
         if "series" in part.children:
             group = part["series"].to_dataset()
             time = group["times"].values
             rows = {name: group[name].values for name in plan.outputs.series}
             for row in range(part.sizes["run"]):
-                place = tuple(map(int, np.unravel_index(start + row, plan.shape)))
+                place = tuple(map(int, np.unravel_index(int(start) + row, plan.shape)))
                 yield place, time, {name: values[row] for name, values in rows.items()}
 
 
@@ -271,8 +265,7 @@ def begin(folder: Path, plan: Plan) -> None:
             partly.write_text(plan.text(), encoding="utf-8")
     if not extends and file.read_bytes() != plan.text().encode():
         raise SweepError(
-            f"'{folder}' holds another sweep, or one made by other code; a sweep goes on only with what it "
-            "began with. Choose another folder by hydra.sweep.dir=DIR, or remove this one."
+            f"'{folder}' contains another sweep, or one by other code; it must be another folder."
         )
 
 
@@ -294,62 +287,54 @@ def continued(study: Sweep, folder: Path, progress: Progress | None = None) -> x
         WorkerError: a worker process died.
         OSError: the folder cannot be written to.
     """
-    return _finished(study, folder, partial(done_parts, study, {}, folder, progress))
+    return _written(study.plan, folder, lambda: done_parts(study, {}, folder, progress)[0])
 
 
 def collected(folder: Path, plan: Plan) -> xarray.Dataset:
     """Write and return the dataset of the runs that are finished; see `continued`."""
-    study = Sweep(plan=plan)
-    return _finished(study, folder, lambda: (kept_parts(study, {}, folder), None))
+    return _written(plan, folder, lambda: kept_parts(Sweep(plan=plan), {}, folder))
 
 
-def _finished(study: Sweep, folder: Path, parts_of: Callable[[], Any]) -> xarray.Dataset:
+def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.Dataset:
+    """Write the dataset of tasks, that of all as the sweep's, and remove the tasks then."""
     file = folder / DATASET
     while not file.exists():
-        try:
-            parts, _ = parts_of()
-            dataset = _written(study.plan, parts, folder, whole=not parts.missing)
+        # Another process may finish the sweep, and remove its tasks, meanwhile.
+        with suppress_if(OSError, file.exists):
+            parts = parts_of()
+            dataset, kept = combined(plan, parts), plan.outputs.kept
+            path = folder / UNFINISHED if parts.missing else file
+            with whole_netcdf(path) as partly:
+                write(dataset, partly, kept, partial(_slabs, plan, parts))
+                if path == file:
+                    # Before the sweep has its name: killed in between, the tasks make the same again.
+                    with whole_file(folder / DIGEST) as digest:
+                        digest.write_text(_digest_line(partly), encoding="utf-8")
             if parts.missing:
+                dataset.encoding["source"] = str(path)
                 return dataset
-        except OSError:
-            # Another process may have finished the sweep, and removed its tasks, meanwhile.
-            if not file.exists():
-                raise
-    dataset = _stored(folder)
+    digest = folder / DIGEST
+    if digest.exists() and digest.read_text(encoding="utf-8") != _digest_line(file):
+        raise SweepError(
+            f"'{file}' was damaged or changed, by its digest in {DIGEST}; move it away to run it anew, or "
+            f"remove {DIGEST} if the change is yours."
+        )
+    with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as opened:
+        dataset = opened.load()
+    dataset.encoding["source"] = str(file)
     shutil.rmtree(folder / TASKS, ignore_errors=True)
     (folder / UNFINISHED).unlink(missing_ok=True)
     return dataset
 
 
-def _written(
-    plan: Plan, parts: Mapping[str, xarray.DataTree], folder: Path, *, whole: bool
-) -> xarray.Dataset:
-    """Write the dataset of tasks, that of all as the sweep's."""
-    dataset, kept = combined(plan, parts), plan.outputs.kept
-    path = folder / (DATASET if whole else UNFINISHED)
-    with whole_netcdf(path) as partly:
-        write(dataset, partly, kept, lambda: _slabs(plan, parts))
-        if whole:
-            # Before the sweep has its name: killed in between, the tasks make the same again.
-            with whole_file(folder / DIGEST) as digest:
-                digest.write_text(_digest_line(partly), encoding="utf-8")
-    dataset.encoding["source"] = str(path)
-    return dataset
-
-
-def _stored(folder: Path) -> xarray.Dataset:
-    """Read the dataset of a whole sweep."""
-    file, digest = folder / DATASET, folder / DIGEST
-    if digest.exists() and digest.read_text(encoding="utf-8") != _digest_line(file):
-        raise SweepError(
-            f"'{file}' is not as the sweep left it, by its digest in {DIGEST}; it is damaged or was changed. "
-            "Move it away and give the command again: its runs are made anew. If the change is yours, "
-            f"remove {DIGEST}."
-        )
-    with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as opened:
-        dataset = opened.load()
-    dataset.encoding["source"] = str(file)
-    return dataset
+@contextmanager
+def suppress_if(kind: type[Exception], condition: Callable[[], bool]) -> Iterator[None]:
+    """Suppress an exception of a kind where a condition holds by then."""
+    try:
+        yield
+    except kind:
+        if not condition():
+            raise
 
 
 def _digest_line(file: Path) -> str:
@@ -378,18 +363,18 @@ def sweep(
     workers: int | None = None,
     report: Callable[[int], object] | None = None,
 ) -> xarray.Dataset:
-    """Run every combination of values, or every row of a table, and return the metrics of each.
+    """Run every combination of values, or every row of a table, and return the numbers of each.
 
         >>> values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
         >>> dict(sweep(values, duration=1e-3, workers=1).sizes)
         {'law': 2, 'clearance': 3}
 
-    A motor and a law made in Python have numbers of their own that vary, those of contact, rotor and law:
+    A motor and a law made in Python vary in the numbers of contact, rotor and law:
 
         >>> import contactlab as cl
         >>> ball, law = cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5)
-        >>> found = sweep({"law.restitution": [0.4, 0.6]}, base=ball, law=law, duration=0.02, workers=1)
-        >>> found["law_restitution"].values
+        >>> swept = sweep({"law.restitution": [0.4, 0.6]}, base=ball, law=law, duration=0.02, workers=1)
+        >>> swept["law_restitution"].values
         array([0.4, 0.6])
 
     Any study can be swept:
@@ -404,34 +389,32 @@ def sweep(
 
     Args:
         study: the study that is put to every setup; without one it is run, and the values may come first.
-        over: values by name: a key of the configuration, 'contact.clearance' or 'clearance', or a group
-            of it, 'law'; with `motor` an argument of functions. Values are a list, an array (a DataArray
-            brings its unit), or a text as on the command line. A table, a DataFrame or a list of mappings,
-            has a run in each row.
-        motor: makes the motor; what it raises makes the run a failed one.
-        law: its name; with `motor` what acts between tip and rotor, or a function that makes it; with a motor
-            as base what acts.
-        base: what all runs have, as overrides, as a configuration, as a setup or as a motor made in Python.
-        duration, record_interval: [s]; those of `base` where they are not given. With `motor` no interval
-            keeps but the last record, with which all metrics are content that need no records.
+        over: values by name: a key of the configuration ('contact.clearance' or 'clearance'), a group
+            ('law'), or with `motor` an argument of functions. Values are a list, an array (a DataArray brings
+            its unit), or a text as on the command line. A table (DataFrame, list of mappings) has a run in
+            each row.
+        motor: function that makes the motor; an exception makes the run a failed one.
+        law: its name; with a motor in `motor` or `base` a law, or a function that makes it.
+        base: what all runs have: overrides, a configuration, a setup or a motor made in Python.
+        duration, record_interval: [s]; by default those of `base`. With `motor` and no interval only the last
+            record is kept, which is enough for metrics without records.
         contact_step, tolerance: as for `contactlab.engine.simulate`.
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
-            internal_NAME of what a law remembers, NaN under laws that do not.
-        folder: where tasks are kept as they are finished, so that the same sweep goes on where it was
-            stopped; for sweeps over keys of the configuration alone, as of a function or a motor made in
-            Python nobody can tell whether it is the same.
-        workers: processes at work; None is one a processor. They begin once a second of work is done.
-        report: receives the number of runs that have ended, now and then.
+            internal_NAME of internal variables, NaN under laws without them.
+        folder: where finished tasks are kept, so that the same sweep continues; for sweeps over keys of the
+            configuration alone, since functions and motors made in Python cannot be identified.
+        workers: processes at work; None is one a processor. They start after two seconds of work.
+        report: receives the number of finished runs.
 
     Returns:
-        The metrics over the parameters, or over `run` for a table, with `status` (see `Status`) and
+        The numbers over the parameters, or over `run` for a table, with `status` (see `Status`) and
         `reason` of every run; one that did not reach its end has NaN.
 
     Raises:
-        ConfigurationError: values, with every fault that was found.
-        TypeError, ValueError: arguments that do not fit, in a sentence.
-        SweepError: the folder holds another sweep.
+        ConfigurationError: values, with every fault.
+        TypeError, ValueError: arguments that do not fit together.
+        SweepError: the folder contains another sweep.
         WorkerError: a worker process died.
     """
     question = study if isinstance(study, Study) else None
@@ -450,10 +433,7 @@ def sweep(
     solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
     if isinstance(base, Motor):
         if folder is not None or motor is not None or duration is None:
-            raise ValueError(
-                "The base is a motor made in Python; there must be a law and a duration beside it, and "
-                "neither a folder nor a function that makes motors."
-            )
+            raise ValueError("A motor as base needs law and duration, and neither folder nor motor=.")
         swept = _over_numbers(setup_of(base, law, solver), columns, samples, outputs)
     elif motor is None:
         composer = ScriptComposer(base, law, solver, question)
@@ -462,10 +442,7 @@ def sweep(
         question = None
     else:
         if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
-            raise ValueError(
-                "A function makes the motors; there must be a law and a duration beside it, and neither a "
-                "base nor a folder, which are for sweeps over keys of the configuration."
-            )
+            raise ValueError("motor= needs law and duration, and neither base nor folder.")
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
         plan = Plan(axes=axes, samples=samples, outputs=outputs)
         _refuse(plan, law, record_interval)
@@ -495,17 +472,11 @@ def _over_numbers(setup: Setup, columns: Columns, samples: bool, outputs: Output
 def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
     """Refuse a sweep of functions without values, law or the records that it needs."""
     if empty := [axis.key for axis in plan.axes if not axis.values]:
-        raise ValueError(
-            f"{', '.join(empty)} has no values; there must be one at least of every parameter. Give a list "
-            "or an array of numbers."
-        )
+        raise ValueError(f"{', '.join(empty)} has no values; every parameter must have one at least.")
     if not callable(law):
         check_kind("The law", law, ContactLaw)
     if plan.outputs.sampled and record_interval is None:
-        raise ValueError(
-            "The record interval is None; series, and metrics that are of more than the contacts and the "
-            "end, need records. Give a record_interval in seconds."
-        )
+        raise ValueError("record_interval is None; these series or metrics need records.")
 
 
 def _laws(plan: Plan, law: Any) -> Iterator[ContactLaw]:
@@ -539,8 +510,8 @@ def _axes_of_numbers(setup: Setup, columns: Columns, samples: bool) -> tuple[Axi
         if path in keys:
             raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
         keys[path] = key
-        said = numbers[key][1].parameter if key in numbers else None
-        units, meaning = (said.units, said.meaning) if said else ("", "")
+        declared = numbers[key][1].parameter if key in numbers else None
+        units, meaning = (declared.units, declared.meaning) if declared else ("", "")
         values = column if samples else [x for value in column for x in spread(key, value, units)]
         axes.append(Axis(key, tuple(in_si(value, units) for value in values), units, meaning))
     return tuple(axes)
@@ -553,13 +524,13 @@ def _with_numbers(setup: Setup, plan: Plan, cell: int) -> Setup:
     return setup
 
 
-def _values(given: Any) -> list[Value]:
-    """Return the values of one parameter: as listed, or as a text spells them."""
-    if isinstance(given, str):
-        return [*listed(given)]
-    if np.ndim(given) > 1:
-        raise ValueError("The values of a parameter are a table; they must be a list. Give a row.")
-    return list(np.atleast_1d(given).tolist())
+def _values(values: Any) -> list[Value]:
+    """Return the values of one parameter."""
+    if isinstance(values, str):
+        return [*listed(values)]
+    if np.ndim(values) > 1:
+        raise ValueError("The values of a parameter are a table; they must be a list.")
+    return list(np.atleast_1d(values).tolist())
 
 
 @final
@@ -570,7 +541,6 @@ class ScriptComposer:
     """
 
     options = staticmethod(options_of)
-    build = staticmethod(build)
 
     def __init__(
         self,
@@ -584,15 +554,9 @@ class ScriptComposer:
         self._solver = solver or {}
         self._question = question
         if isinstance(self._base, str):
-            raise TypeError(
-                f"The base is the text {self._base!r}; it must be a list of overrides or a mapping. Write "
-                f"[{self._base!r}]."
-            )
+            raise TypeError(f"base is {self._base!r}; it must be a list of overrides or a mapping.")
         if not isinstance(law, str | None):
-            raise TypeError(
-                "The law is an object and there is no function that makes motors; it must be a name then, "
-                "and its parameters keys: base=['law.restitution=0.4']. Or give motor=."
-            )
+            raise TypeError("law is an object; without a motor it must be a name, and its parameters keys.")
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Return the configuration with these options, all else as it is set."""
@@ -600,12 +564,12 @@ class ScriptComposer:
         lines = [f"{group}={option}" for group, option in options.items()]
         if isinstance(self._base, Mapping):
             composed, tops = compose(lines), {group.partition("/")[0] for group in options}
-            found: Configuration = {**self._base, **{top: composed[top] for top in tops}}
+            whole: Configuration = {**self._base, **{top: composed[top] for top in tops}}
         else:
-            found = compose([*self._base, *lines])
+            whole = compose([*self._base, *lines])
         for name, value in self._solver.items():
-            found = with_key(found, ".".join(KEYS[name]), value)
-        composition = {name: section for name, section in found.items() if name not in NOT_OF_A_RUN}
+            whole = with_key(whole, ".".join(KEYS[name]), value)
+        composition = {name: section for name, section in whole.items() if name not in NOT_OF_A_RUN}
         if self._question is not None:
             composition["study"] = {"name": self._question.name, **self._question.options, **ONE_PROCESS}
         return composition

@@ -229,7 +229,7 @@ def test_undamped_resonator_runs_off_resonance_only() -> None:
 
 def test_unstable_elastic_tensor_is_refused() -> None:
     (fault,) = faults({"piezoceramic.c13": 300e9}, piezoceramic="pz26_datasheet")
-    assert "stores negative energy" in fault
+    assert "c13" in fault
 
 
 def test_every_key_of_conf_is_explained_in_the_line_above() -> None:

@@ -20,14 +20,14 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
 
 
 def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhere: Elsewhere) -> None:
-    keys = ("law.friction.distance=0.2 um", "law.normal.depth=2e-6", "record.picture=false")
+    keys = ("law.friction.distance=0.2 um", "law.normal.unit_depth=2e-6", "record.picture=false")
     status, _, err = elsewhere.command(*PARTS, *keys, SHORT, "hydra.run.dir=parts")
     assert status == 0, err
     path = elsewhere.folder / "parts/run.nc"
     name, section = law_of(path)
     assert name == "composed"
     assert section["friction"] == AGEING | {"distance": 2e-7}
-    assert section["normal"] == {"name": "stiffening", "stiffness": 5e6, "depth": 2e-6}
+    assert section["normal"] == {"name": "stiffening", "stiffness": 5e6, "unit_depth": 2e-6}
     with xarray.open_dataset(path) as root:
         whole, *parts = root.attrs["law_origin"].split(", ")
     assert whole.startswith("contactlab ")
@@ -35,11 +35,11 @@ def test_its_parts_run_in_a_composed_law_and_the_run_says_whose_they_are(elsewhe
 
 
 def test_declarations_of_its_parts_are_the_rules_of_their_keys(elsewhere: Elsewhere) -> None:
-    faults = ("law.friction.distance=0", "law.normal.depth=3 N")
+    faults = ("law.friction.distance=0", "law.normal.unit_depth=3 N")
     status, _, err = elsewhere.command(*PARTS, *faults)
     assert status == 2
     assert "law.friction.distance is 0 m; it must be greater than 0 m" in err
-    assert "law.normal.depth is '3 N', whose unit 'N' cannot be converted to m" in err
+    assert "law.normal.unit_depth is '3 N', whose unit 'N' cannot be converted to m" in err
 
 
 def test_a_script_makes_and_sweeps_its_parts_by_name(elsewhere: Elsewhere) -> None:
