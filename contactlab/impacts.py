@@ -189,8 +189,7 @@ class Impacts:
         count = counts.pop() if counts else 1
         if not count:
             raise ValueError("There is no impact among those given; give one at least.")
-        _check_matrices(matrices)
-        _check_rates(rates)
+        _check(matrices, rates)
         self.contacts: Array = np.empty((count, 5))
         self.contacts[:, :2] = rates
         self.contacts[:, 2:] = matrices.reshape(-1, 4)[:, [0, 1, 3]]
@@ -207,7 +206,7 @@ class Impacts:
             raise ValueError(f"The history has {history} records; it must have one at least, or 0 for none.")
         if history and isinstance(law, MultiplierLaw):
             raise ValueError(
-                f"A history of {history} records is asked for, but {law.name} is rigid: its impact is an "
+                f"A history of {history} records is requested, but {law.name} is rigid: its impact is an "
                 "impulse, which has none. Leave the history out, or take a compliant law."
             )
         integration = _Integration(law, tolerance)
@@ -244,8 +243,9 @@ class Impacts:
         if history:
             values |= {each.name: histories[each.name].copy() for each in HISTORY}
         directions = np.array(["normal", "tangential"])
-        return xarray.Dataset(
-            {v.name: (v.dims, values[v.name], _words(v)) for v in (*VARIABLES, *HISTORY) if v.name in values},
+        kept = [variable for variable in (*VARIABLES, *HISTORY) if variable.name in values]
+        dataset = xarray.Dataset(
+            {v.name: (v.dims, values[v.name], cf_attributes(v)) for v in kept},
             coords={"direction": directions, "other_direction": directions},
             attrs={
                 "Conventions": "CF-1.11",
@@ -255,6 +255,10 @@ class Impacts:
                 **versions(),
             },
         )
+        # Truth values and text have no unit.
+        for name in ("released", "reason"):
+            del dataset[name].attrs["units"], dataset[name].attrs["symbol"]
+        return dataset
 
 
 def impact(
@@ -265,13 +269,13 @@ def impact(
     tolerance: float | None = None,
     history: int = 0,
 ) -> xarray.Dataset:
-    """Ask a law what it makes of impacts, one or many at once.
+    """Compute the outcome of impacts under a law, one or many at once.
 
-    A rigid law is asked once for each impact. Under a compliant one the engine integrates the relative motion
-    of two bodies that are joined by that matrix and by nothing else, from the touch-down on a flat contact
-    until they part. Where they do not (a pull that holds them, a law that dissipates all), they are watched
-    100 times as long as the law's force needs to stop the approach; `released` is False then, and the
-    velocity after is the one at that time.
+    A rigid law is evaluated once for each impact. Under a compliant one the engine integrates the relative
+    motion of two bodies that are joined by that matrix and by nothing else, from the touch-down on a flat
+    contact until they part. Where they do not (a pull that holds them, a law that dissipates all), the
+    integration ends after 100 times as long as the law's force needs to stop the approach; `released` is
+    False then, and the velocity after is the one at that time.
 
     A law without an impulse for an impact (Painleve's paradox), or that answers with no number, leaves NaN
     there; `status` and `reason` say why. A radius of the rotor that the law asks for is that of a plate.
@@ -310,66 +314,40 @@ def velocities_after(
 ) -> Array:
     """Return what `impact` says of the velocities after, shape (impact, 2) [m/s], and nothing else.
 
-    Arguments, errors and numbers are those of `impact`, NaN where the law gives none. A law is asked whether
-    it contradicts itself for the first of its parameters only, so that other parameters cost nothing but
+    Arguments, errors and numbers are those of `impact`, NaN where the law gives none. A law is
+    checked for consistency for the first of its parameters only, so that other parameters cost nothing but
     their answers. To ask about the same impacts many times, see `Impacts`.
     """
     return Impacts(delassus, velocity_before).velocities_after(law, tolerance)
 
 
-def _words(variable: Variable) -> dict[str, object]:
-    """Return the attributes of a variable; what is true or false, and text, has no unit."""
-    attributes = cf_attributes(variable)
-    if variable.name in ("released", "reason"):
-        del attributes["units"], attributes["symbol"]
-    return attributes
-
-
-def _numbers(words: str, given: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
-    """Return numbers of many impacts, one or many being given."""
+def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
+    """Return the numbers of one or many impacts with the impact as first axis."""
     try:
-        values = np.asarray(given)
+        array = np.asarray(values)
     except ValueError:
-        raise ValueError(f"{words} is {shown(given)}; its rows must be of one length.") from None
-    if values.ndim <= len(shape):
-        values = values[None]
-    check_shape(words, values, (-1, *shape), f"(impact, ...), {meaning}")
-    return values.astype(np.float64)
+        raise ValueError(f"{name} is {shown(values)}; its rows must be of one length.") from None
+    array = array[None] if array.ndim <= len(shape) else array
+    check_shape(name, array, (-1, *shape), f"(impact, ...), {meaning}")
+    return array.astype(np.float64)
 
 
-def _check_matrices(matrices: Array) -> None:
-    """Refuse what no two bodies have, by a ValueError."""
+def _check(matrices: Array, rates: Array) -> None:
+    """Raise a ValueError for the first impact without an approach or a positive definite Delassus matrix."""
     nn, nt, tn, tt = matrices.reshape(-1, 4).T
-    for words, wrong in (
-        ("D_nn, which must be positive", nn <= 0.0),
-        ("D_tt, which must be positive", tt <= 0.0),
-    ):
-        _refuse(wrong, lambda i, w=words: f"has the Delassus matrix {matrices[i].tolist()} with {w}")
     size = nn * tt
-    _refuse(
-        np.abs(nt - tn) > SYMMETRY * np.sqrt(size),
-        lambda i: f"has the Delassus matrix {matrices[i].tolist()}; it must be symmetric: D = G M^-1 G'.",
-    )
-    _refuse(
-        size - nt * nt <= DEFINITE * size,
-        lambda i: (
-            f"has the Delassus matrix {matrices[i].tolist()}, whose D_nn D_tt - D_nt^2 is "
-            f"{size[i] - nt[i] ** 2:.6g}; it must be positive definite."
-        ),
-    )
-
-
-def _check_rates(rates: Array) -> None:
-    """Refuse what is no approach, by a ValueError."""
-    _refuse(
-        rates[:, 0] >= 0.0,
-        lambda i: (
-            f"has a gap rate of {rates[i, 0]:.6g} m/s before; it must be negative, as the bodies approach. "
-            "Change the sign if yours is positive on approach."
-        ),
-    )
-
-
-def _refuse(wrong: NDArray[np.bool_], words: Any) -> None:
-    for i in np.flatnonzero(wrong)[:1]:
-        raise ValueError(f"Impact {i}, counted from 0, {words(i)}")
+    for faulty, fault in (
+        (nn <= 0.0, "D_nn must be positive"),
+        (tt <= 0.0, "D_tt must be positive"),
+        (np.abs(nt - tn) > SYMMETRY * np.sqrt(np.abs(size)), "it must be symmetric, D = G M^-1 G'"),
+        (size - nt * nt <= DEFINITE * size, "it must be positive definite, D_nn D_tt > D_nt^2"),
+    ):
+        for i in np.flatnonzero(faulty)[:1]:
+            raise ValueError(
+                f"Impact {i}, counted from 0, has the Delassus matrix {matrices[i].tolist()}; {fault}."
+            )
+    for i in np.flatnonzero(rates[:, 0] >= 0.0)[:1]:
+        raise ValueError(
+            f"Impact {i}, counted from 0, has a gap rate of {rates[i, 0]:.6g} m/s before; it must be "
+            "negative, as the bodies approach. Change the sign if yours is positive on approach."
+        )
