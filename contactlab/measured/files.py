@@ -42,8 +42,8 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries:
         with path.open("rb") as stream:
             if stream.read(6) == b"MATLAB":
                 return read_ellipses(path)
-        if words := damage(path):
-            raise MeasurementError(words)
+        if fault := damage(path):
+            raise MeasurementError(fault)
         table = read_table(path)
         impacts = any(name.startswith(("before_", "after_")) for name in table.names)
         if impacts or not {"time", *MEASURABLE} & {*table.names}:

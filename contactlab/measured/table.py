@@ -106,8 +106,7 @@ class Table:
         if (bad := ~(np.abs(values) < LARGEST)).any():
             first = int(np.argmax(bad))
             raise MeasurementError(
-                f"{name} is '{cells[first]}' in {self.places[int(rows[first])]}; it must be a number. "
-                "Complete it, or leave the row out."
+                f"{name} is '{cells[first]}' in {self.places[int(rows[first])]}; it must be a number."
             )
         return values * scale
 

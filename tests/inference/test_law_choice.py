@@ -47,7 +47,7 @@ def test_overrides_are_sorted() -> None:
 
     assert choice.laws == ("composed", "newton")
     assert choice.ranges == {"a.b": ("1 um", "2 um")}
-    assert choice.keys == {"a.b", "c"}
+    assert choice.keys == ["a.b", "c"]
     assert choice.combinations() == [
         ("law=composed", "law/normal=dmt"),
         ("law=composed", "law/normal=jkr"),

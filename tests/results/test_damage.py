@@ -8,8 +8,7 @@ import pytest
 from support.sweeps import left_run
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab import SweepError
-from contactlab.comparison import ComparisonError, compare
+from contactlab import ComparisonError, SweepError, compare
 from contactlab.metrics import read_run
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import to_datatree, write_tree

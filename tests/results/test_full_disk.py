@@ -9,7 +9,7 @@ import pytest
 from support.command_line import Command
 from support.sweeps import begun, left_run
 
-from contactlab.comparison import compare
+from contactlab import compare
 from contactlab.studies.collection import collect
 from contactlab.studies.runner import TASKS
 from contactlab.studies.sweep import continued
@@ -64,7 +64,7 @@ def test_a_sweep_that_finds_no_space_keeps_its_tasks(tmp_path: Path) -> None:
 def test_a_comparison_that_finds_no_space_says_so(tmp_path: Path) -> None:
     left_run(tmp_path / "1")
     with full(9_000), pytest.raises(OSError, match=rf"cannot be written \({CAUSE}\)"):
-        compare([tmp_path / "1"], tmp_path / "out", refine=False)
+        compare([tmp_path / "1"], output=tmp_path / "out", refine=False)
     assert not list(tmp_path.rglob("*.partial"))
 
 

@@ -11,7 +11,7 @@ from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab.comparison import ComparisonError, compare
+from contactlab import ComparisonError, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.collection import collect
