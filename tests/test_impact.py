@@ -12,16 +12,9 @@ from support.pages import DOCS, names_of
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-<<<<<<< HEAD
-from contactlab.impacts import Impacts, velocities_after
-from contactlab.laws import LAWS, PARTS
-from contactlab.laws.base import SLIP, STICK
-from contactlab.motor.bodies import FLAT, HEAVY, block
-=======
 from contactlab.impacts import velocities_after
 from contactlab.laws import LAWS
 from contactlab.motor.bodies import FLAT
->>>>>>> house
 from contactlab.testing.plants import coupled_body
 from contactlab.trajectory import Ending
 
@@ -167,25 +160,6 @@ def test_painleves_paradox_leaves_no_number() -> None:
 @pytest.mark.parametrize(
     ("matrix", "before", "more", "words"),
     [
-<<<<<<< HEAD
-        (COUPLED, [0.1, 0.0], {}, "Impact 0, counted from 0, has a gap rate of 0.1 m/s"),
-        (COUPLED, [[-0.1, 0.0], [0.0, 1.0]], {}, "Impact 1, counted from 0, has a gap rate of 0 m/s"),
-        ([[1.0, 2.0], [2.0, 1.0]], [-0.1, 0.0], {}, "must be positive definite"),
-        ([[1.0, 0.2], [0.1, 1.0]], [-0.1, 0.0], {}, "must be symmetric"),
-        ([[-1.0, 0.0], [0.0, 1.0]], [-0.1, 0.0], {}, "D_nn must be positive"),
-        ([[1.0, 0.0], [0.0, 0.0]], [-0.1, 0.0], {}, "D_tt must be positive"),
-        ([[1.0, np.nan], [np.nan, 1.0]], [-0.1, 0.0], {}, "has nan among its numbers"),
-        (COUPLED, [-0.1, np.inf], {}, "has inf among its numbers"),
-        (COUPLED, [-0.1, 0.0, 0.0], {}, "must have shape"),
-        ([1.0, 2.0], [-0.1, 0.0], {}, "must have shape"),
-        ([COUPLED] * 2, [[-0.1, 0.0]] * 3, {}, "2 Delassus matrices and 3 velocities"),
-        (np.zeros((0, 2, 2)), np.zeros((0, 2)), {}, "There is no impact"),
-        (COUPLED, "fast", {}, "must be a NumPy array of numbers"),
-        (COUPLED, [-0.1, 0.0], {"tolerance": 1e-4}, "newton has no error control"),
-        (COUPLED, [-0.1, 0.0], {"history": 10}, "newton is rigid"),
-        (COUPLED, [-0.1, 0.0], {"history": -1}, "The history has -1 records"),
-        (COUPLED, [-0.1, 0.0], {"history": 1.5}, "The number of records is 1.5"),
-=======
         (COUPLED, [0.1, 0.0], {}, "gap rate"),
         ([[1.0, 2.0], [2.0, 1.0]], [-0.1, 0.0], {}, "positive definite"),
         ([[1.0, 0.2], [0.1, 1.0]], [-0.1, 0.0], {}, "symmetric"),
@@ -195,7 +169,6 @@ def test_painleves_paradox_leaves_no_number() -> None:
         ([COUPLED] * 2, [[-0.1, 0.0]] * 3, {}, "Delassus"),
         (COUPLED, [-0.1, 0.0], {"tolerance": 1e-4}, "newton"),
         (COUPLED, [-0.1, 0.0], {"history": 10}, "newton"),
->>>>>>> house
     ],
 )
 def test_impossible_impacts_are_refused(matrix: Any, before: Any, more: dict[str, Any], words: str) -> None:

@@ -7,24 +7,8 @@ from support.motors import case_a, default_resonator, every_law, hertz, run
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
-<<<<<<< HEAD
-from contactlab.engine.plant import plant_of
-from contactlab.engine.preparation import LARGEST_TURN, default_contact_step
-from contactlab.engine.propagator import ROOM, Workspace
-from contactlab.laws import (
-    ContactLaw,
-    LagrangeSlip,
-    LagrangeStick,
-    MoreauJean,
-    MultiplierLaw,
-    Newton,
-    Poisson,
-    Stronge,
-)
-=======
 from contactlab.engine.preparation import LARGEST_TURN, default_contact_step
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
->>>>>>> house
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor

@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 from support.motors import default_motor, hertz, run, total
 
-<<<<<<< HEAD
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
-from contactlab.engine.plant import NEARLY_RESONANT, modes_of, plant_of
-=======
-from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
->>>>>>> house
 from contactlab.laws import LagrangeStick
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
@@ -77,29 +72,3 @@ def test_the_ledger_of_a_compliant_law_closes_at_resonance(mass_damping: float) 
     work = np.abs(trajectory.series["drive_work"]).max()
     assert np.abs(trajectory.series["energy_residual"]).max() <= 1e-8 * work
     assert trajectory.contacts["duration"].min() > 1e-9
-<<<<<<< HEAD
-
-
-def test_the_vibration_grows_as_the_beat_does() -> None:
-    # Without contact u = Re sum_k row R_k(t) with the answer from rest over the whole time at once.
-    motor = default_motor(
-        mass_damping=0.01,
-        stiffness_damping=0.0,
-        frequency=float(resonant(0.01).modes.natural_frequency[0]),
-        voltage_2=0.0,
-        clearance=1.0,
-    )
-    trajectory = run(motor, hertz(), 5e-3, 1e-4)
-    plant = plant_of(motor)
-    modes, omega = modes_of(plant), plant.tones["omega"][0]
-    for index in (1, 17, 50):
-        time = float(trajectory.time[index])
-        expected = 0.0
-        for mode, phasor in zip(modes[:-1], plant.phasors[:, 0], strict=False):
-            re, im, _, _ = response_from_rest(mode.stiffness, mode.damping, omega, time)
-            force = complex(phasor["force_re"], phasor["force_im"])
-            expected += mode.row_u * (force * complex(re, im)).real
-        found = float(trajectory.series["tip_normal_displacement"][index])
-        assert found == pytest.approx(expected, rel=1e-10, abs=1e-18)
-=======
->>>>>>> house

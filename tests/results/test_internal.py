@@ -11,14 +11,8 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 import contactlab as cl
 from contactlab.compiled import kernel
 from contactlab.config import ConfigurationError
-<<<<<<< HEAD
-from contactlab.laws import Composed, InternalVariable, Mindlin, PenaltyLaw
-from contactlab.results.netcdf import internal_series, to_datatree, write_tree
-from contactlab.results.summary import summary_of
-=======
 from contactlab.laws import InternalVariable, PenaltyLaw
 from contactlab.results.netcdf import to_datatree, write_tree
->>>>>>> house
 from contactlab.trajectory import Trajectory
 
 
