@@ -122,7 +122,7 @@ def _contradictions_of_friction(law: PenaltyLaw, flows: bool) -> Iterator[str]:
     if kind not in range(len(KINDS)):
         yield f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base."
         return
-    declared = f"its friction_kind is {KINDS[kind]}"
+    declared = f"friction_kind is {KINDS[kind]}"
     if kind == SET_VALUED and kernel is not None:
         yield f"{declared}, which has no kernel of friction; declare ELASTOPLASTIC or RATE_DEPENDENT."
     if kind != SET_VALUED and kernel is None:
