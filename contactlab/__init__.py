@@ -10,7 +10,6 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 `simulate` runs it with a law, and `compare` judges laws side by side.
 """
 
-from contactlab.comparison import ComparisonError as ComparisonError, compare as compare
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impact import impact as impact
@@ -101,6 +100,11 @@ from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
 from contactlab.studies.collection import collect as collect
+from contactlab.studies.compare import (
+    Compare as Compare,
+    ComparisonError as ComparisonError,
+    compare as compare,
+)
 from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study

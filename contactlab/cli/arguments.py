@@ -9,7 +9,6 @@ from typing import Final
 VERBS: Final = {
     "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
     "collect": "put the runs of a sweep into one dataset over their parameters",
-    "compare": "set the contact laws of several runs side by side, judged, drawn and reported",
     "example": "copy a script, measured impacts or the package of a law to begin from",
     "laws": "list every installed law and part, with all that it declares",
     "verify": "print what is claimed of the engine and the laws, and what is computed",

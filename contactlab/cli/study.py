@@ -27,6 +27,9 @@ from contactlab.studies.sweep_values import listed
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
 
+PLAIN: Final = re.compile(r"(?!-)[^=]+")
+"""A word that is neither an option nor an override."""
+
 FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
 
@@ -50,19 +53,20 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
         name, sign, value = word.partition("=")
         if name == "output" and sign:
             lines.append(f"{place}={quoted(value)}")
-        elif study.several and not sweeps and LISTED.match(word):
-            several.append(word)
         elif name in options and sign:
-            lines.append(f"study.{name}={_value(options[name], value)}")
+            matched[name] += _values(options[name], value)
+        elif taken := next((key for key, form in study.words.items() if form.fullmatch(word)), ""):
+            matched[taken].append(word)
         else:
-            taken = next((key for key, form in study.words.items() if form.fullmatch(word)), None)
-            (lines if taken is None else matched[taken]).append(word)
+            (several if study.several and not sweeps and LISTED.match(word) else lines).append(word)
     for name, values in matched.items():
-        takes_several = list[str] in options[name].kinds
-        if len(values) > 1 and not takes_several:
+        kinds = options[name].kinds
+        if len(values) > 1 and name in study.words and list[str] not in kinds:
             raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
-        text = ",".join(map(quoted, values))
-        lines.append(f"study.{name}=[{text}]" if takes_several else f"study.{name}={text}")
+        texts = [quoted(value) if str in kinds and value != "null" else value for value in values]
+        if list[str] in kinds and not values[0].startswith("["):
+            texts = [f"[{','.join(map(quoted, values))}]"]
+        lines.append(f"study.{name}={texts[-1]}")
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.
@@ -86,14 +90,21 @@ def _without_dashes(words: Sequence[str], options: Mapping[str, DeclaredField]) 
         elif not sign and not rest:
             raise RefusalError(f"{word} has no value; one must follow it.")
         else:
-            yield f"{name}={value if sign else rest.pop(0)}"
+            value = value if sign else rest.pop(0)
+            yield f"{name}={value}"
+            # Several files may follow their option.
+            while (
+                name != "output" and list[str] in options[name].kinds and not sign and PLAIN.fullmatch(value)
+            ):
+                if not (rest and PLAIN.fullmatch(rest[0])):
+                    break
+                yield f"{name}={rest.pop(0)}"
 
 
-def _value(field: DeclaredField, value: str) -> str:
-    """Return the value of an option as Hydra reads it: a text in quotes, several texts as a list."""
-    if list[str] in field.kinds and not value.startswith("["):
-        return f"[{','.join(quoted(each.strip()) for each in value.split(','))}]"
-    return quoted(value) if str in field.kinds and value != "null" else value
+def _values(field: DeclaredField, value: str) -> list[str]:
+    """Return the values of an option, separated by commas if it takes several."""
+    several = list[str] in field.kinds and not value.startswith("[")
+    return [each.strip() for each in value.split(",")] if several else [value]
 
 
 def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:

@@ -21,6 +21,7 @@ OWN: Final = {
     "basins": "contactlab.studies.basins:Basins",
     "branch": "contactlab.studies.branch:Branch",
     "characterise": "contactlab.studies.characterise:Characterise",
+    "compare": "contactlab.studies.compare:Compare",
     "fit": "contactlab.studies.fit:Fit",
     "steady": "contactlab.studies.steady:Steady",
     "synthetic": "contactlab.studies.synthetic:Synthetic",

@@ -18,7 +18,7 @@ PACKAGES: Final = ("contactlab", "numpy", "scipy", "numba", "xarray", "netCDF4")
 _SOURCES: Final = ("contactlab/", "conf/")
 """Folders of a checkout in which a file that git does not know can still change a run."""
 
-_AFTER_A_RUN: Final = ("comparison", "datasheet", "examples", "metrics", "sweeps", "testing")
+_AFTER_A_RUN: Final = ("datasheet", "examples", "metrics", "sweeps", "testing")
 """Folders of the package that see a run only when its numbers are made, and that no run depends on."""
 
 _GIT_TIMEOUT: Final = 10.0

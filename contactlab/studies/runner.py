@@ -85,6 +85,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
         OSError: the folder cannot be written to.
         KeyboardInterrupt: as it comes; finished tasks are kept.
     """
+    setups = study.put_to(setups)
     parts, details = done_parts(study, setups, folder, progress)
     data = study.combine(setups, parts)
     data.attrs = {**code_attributes(), **_settings(study, setups), **data.attrs}

@@ -13,7 +13,7 @@ from contactlab.laws.base import Part
 
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
-    "Studies, and many runs": ("studies", "comparison", "datasheet", "estimate"),
+    "Studies, and many runs": ("studies", "datasheet", "estimate"),
     "Steady states": ("steady_state", "settling"),
     "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),

@@ -50,7 +50,6 @@ FAULTS = [
     (["laws", "--lawz"], ["--lawz"]),
     (["verify", "now"], ["now"]),
     (["collect", "here", "--outptu=x"], ["--outptu"]),
-    (["compare"], ["compare"]),
     (["-m", "law=glob(nosuch*)"], ["law"]),
     (["-m", *(f"drive.{key}=range(0,100)" for key in ("phase", "voltage_1", "voltage_2"))], ["1e+06"]),
     (["-m", "law=composed", "law/normal=linear,rubber"], ["law/normal"]),

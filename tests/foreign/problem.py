@@ -2,20 +2,12 @@
 
 from typing import TypedDict
 
-from support.motors import PLACEMENT_1, default_motor, parameters_with
+from support.motors import default_motor, parameters_with
 
 CASE_A = "case A"
 
 MOTORS: dict[str, dict[str, float]] = {
     CASE_A: {},
-    "placement 1, five shapes, high friction": {
-        **PLACEMENT_1,
-        "frequency": 2019.9,
-        "phase": 0.4,
-        "clearance": 0.4e-6,
-        "friction_coefficient": 0.6,
-        "shapes": 5,
-    },
     "no clearance, loaded and damped, turning backwards": {
         "clearance": 0.0,
         "load_torque": 2e-3,
@@ -29,21 +21,6 @@ MOTORS: dict[str, dict[str, float]] = {
         "phase": 1.0,
         "friction_coefficient": 0.1,
         "shapes": 6,
-    },
-    "three shapes, driven by its load": {
-        "shapes": 3,
-        "frequency": 2750.0,
-        "voltage_1": 150.0,
-        "voltage_2": 60.0,
-        "load_torque": -1e-3,
-        "clearance": 0.3e-6,
-    },
-    "high voltages, far away, very high friction": {
-        "voltage_1": 300.0,
-        "voltage_2": 200.0,
-        "phase": 0.9,
-        "clearance": 2.5e-6,
-        "friction_coefficient": 0.8,
     },
     "small light rotor under load, short tip": {
         "rotor_radius": 10e-3,

@@ -59,12 +59,6 @@ class SourceAsField(WithoutSource):
     default_contact_step: float = 4e-6
 
 
-def test_numbers_of_numpy_are_accepted() -> None:
-    assert HertzPenalty(friction_coefficient=np.float32(0.25)).friction_limit == 0.25
-    assert HertzPenalty(friction_coefficient=1).friction_limit == 1.0
-    assert RitzResonator(shapes=np.int64(4)).modes.stiffness.size == 4  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("value", ["0.3", None, True, 0.3j, np.array([0.1, 0.2])], ids=str)
 @pytest.mark.parametrize("law", [HertzPenalty, LagrangeStick, Coulomb])
 def test_a_parameter_that_is_no_number_is_refused(law: Any, value: object) -> None:

@@ -6,7 +6,7 @@ The parameters are the oracle's words, SI units; by default the paper's motor, p
 from math import pi
 
 import numpy as np
-from oracle import OracleMotor
+from oracle.motor import OracleMotor
 from oracle.stepped_beam import SteppedBeam
 
 from contactlab.engine import simulate

@@ -361,7 +361,13 @@ def compare_values(item: Item) -> Values:
 
     runs = [cl.simulate(cl.build([*item["overrides"], *law])) for law in item["laws"]]
     measured = [data_file(name) for name in item.get("measured", [])]
-    data = cl.compare(runs, measured=measured, **item["options"])
+    data = cl.compare(runs, measured=measured, **item["options"]).data.to_dataset(inherit=False)
+    if "drawn_value" in data:
+        values = data["drawn_value"].values
+        missing = np.isnan(values).all(axis=0)
+        data["found"] = ("draw", "quantity"), np.where(missing, np.nan, np.nansum(values, axis=0))
+        data = data.drop_vars("drawn_value")
+    data = data.drop_vars("judges_law")
     return _of_dataset(data, "compare", data["metric"].values[data["units"].values == "1"].tolist())
 
 
