@@ -269,7 +269,7 @@ class Compare(Study):
         names = {"metric": "metric", "symbol": "symbol", "unit": "units", "meaning": "meaning"}
         names |= {"must be": "threshold", "reason": "reason", "source": "metric_source"}
         columns = {head: every[name].values for head, name in names.items() if head != "unit"}
-        tables["metrics"] = table(columns, caption="Metrics")
+        tables["metrics"] = table(columns, caption="Definitions of the metrics")
         tables["metrics"].attrs["reference"] = True
         return tables
 

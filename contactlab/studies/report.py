@@ -82,9 +82,14 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
         title=result.data.attrs.get("title") or question,
         question=question,
         findings=result.findings,
-        tables=[
-            (frame.attrs.get("caption") or name, as_html(frame)) for name, frame in result.tables.items()
-        ],
+        **{
+            part: [
+                (frame.attrs.get("caption") or name, as_html(frame))
+                for name, frame in result.tables.items()
+                if bool(frame.attrs.get("reference")) is (part == "references")
+            ]
+            for part in ("tables", "references")
+        },
         pictures={caption: b64encode(data).decode() for caption, data in pictures.items()},
         options=yaml.safe_dump({"study": {"name": study.name, **study.options}}, sort_keys=False),
         configurations={

@@ -1,11 +1,15 @@
 """The study `compare` on settled motors: an effect of the law is one that exceeds all others."""
 
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
+from support.command_line import Command
 from support.configurations import altered, datatree
 
 import contactlab as cl
@@ -23,7 +27,8 @@ from contactlab.studies.compare_causes import (
 from contactlab.studies.compare_draws import Factor, drawn, factors_of, left_fixed, on_other_basis, shares
 from contactlab.studies.compare_figures import draw_causes, draw_shares
 from contactlab.studies.compare_scorecard import BASIS, CAUSES, PARAMETERS, START
-from contactlab.studies.runner import run
+
+ROOT = Path(__file__).parents[2]
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
 """Ranges of parameters that are known exactly."""
@@ -281,26 +286,40 @@ def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_fo
     assert more["resonator"]["kept_modes"] == changed["resonator"]["kept_modes"] + 4
 
 
-class StoppedError(Exception):
-    """Ends a study between two tasks."""
+WORDS = ("compare", "law=newton,hertz_penalty", "contact.clearance=3e-6", "samples=1", "starts=2")
 
 
-def test_a_comparison_continues_to_the_same_data_by_any_number_of_workers(tmp_path: Path) -> None:
-    setups = {law: setup_of(law, **OPPOSITE) for law in ("newton", "hertz_penalty")}
-    study = cl.Compare(samples=1, starts=2, workers=1)
-    whole = run(study, setups, tmp_path / "whole")
+def bytes_of(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
-    def stop(done: int, total: int) -> None:
-        if done == 5:
-            raise StoppedError
 
-    with pytest.raises(StoppedError):
-        run(study, setups, tmp_path / "stopped", stop)
-    counts: list[int] = []
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of a comparison that was never killed."""
+    folder = tmp_path_factory.mktemp("whole")
+    assert killed(folder, 0) == 0
+    return bytes_of(folder)
 
-    def count(done: int, total: int) -> None:
-        counts.append(done)
 
-    resumed = run(replace(study, workers=2), setups, tmp_path / "stopped", count)
-    assert counts[0] == 5
-    assert resumed.data.identical(whole.data)
+def killed(folder: Path, tasks: int) -> int:
+    """Exit status of a comparison that is killed after some of its tasks; 0 is never."""
+    script = "from contactlab.cli.main import main; import sys; sys.exit(main())"
+    words = [*WORDS, "workers=1", f"output={folder}"]
+    with subprocess.Popen(
+        [sys.executable, "-c", script, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        while tasks and process.poll() is None:
+            if len([*folder.glob("tasks/*-*.nc")]) >= tasks:
+                process.kill()
+            time.sleep(0.01)
+        return process.wait()
+
+
+@pytest.mark.parametrize("tasks", [5, *(pytest.param(n, marks=pytest.mark.long) for n in range(1, 20))])
+def test_a_killed_comparison_continues_to_the_same_bytes(
+    tasks: int, whole: dict[str, bytes], tmp_path: Path, command: Command
+) -> None:
+    assert killed(tmp_path / "killed", tasks) < 0
+    status, _, err = command(*WORDS, "workers=2", f"output={tmp_path / 'killed'}")
+    assert status == 0, err
+    assert bytes_of(tmp_path / "killed") == whole
