@@ -12,7 +12,7 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
 from contactlab.estimate import Estimate as Estimate
-from contactlab.impact import impact as impact
+from contactlab.impacts import impact as impact
 from contactlab.laws import (
     AgeingStick as AgeingStick,
     Archard as Archard,

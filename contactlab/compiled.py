@@ -38,7 +38,7 @@ OLD = 30 * 86400.0
 
 @cache
 def code_folder() -> Path:
-    """Give the folder of the compiled code of exactly these sources."""
+    """Return the folder of the compiled code of exactly these sources."""
     digest = sha256()
     for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
         digest.update(source.relative_to(PACKAGE).as_posix().encode())

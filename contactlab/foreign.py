@@ -18,9 +18,9 @@ _LIBRARIES: Final = {
 """Top-level names of modules whose version is recorded elsewhere, or that make no law's numbers."""
 
 
-def is_own(found: Any) -> bool:
+def is_own(owner: Any) -> bool:
     """Return whether a function or class is defined in this package."""
-    return str(getattr(found, "__module__", "")).partition(".")[0] == _PACKAGE
+    return str(getattr(owner, "__module__", "")).partition(".")[0] == _PACKAGE
 
 
 def digest_of_sources(*owners: type) -> str:

@@ -32,7 +32,7 @@ COMPILATIONS = (["archard"], ["hertz_penalty", "lagrange_stick", "lagrange_agein
 COMPILATION = """
 import sys
 from contactlab.engine import simulate
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import LAWS
 from contactlab.testing.plants import block
 

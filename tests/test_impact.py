@@ -12,7 +12,7 @@ from support.pages import DOCS, names_of
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import LAWS
 from contactlab.motor.bodies import FLAT
 from contactlab.testing.plants import coupled_body

@@ -13,7 +13,7 @@ from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.metrics import read_run
-from contactlab.results.files import told
+from contactlab.results.files import error_text
 
 if TYPE_CHECKING:
     from contactlab.plot.recording import Recording
@@ -49,7 +49,7 @@ def main(arguments: list[str]) -> int:
     try:
         _animate(parser.read(arguments))
     except OSError as error:
-        raise RefusalError(f"The animation could not be written: {told(error)}", INCOMPLETE) from error
+        raise RefusalError(f"The animation could not be written: {error_text(error)}", INCOMPLETE) from error
     return COMPLETE
 
 

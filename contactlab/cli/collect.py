@@ -43,7 +43,7 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab import SweepError
     from contactlab.config import ConfigurationError
-    from contactlab.results.files import told
+    from contactlab.results.files import error_text
     from contactlab.studies.collection import collect
     from contactlab.studies.sweep_dataset import summary
 
@@ -53,5 +53,5 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        raise RefusalError(f"The runs could not be collected: {told(error)}", INCOMPLETE) from error
+        raise RefusalError(f"The runs could not be collected: {error_text(error)}", INCOMPLETE) from error
     print(summary(dataset, dataset.encoding["source"]))

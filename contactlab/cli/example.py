@@ -78,7 +78,7 @@ def examples() -> Iterator[Example]:
 def _copy(source: Path, target: Path) -> None:
     """Copy a file, or the files of a folder; all of it or nothing."""
     # Imported here: listing needs none of it.
-    from contactlab.results.files import told, whole_file
+    from contactlab.results.files import error_text, whole_file
 
     try:
         if source.is_file():
@@ -96,4 +96,4 @@ def _copy(source: Path, target: Path) -> None:
     except FileExistsError as error:
         raise RefusalError(f"'{target}' exists; the copy of an example must have a new name.") from error
     except OSError as error:
-        raise RefusalError(f"The example could not be copied: {told(error)}", INCOMPLETE) from error
+        raise RefusalError(f"The example could not be copied: {error_text(error)}", INCOMPLETE) from error

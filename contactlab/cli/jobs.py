@@ -16,7 +16,7 @@ from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
 from contactlab.results import netcdf
-from contactlab.results.files import DATASET, LOG, told, whole_file
+from contactlab.results.files import DATASET, LOG, error_text, whole_file
 from contactlab.results.summary import summarise
 from contactlab.studies.run_state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
@@ -103,7 +103,7 @@ def _reason(error: BaseException) -> str:
         case LawError():
             reason = one_line(LawError(*error.args))
         case OSError():
-            reason = f"The run could not be written: {told(error)}"
+            reason = f"The run could not be written: {error_text(error)}"
         case _:
             reason = f"The run raised {type(error).__name__}: {one_line(error)}"
     return reason if len(reason) <= MOST_CHARACTERS else f"{reason[:MOST_CHARACTERS]} ..."
@@ -139,5 +139,5 @@ def check_output(folder: Path) -> None:
 def unwritable(folder: Path, error: OSError) -> terminal.RefusalError:
     """Return the failure of a folder that could not be written to the end, as on a full disk."""
     return terminal.RefusalError(
-        f"Nothing more can be written to '{folder}': {told(error)}", terminal.INCOMPLETE
+        f"Nothing more can be written to '{folder}': {error_text(error)}", terminal.INCOMPLETE
     )

@@ -1,6 +1,6 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, replace
 from functools import partial
 from itertools import groupby
@@ -114,106 +114,91 @@ def _described(owner: type[Declared], title: str, origin: str) -> str:
 
 
 def described_parameter(name: str, member: DeclaredField, own: bool = False) -> str:
-    """Symbol, unit, meaning, default and range of a number; the options of a part, or our `own` alone."""
-    said, given = member.parameter, member.default
-    if said is None:
+    """Return symbol, unit, meaning, default and range of a number, or the options of a part."""
+    declared, default = member.parameter, member.default
+    if declared is None:
         family = family_of(member)
         options = dict.fromkeys([*PARTS[family], *([] if own else law_names(family))])
-        default = "" if given is MISSING else f", default {given.name}"
-        return f"a part, law/{family}={', '.join(options)}{default}"
-    unit = "" if said.units == "1" else f" [{said.units}]"
-    default = "must be given"
-    if name == SHARED:
-        default = "contact.friction_coefficient"
-    elif given is not MISSING:
-        default = "default none" if given is None else f"default {given:g}"
-    return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
+        shown = "" if default is MISSING else f", default {default.name}"
+        return f"a part, law/{family}={', '.join(options)}{shown}"
+    unit = "" if declared.units == "1" else f" [{declared.units}]"
+    shown = "must be given" if default is MISSING else "default none" if default is None else ""
+    shown = "contact.friction_coefficient" if name == SHARED else shown or f"default {default:g}"
+    return f"{declared.symbol}{unit}, {declared.meaning}, {shown}, {declared.range or 'finite'}"
 
 
 def declared_rows(owner: type[Declared]) -> dict[str, str]:
-    """What a law or part claims of itself where it says anything: a composed law leaves it to its parts.
-
-    What hangs on parameters is told as it is with their defaults.
-    """
-    open_ones = [one for one in members_of(owner).values() if one.default is MISSING]
-    said: Any = owner if owner is Composed or open_ones else owner()
+    """Return the declarations of a law or part by name, with the defaults of its parameters."""
+    is_open = any(member.default is MISSING for member in members_of(owner).values())
+    law: Any = owner if owner is Composed or is_open else owner()
     rows: dict[str, str] = {}
     if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
-    if issubclass(owner, ContactLaw) or getattr(said, "allows_tension", False):
-        rows["tension"] = _in_words(said, "allows_tension", {True: "allowed", False: "none"})
+    if issubclass(owner, ContactLaw) or getattr(law, "allows_tension", False):
+        rows["tension"] = _shown(law, "allows_tension", {True: "allowed", False: "none"})
     if issubclass(owner, ContactLaw):
-        rows["convergence order"] = _in_words(said, "convergence_order")
+        rows["convergence order"] = _shown(law, "convergence_order")
         at_most = "at most " if getattr(owner, "projects", False) else ""
         rows["default contact step"] = f"{at_most}{owner.default_contact_step:g} s"
-    if issubclass(owner, ContactLaw | Friction):
-        rows["stick"] = _in_words(said, "exact_stick", STICK)
-        offset = said.friction_offset
-        rows["cone"] = f"widened by an offset C = {offset:g} N" if not _hangs(offset) and offset else ""
-    rows |= _memory_rows(said)
-    if issubclass(owner, ContactLaw | Friction):
-        if _hangs(said.violations):
-            rows["breaks"] = _in_words(said, "violations")
-        else:
-            rows |= {f"breaks {name}": reason for name, reason in said.violations.items()}
+    has_friction = issubclass(owner, ContactLaw | Friction)
+    if has_friction:
+        rows["stick"] = _shown(law, "exact_stick", STICK)
+        offset = law.friction_offset
+        rows["cone"] = f"widened by an offset C = {offset:g} N" if not _is_open(offset) and offset else ""
+    rows |= _contact_rows(law)
+    if has_friction and _is_open(law.violations):
+        rows["breaks"] = _shown(law, "violations")
+    elif has_friction:
+        rows |= {f"breaks {name}": reason for name, reason in law.violations.items()}
     return rows
 
 
-def _memory_rows(said: Any) -> dict[str, str]:
-    """What a law or part remembers, and what it has a hand in: limits, guards, a moment, the step."""
-    rows: dict[str, str] = {}
-    variables = getattr(said, "internal_variables", ())
-    if _hangs(variables):
-        rows["internal variables"] = _in_words(said, "internal_variables")
+def _contact_rows(law: Any) -> dict[str, str]:
+    """Return internal variables, kernels that most laws have not, and guards."""
+    variables, guards = getattr(law, "internal_variables", ()), getattr(law, "guards", 0)
+    if _is_open(variables):
+        rows = {"internal variables": _shown(law, "internal_variables")}
     else:
-        for alike in _alike(variables):
-            names, words = described_variables(alike)
-            rows[f"internal variable{'s' * (len(alike) > 1)} {names}"] = words
-    kernels = {name: getattr(said, name, None) for name in ("limits", "moment")}
-    for name, words in KERNELS.items():
-        if not _hangs(kernels[name]) and kernels[name] is not None:
-            rows[name] = words
-    guards = getattr(said, "guards", 0)
-    if not _hangs(guards) and guards:
-        rows["guards"] = f"{guards}: where one falls through zero, a step ends and what it remembers jumps"
+        rows = dict(_variables(variables))
+    for name, text in KERNELS.items():
+        if not _is_open(kernel := getattr(law, name, None)) and kernel is not None:
+            rows[name] = text
+    if not _is_open(guards) and guards:
+        rows["guards"] = f"{guards}: where one falls through zero, a step ends and the reset map is applied"
     return rows
 
 
-def _alike(variables: Iterable[InternalVariable]) -> Iterator[list[InternalVariable]]:
-    """Give internal variables together that differ by a number alone, one after the other."""
+def _variables(variables: Iterable[InternalVariable]) -> Iterator[tuple[str, str]]:
+    """Yield title and text of internal variables; those that differ by a number alone have one row."""
     digits = str.maketrans("", "", "0123456789")
 
-    def plain(one: InternalVariable) -> InternalVariable:
-        words = {name: getattr(one, name).translate(digits) for name in ("name", "symbol", "meaning")}
-        return replace(one, **words)
+    def plain(variable: InternalVariable) -> InternalVariable:
+        texts = {key: getattr(variable, key).translate(digits) for key in ("name", "symbol", "meaning")}
+        return replace(variable, **texts)
 
-    for _, alike in groupby(variables, plain):
-        yield list(alike)
-
-
-def described_variables(alike: Sequence[InternalVariable]) -> tuple[str, str]:
-    """Names, and symbols, unit, meaning, how life begins and parity, of variables that are alike."""
-    one = alike[0]
-    names, symbols, meanings = (
-        " to ".join(dict.fromkeys(getattr(each, word) for each in (one, alike[-1])))
-        for word in ("name", "symbol", "meaning")
-    )
-    unit = f" [{one.units}]" if one.units != "1" else ""
-    symbol = f"{symbols}{unit}, " if symbols or unit else ""
-    begins = "begin" if len(alike) > 1 else "begins"
-    life = {"contact": "with every contact", "run": "with the run and not with a contact"}[one.life]
-    parity = ", odd in a mirror" if one.parity == ODD else ""
-    return names, f"{symbol.lstrip()}{meanings}, {begins} at {one.initial:g} {life}{parity}"
+    for _, group in groupby(variables, plain):
+        first, *rest = group
+        last = rest[-1] if rest else first
+        names, symbols, meanings = (
+            " to ".join(dict.fromkeys((getattr(first, key), getattr(last, key))))
+            for key in ("name", "symbol", "meaning")
+        )
+        unit = f" [{first.units}]" if first.units != "1" else ""
+        symbol = f"{symbols}{unit}, ".lstrip() if symbols or unit else ""
+        life = {"contact": "with every contact", "run": "with the run and not with a contact"}[first.life]
+        text = f"{symbol}{meanings}, {'begin' if rest else 'begins'} at {first.initial:g} {life}"
+        title = f"internal variable{'s' if rest else ''} {names}"
+        yield title, f"{text}{', odd in a mirror' if first.parity == ODD else ''}"
 
 
-def _hangs(value: Any) -> bool:
-    """Tell whether a declaration hangs on parts or parameters that are not given."""
+def _is_open(value: Any) -> bool:
+    """Return whether a declaration depends on parts or parameters that have no value."""
     return isinstance(value, property)
 
 
-def _in_words(said: Any, name: str, words: Mapping[Any, str] = MappingProxyType({})) -> str:
-    """A declaration in words; one that follows from the parts says so."""
-    value = getattr(said, name)
-    if _hangs(value):
-        return "that of its parts" if said is Composed else "as its parameters are"
-    return words.get(value) or f"{value:g}"
+def _shown(law: Any, name: str, texts: Mapping[Any, str] = MappingProxyType({})) -> str:
+    """Return a declaration as text; one that follows from the parts says so."""
+    value = getattr(law, name)
+    if _is_open(value):
+        return "that of its parts" if law is Composed else "as its parameters are"
+    return texts.get(value) or f"{value:g}"

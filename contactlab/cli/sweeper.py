@@ -37,7 +37,7 @@ from contactlab.config.groups import Sweep
 from contactlab.config.nesting import Value
 from contactlab.config.studies import RUN
 from contactlab.processes import WorkerError, processors
-from contactlab.results.files import LOG, STATE, told
+from contactlab.results.files import LOG, STATE, error_text
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
 from contactlab.studies.sweep import Sweep as SweepStudy, begin, continued, runs_of
 from contactlab.studies.sweep_dataset import summary
@@ -353,7 +353,8 @@ class Sweeping:
                 dataset = continued(sweep, folder, runs_of(sweep.plan, show))
         except (WorkerError, OSError) as error:
             tell(
-                f"The sweep stopped: {told(error) if isinstance(error, OSError) else str(error)}", sys.stderr
+                f"The sweep stopped: {error_text(error) if isinstance(error, OSError) else str(error)}",
+                sys.stderr,
             )
             return INCOMPLETE
         except KeyboardInterrupt:

@@ -31,8 +31,8 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiled import INTERPRETED, code_folder
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.loop import SECONDS, kind_of
-    from contactlab.impact import velocities_after
+    from contactlab.engine.preparation import SECONDS, kind_of
+    from contactlab.impacts import velocities_after
 
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")

@@ -13,8 +13,7 @@ from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
-from contactlab.engine.arguments import default_contact_step
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, take_in
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw

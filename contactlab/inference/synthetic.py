@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.inference.likelihood import approach_scale
 from contactlab.inference.series_problem import series_of
 from contactlab.laws import ContactLaw

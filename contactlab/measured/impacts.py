@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_shape
-from contactlab.impact import Impacts
+from contactlab.impacts import Impacts
 
 _ROUND_OFF = 1e-12
 """Error of symmetry and eigenvalues, over the largest element of a matrix."""

@@ -18,8 +18,7 @@ from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
-from contactlab.results.internal import lasting_in
-from contactlab.results.netcdf import configuration_of, period_in
+from contactlab.results.netcdf import configuration_of, lasting_in, period_in
 from contactlab.settling.periods import drive_period
 from contactlab.settling.verdict import Settling, settling_of
 from contactlab.trajectory import Trajectory

@@ -18,7 +18,7 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.inference.bootstrap import LEVEL, mean_intervals, paired_differences
 from contactlab.inference.series_problem import series_problem
 from contactlab.laws.declaration import SHARED

@@ -28,14 +28,14 @@ from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import Value
-from contactlab.engine.callback import is_of_a_signal
+from contactlab.engine.binding import is_of_a_signal
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw, LawError
 from contactlab.metrics import Run, assess
 from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
-from contactlab.results.internal import internal_series
+from contactlab.results.netcdf import internal_series
 from contactlab.settling.until import STEADY
 from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
 from contactlab.studies.run_state import Status, status_of

@@ -30,7 +30,7 @@ GROUP: Final = "series"
 """Group of the file with the time series."""
 
 SERIES: Final = {variable.name: variable for variable in variables.SERIES}
-"""Series of every run; a law with internal variables has more, see `contactlab.results.internal`."""
+"""Series of every run; a law with internal variables has more, see `contactlab.results.netcdf`."""
 
 TAKEN: Final = frozenset({*METRICS, *SERIES, "status", "reason", "job", "time", RUN})
 """Names of a dataset that no parameter can have."""

@@ -21,7 +21,7 @@ from contactlab.config.schema import declared_in
 from contactlab.config.studies import study_class, study_of
 from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
-from contactlab.results.internal import internal_series
+from contactlab.results.netcdf import internal_series
 from contactlab.settling.until import STEADY
 from contactlab.studies.run_state import code_digest_of
 from contactlab.studies.sweep_dataset import SERIES, Axis

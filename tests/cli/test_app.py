@@ -14,7 +14,6 @@ import pytest
 import xarray
 import yaml
 from support.command_line import Command, cases, left_behind
-from support.configurations import CONF, options
 from support.synthetic import synthetic_trajectory
 
 from contactlab.cli import app
@@ -46,15 +45,6 @@ def configuration_of(path: Path) -> dict[str, dict[str, Any]]:
     return configuration
 
 
-def test_help_tells_of_every_group_and_option(command: Command) -> None:
-    status, out, _ = command("--help")
-    assert status == 0
-    for group in (path.name for path in CONF.iterdir() if path.is_dir()):
-        assert f"{group}: {', '.join(options(group))}" in out
-    assert 'eval "$(contactlab -sc install=bash)"' in out
-    assert left_behind() == []
-
-
 def test_configuration_is_shown_and_nothing_run(command: Command) -> None:
     status, out, _ = command("--cfg", "job", "experiment=case_a", "law=lagrange_stick")
     assert status == 0
@@ -84,26 +74,6 @@ def test_tab_completes_options_and_keys(
 
 
 # What it leaves behind
-
-
-def test_a_composed_law_runs_with_any_part_and_says_which(command: Command) -> None:
-    status, _, err = command(
-        "law=composed",
-        "law/normal=linear",
-        "law/damping=none",
-        "law/friction=coulomb",
-        "law.normal.stiffness=2e7",
-        "solver.duration=0.2 ms",
-        NO_PICTURE,
-        "hydra.run.dir=here",
-    )
-    assert status == 0, err
-    assert configuration_of(Path("here/run.nc"))["law"] == {
-        "name": "composed",
-        "normal": {"name": "linear", "stiffness": 2e7},
-        "damping": {"name": "none"},
-        "friction": {"name": "coulomb", "static_ratio": 1.0},
-    }
 
 
 def test_a_file_of_ones_own_is_an_option(
@@ -138,21 +108,6 @@ def test_run_leaves_dataset_picture_and_summary(command: Command) -> None:
     assert not list(Path("here").glob("*.log"))
 
 
-def test_sweep_runs_every_combination_in_a_directory_of_its_own(command: Command) -> None:
-    status, out, err = command(
-        "solver.duration=0.2 ms", "-m", "law=lagrange_stick,hertz_penalty", "hydra.sweep.dir=here", NO_PICTURE
-    )
-    assert status == 0, err
-    assert "#0 : " in out
-    directories = sorted(path.parent.name for path in Path("here").glob("*/run.nc"))
-    assert directories == [
-        f"law=hertz_penalty,{NO_PICTURE},solver.duration=0.2_ms",
-        f"law=lagrange_stick,{NO_PICTURE},solver.duration=0.2_ms",
-    ]
-    laws = [configuration_of(Path("here") / name / "run.nc")["law"]["name"] for name in directories]
-    assert laws == ["hertz_penalty", "lagrange_stick"]
-
-
 def test_task_can_be_sent_to_another_process() -> None:
     assert pickle.loads(pickle.dumps(app.run)) is app.run
 
@@ -173,15 +128,6 @@ def test_run_that_is_not_complete_is_written_as_such_with_status_1(
         assert root.attrs["complete"] == 0
 
 
-def test_sweep_goes_on_after_a_run_that_ended_early_and_has_status_1(
-    command: Command, ending: Callable[[Ending], None]
-) -> None:
-    ending(Ending.DIVERGED)
-    status, _, _ = command("-m", "contact.clearance=1 um,2 um", NO_PICTURE)
-    assert status == 1
-    assert len(list(Path("multirun").rglob("run.nc"))) == 2
-
-
 def test_interrupted_run_leaves_nothing_that_looks_whole(
     command: Command, ending: Callable[[Ending | BaseException], None]
 ) -> None:
@@ -197,13 +143,6 @@ def test_interrupted_run_leaves_nothing_that_looks_whole(
     assert status == 130
     with xarray.open_dataset("here/run.nc") as root:
         assert root.attrs["complete"] == 0
-
-
-def test_interrupt_stops_a_sweep(command: Command, ending: Callable[[Ending | BaseException], None]) -> None:
-    ending(Ending.INTERRUPTED)
-    status, _, _ = command("-m", "contact.clearance=1 um,2 um", NO_PICTURE)
-    assert status == 130
-    assert len(list(Path("multirun").rglob("run.nc"))) == 1
 
 
 @pytest.mark.skipif(

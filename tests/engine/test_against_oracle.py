@@ -82,7 +82,7 @@ def assert_hertz_agrees(
         assert final(made, name) == pytest.approx(end, abs=1e-6 * travel), name
 
 
-@pytest.mark.parametrize("name", cases(MOTORS, (STRONG,)))
+@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG)))
 def test_hertz_ends_where_the_oracle_ends(name: str) -> None:
     assert_hertz_agrees(MOTORS[name], STIFFNESSES[name])
 
@@ -104,7 +104,7 @@ def rigid_reference(name: str) -> JudgedRun:
     return RigidJudge(oracle_motor(**MOTORS[name]), newton(mu, 0.0), Rough(mu), 1e-10).run(DURATION)
 
 
-@pytest.mark.parametrize("name", cases(MOTORS, (STRONG,)))
+@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG)))
 def test_rigid_stick_tends_to_the_oracle_with_first_order(name: str) -> None:
     reference, steps = rigid_reference(name), (2e-7, 1e-7, 5e-8, 2.5e-8)
     law, motor = LagrangeStick(friction_of(MOTORS[name])), default_motor(**MOTORS[name])

@@ -7,7 +7,7 @@ from support.motors import case_a, default_resonator, every_law, hertz, run
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
-from contactlab.engine.arguments import LARGEST_TURN, default_contact_step
+from contactlab.engine.preparation import LARGEST_TURN, default_contact_step
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive

@@ -141,15 +141,6 @@ def test_a_tangential_graze_is_decided_down_to_round_off(law: ContactLaw, miss: 
     assert np.all(np.abs(found - when) < 2e-11)
 
 
-@laws
-def test_a_gap_that_just_reaches_zero_ends_no_run(law: ContactLaw) -> None:
-    when, step = middle_of_step(law, 30)
-    flight = flight_of(shaped_motor(when)).lowered_to(0.0, when)
-    found = run(flight.motor, law, when + 4.0 * step, step).contacts["start_time"]
-    assert found.size <= 1
-    assert np.all(np.abs(found - when) < np.sqrt(8.0 * flight.round_off(when, 100) / CURVATURE))
-
-
 def test_an_elastic_dip_is_left_where_the_flight_leaves_it() -> None:
     when, step = middle_of_step(hertz(), 30)
     flight = flight_of(shaped_motor(when)).lowered_to(-1e-13, when)

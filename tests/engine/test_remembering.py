@@ -1,4 +1,4 @@
-"""What the engine does with internal variables, guards, limits, moments, and laws that are told more."""
+"""Internal variables, guards, limits and moments of laws whose motion is known in closed form."""
 
 import numpy as np
 import pytest
@@ -178,7 +178,7 @@ def test_a_moment_against_spin_shares_the_angular_momentum_with_the_rotor() -> N
     assert_allclose(made.series["friction_loss"], expected, atol=1e-7 * left)
 
 
-def test_a_rigid_law_is_told_which_step_is_an_impact_and_how_long_it_is() -> None:
+def test_a_rigid_law_receives_the_length_of_its_step_and_whether_it_is_an_impact() -> None:
     """It bounces once with its restitution; resting, it slides off against mu (W + C)."""
     e, weight, cohesion, mu, speed = 0.5, 5.0, 3.0, 0.3, 0.5
     made = run(thrown(), RigidAgeing(restitution=e), 1e-4)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.motors import default_motor, hertz, run, total
 
-from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
+from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.laws import LagrangeStick
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
@@ -50,7 +50,7 @@ def test_the_answer_from_rest_is_that_of_the_power_series(
     weights = (1j * omega) ** np.arange(terms)
     # The force exp(i omega s) is a sum of (i omega)^d s^d / d!, whose answers are I_(d+1) and I_d.
     q, v = weights @ integrals[2:], weights @ integrals[1:-1]
-    found = answer_from_rest(rate**2, damping, omega, time)
+    found = response_from_rest(rate**2, damping, omega, time)
     eps = np.finfo(np.float64).eps
     assert abs(complex(*found[:2]) - q) <= 8.0 * eps * time / rate
     assert abs(complex(*found[2:]) - v) <= 8.0 * eps * max(turns, 1.0) * time

@@ -1,6 +1,6 @@
 """What a foreign solver receives: a motor in normal modes as plain numbers; and the motors of its tests."""
 
-from typing import TypedDict
+from typing import Any
 
 from support.motors import default_motor, parameters_with
 
@@ -33,31 +33,18 @@ MOTORS: dict[str, dict[str, float]] = {
 """Changes to the motor of case A, see `motors.DEFAULTS`."""
 
 
-class Problem(TypedDict):
-    """A motor in normal modes, unit masses, SI; signs as in `contactlab.motor.geometry`.
+Problem = dict[str, Any]
+"""A motor in normal modes, unit masses, SI; signs as in `contactlab.motor.geometry`.
 
     qdd_j + damping_j qd_j + stiffness_j q_j
         = Re sum_k (force_re + i force_im)_jk exp(i omega_k t) + contact
     u = tip_displacement . q,   th = tip_slope . q
-    """
+"""
 
-    stiffness: list[float]
-    damping: list[float]
-    force_re: list[list[float]]
-    force_im: list[list[float]]
-    omega: list[float]
-    tip_displacement: list[float]
-    tip_slope: list[float]
-    tip_length: float
-    rotor_radius: float
-    clearance: float
-    rotor_inertia: float
-    rotor_damping: float
-    load_torque: float
-    initial_velocity: float
-    friction_coefficient: float
-    restitution: float
-    duration: float
+NUMBERS = (
+    *("tip_length", "rotor_radius", "clearance", "rotor_inertia", "rotor_damping", "load_torque"),
+    *("initial_velocity", "friction_coefficient"),
+)
 
 
 def problem_from(changes: dict[str, float], duration: float) -> Problem:
@@ -73,14 +60,7 @@ def problem_from(changes: dict[str, float], duration: float) -> Problem:
         omega=motor.drive.angular_frequency.tolist(),
         tip_displacement=modes.tip_displacement.tolist(),
         tip_slope=modes.tip_slope.tolist(),
-        tip_length=p["tip_length"],
-        rotor_radius=p["rotor_radius"],
-        clearance=p["clearance"],
-        rotor_inertia=p["rotor_inertia"],
-        rotor_damping=p["rotor_damping"],
-        load_torque=p["load_torque"],
-        initial_velocity=p["initial_velocity"],
-        friction_coefficient=p["friction_coefficient"],
+        **{name: p[name] for name in NUMBERS},
         restitution=0.0,
         duration=duration,
     )

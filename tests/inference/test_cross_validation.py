@@ -10,7 +10,7 @@ from support.command_line import Command
 from support.struck_discs import struck_discs
 
 import contactlab as cl
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.inference.assessment import noise_of
 from contactlab.inference.candidates import usual_law, usual_laws, without_idle
 from contactlab.inference.cross_validation import ValidationError, folds_of, least_error_fit

@@ -253,7 +253,7 @@ class Turned(PenaltyLaw):
                 "begin at 0 with the run and not with a contact",
                 "internal variable yields": "whether it yields, begins at 1 with every contact",
                 "limits": "a contact begins and ends at the gaps that it says, not at zero",
-                "guards": "2: where one falls through zero, a step ends and what it remembers jumps",
+                "guards": "2: where one falls through zero, a step ends and the reset map is applied",
             },
         ),
         (

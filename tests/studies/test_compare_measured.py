@@ -10,7 +10,7 @@ from support.command_line import Command
 from support.configurations import leave
 
 import contactlab as cl
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import Newton
 from contactlab.measured import floors
 from contactlab.measured.files import write_impacts

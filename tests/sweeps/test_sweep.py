@@ -282,15 +282,6 @@ def test_the_folder_of_a_run_may_be_named_by_a_variable_of_the_environment(
     assert OmegaConf.create({"place": "${oc.env:NOWHERE,here}"}).place == "here"
 
 
-def test_a_sweep_of_metrics_with_a_run_that_fails_says_so_by_its_status(command: Command) -> None:
-    # The last voltage drives the tip deep into the rotor, and its run is left incomplete.
-    swept = ("drive.voltage_1=90,1e5", "law.stiffness=1e3", "solver.duration=1e-3")
-    status, _, _ = command("-m", *swept, "sweep.keep=metrics", "hydra.sweep.dir=sweep")
-    with xarray.open_dataset("sweep/sweep.nc") as found:
-        assert found.attrs["runs_complete"] == 1
-    assert status == 1
-
-
 def test_a_study_is_swept_over_keys_and_over_the_numbers_of_a_motor() -> None:
     setup = build(["law=newton"])
     phases, study = [-1.0, 0.0], cl.Steady(refine=False)

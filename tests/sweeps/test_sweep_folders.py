@@ -44,14 +44,6 @@ def test_the_folder_that_a_file_of_ones_own_gives_is_taken(
     assert len(list(only.glob("*/run.nc"))) == 2
 
 
-def test_batches_are_taken_one_after_the_other(command: Command, simulations: Simulations) -> None:
-    status, out, err = command(*THREE, "hydra.sweeper.max_batch_size=2")
-    assert status == 0, err
-    assert "Launching 2 jobs locally" in out
-    assert "Launching 1 jobs locally" in out
-    assert simulations.seen == [1.0, 2.0, 3.0]
-
-
 @pytest.mark.parametrize(
     ("overrides", "name"),
     [

@@ -10,6 +10,7 @@ rate is negative on approach. With impulses p = (p_n, p_t) [N s] they are u+ = u
 """
 
 import json
+from functools import cache
 from typing import Any, Final, final
 
 import numpy as np
@@ -18,12 +19,97 @@ from numpy.typing import ArrayLike, NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_shape, shown
-from contactlab.engine.strikes import Struck, struck, velocities
+from contactlab.engine.impact import MOMENT, OUTCOME, WAY
+from contactlab.engine.plant import MODES, TONES, Plant, plant_record
+from contactlab.engine.preparation import (
+    DEFAULT_TOLERANCE,
+    Prepared,
+    check_law,
+    check_tolerance,
+    fresh_state,
+    take_in,
+)
+from contactlab.engine.propagator import Propagator, Workspace
+from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
 from contactlab.laws.base import ContactLaw, MultiplierLaw
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import versions
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES, Variable
+
+PIECE: Final = 500
+"""Impacts that are integrated between two checks for Ctrl-C."""
+
+
+@cache
+def _body() -> tuple[Plant, Propagator]:
+    """Return a free body over a plate, and its step responses, both set for each impact."""
+    plant = new_record(plant_record(MODES, TONES))
+    plant["mode_count"], plant["geometry"] = 2, (WAY, WAY, 0.0)
+    return plant, Workspace().propagator(plant, 1.0, 1.0, False)
+
+
+class _Integration:
+    """A law bound for impacts u_n, u_t [m/s], D_nn, D_nt, D_tt [1/kg], shape (impact, 5).
+
+    With `once` the law is checked for its first parameters alone.
+    """
+
+    def __init__(self, law: ContactLaw, tolerance: float | None, *, once: bool = False) -> None:
+        check_law(law)
+        check_tolerance(law, tolerance)
+        law = law.on_rotor(WAY)
+        parameters, row, bound, errors = take_in(law, once)
+        tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+        self.ready = Prepared(law, 1.0, 1.0, tolerance, *_body(), bound, parameters, row, errors)
+
+    def run(self, contacts: Array, history: int = 0) -> tuple[Any, Any, Run]:
+        """Return records of `OUTCOME`, as many of `MOMENT` for each as `history`, and the last run."""
+        ready = self.ready
+        outcomes, histories = np.zeros(len(contacts), OUTCOME), np.zeros((len(contacts), history), MOMENT)
+        states: Any = np.zeros(2, STATE)
+        states[0] = fresh_state()
+        ready.set_up(states[0], 1.0)
+        run = ready.run_of(states[1])
+        states[0]["phase"] = PRESSED
+        # With room for one contact the loop ends when that is over.
+        states[0]["stored"] = run.step["contacts"].size - 2
+        motions = np.zeros((1, 2, 2))
+        records = ready.records(history + 2 if history else 0, run)
+        silent = records.series[:0]
+        # The impulses of a rigid law take no time.
+        size = len(contacts) if isinstance(ready.law, MultiplierLaw) else PIECE
+        for i in range(0, len(contacts), size):
+            some = slice(i, i + size)
+            impacts = ImpactBatch(contacts[some], outcomes[some], histories[some], silent)
+            ready.advance(run, states, motions, records, 0, impacts)
+        return outcomes, histories, run
+
+    def explain(self, contact: Array) -> tuple[Ending, str]:
+        """Return ending and reason of an impact without numbers."""
+        law = self.ready.law
+        outcomes, _, run = self.run(contact[None])
+        if not isinstance(law, MultiplierLaw):
+            longest = float(run.propagator.rule.longest)
+            return self.ready._replace(contact_step=longest).explain(run)
+        rate, slip, nn, nt, _ = contact
+        where = f"a gap rate of {rate:.6g} m/s and a slip of {slip:.6g} m/s"
+        if outcomes[0]["ending"] != INCONSISTENT:
+            return Ending.DIVERGED, (
+                f"The law has no finite impulse for an impact at {where}; correct it, or its parameters."
+            )
+        critical = nn / abs(nt) if nt else np.inf
+        if law.friction_limit < critical:
+            return Ending.INCONSISTENT, (
+                f"The law has no normal impulse that stops {where}; check the law: an approach needs one."
+            )
+        return Ending.INCONSISTENT, (
+            f"Painleve's paradox at {where}: the friction coefficient {law.friction_limit:.6g} is not below "
+            f"the critical {critical:.6g}, D_nn/|D_nt|, so that the friction of the slip presses the bodies "
+            "together more than the normal impulse parts them. Lower it, or take a law that may stick or a "
+            "compliant one."
+        )
+
 
 SYMMETRY: Final = 1e-9
 """Largest |D_nt - D_tn| over sqrt(D_nn D_tt) that is round-off."""
@@ -38,7 +124,7 @@ _KNOWN: Final = {variable.name: variable for variable in (*CONTACTS, *SERIES)}
 
 
 def _along(name: str, dims: tuple[str, ...], long_name: str = "") -> Variable:
-    """Give a quantity of runs along other dimensions."""
+    """Return a quantity of runs along other dimensions."""
     known = _KNOWN[name]
     return Variable(name, dims, known.units, known.symbol, long_name or known.long_name)
 
@@ -81,7 +167,7 @@ HISTORY: Final = (
 
 @final
 class Impacts:
-    """Impacts that many laws are asked about, as a fit does: what is given is checked once.
+    """Impacts to be evaluated under many laws, as by a fit; the arguments are checked once.
 
     Args:
         delassus: D [1/kg], shape (2, 2), or (impact, 2, 2); symmetric, positive definite.
@@ -103,31 +189,40 @@ class Impacts:
         count = counts.pop() if counts else 1
         if not count:
             raise ValueError("There is no impact among those given; give one at least.")
-        _check_matrices(matrices)
-        _check_rates(rates)
+        _check(matrices, rates)
         self.contacts: Array = np.empty((count, 5))
         self.contacts[:, :2] = rates
         self.contacts[:, 2:] = matrices.reshape(-1, 4)[:, [0, 1, 3]]
 
     def velocities_after(self, law: ContactLaw, tolerance: float | None = None) -> Array:
-        """Give gap rates and slips after the impacts [m/s], shape (impact, 2), see `velocities_after`."""
-        return velocities(law, self.contacts, tolerance)
+        """Return gap rates and slips after the impacts [m/s], shape (impact, 2), see `velocities_after`."""
+        outcomes = _Integration(law, tolerance, once=True).run(self.contacts)[0]
+        return np.column_stack([outcomes["normal_rate"], outcomes["slip"]])
 
     def dataset(self, law: ContactLaw, *, tolerance: float | None = None, history: int = 0) -> xarray.Dataset:
-        """Give all that is known of the impacts, see `impact`."""
+        """Return all that is known of the impacts, see `impact`."""
         check_kind("The number of records", history, int)
         if history < 0:
             raise ValueError(f"The history has {history} records; it must have one at least, or 0 for none.")
         if history and isinstance(law, MultiplierLaw):
             raise ValueError(
-                f"A history of {history} records is asked for, but {law.name} is rigid: its impact is an "
+                f"A history of {history} records is requested, but {law.name} is rigid: its impact is an "
                 "impulse, which has none. Leave the history out, or take a compliant law."
             )
-        found = struck(law, self.contacts, tolerance, history)
-        return self._dataset(law, found, history > 0)
-
-    def _dataset(self, law: ContactLaw, found: Struck, with_history: bool) -> xarray.Dataset:
-        outcomes = found.outcomes
+        integration = _Integration(law, tolerance)
+        outcomes, histories, _ = integration.run(self.contacts, history)
+        endings = np.full(len(outcomes), Ending.COMPLETE, np.int8)
+        reasons = [""] * len(outcomes)
+        # The first impact of each ending; the others refer to it.
+        first: dict[int, tuple[int, Ending]] = {}
+        for i in np.flatnonzero(outcomes["ending"] != RUNNING).tolist():
+            code = int(outcomes["ending"][i])
+            if code in first:
+                reasons[i] = f"As impact {first[code][0]}."
+            else:
+                ending, reasons[i] = integration.explain(self.contacts[i])
+                first[code] = i, ending
+            endings[i] = first[code][1]
         before = self.contacts[:, :2]
         after = np.column_stack([outcomes["normal_rate"], outcomes["slip"]])
         impulse = np.column_stack([outcomes["normal_impulse"], outcomes["friction_impulse"]])
@@ -140,16 +235,17 @@ class Impacts:
             # W = -p' (u- + u+) / 2, as u+ - u- = D p: no difference of large numbers.
             "energy_loss": -0.5 * (impulse * (before + after)).sum(axis=1),
             "released": outcomes["released"] != 0,
-            "status": found.endings,
-            "reason": np.array(found.reasons),
+            "status": endings,
+            "reason": np.array(reasons),
         }
         for name in ("duration", "stick_duration", "peak_normal_force", "max_penetration"):
             values[name] = outcomes[name].copy()
-        if with_history:
-            values |= {one.name: found.histories[one.name].copy() for one in HISTORY}
+        if history:
+            values |= {each.name: histories[each.name].copy() for each in HISTORY}
         directions = np.array(["normal", "tangential"])
-        return xarray.Dataset(
-            {v.name: (v.dims, values[v.name], _words(v)) for v in (*VARIABLES, *HISTORY) if v.name in values},
+        kept = [variable for variable in (*VARIABLES, *HISTORY) if variable.name in values]
+        dataset = xarray.Dataset(
+            {v.name: (v.dims, values[v.name], cf_attributes(v)) for v in kept},
             coords={"direction": directions, "other_direction": directions},
             attrs={
                 "Conventions": "CF-1.11",
@@ -159,6 +255,10 @@ class Impacts:
                 **versions(),
             },
         )
+        # Truth values and text have no unit.
+        for name in ("released", "reason"):
+            del dataset[name].attrs["units"], dataset[name].attrs["symbol"]
+        return dataset
 
 
 def impact(
@@ -169,13 +269,13 @@ def impact(
     tolerance: float | None = None,
     history: int = 0,
 ) -> xarray.Dataset:
-    """Ask a law what it makes of impacts, one or many at once.
+    """Compute the outcome of impacts under a law, one or many at once.
 
-    A rigid law is asked once for each impact. Under a compliant one the engine integrates the relative motion
-    of two bodies that are joined by that matrix and by nothing else, from the touch-down on a flat contact
-    until they part. Where they do not (a pull that holds them, a law that dissipates all), they are watched
-    100 times as long as the law's force needs to stop the approach; `released` is False then, and the
-    velocity after is the one at that time.
+    A rigid law is evaluated once for each impact. Under a compliant one the engine integrates the relative
+    motion of two bodies that are joined by that matrix and by nothing else, from the touch-down on a flat
+    contact until they part. Where they do not (a pull that holds them, a law that dissipates all), the
+    integration ends after 100 times as long as the law's force needs to stop the approach; `released` is
+    False then, and the velocity after is the one at that time.
 
     A law without an impulse for an impact (Painleve's paradox), or that answers with no number, leaves NaN
     there; `status` and `reason` say why. A radius of the rotor that the law asks for is that of a plate.
@@ -212,68 +312,42 @@ def impact(
 def velocities_after(
     law: ContactLaw, delassus: ArrayLike, velocity_before: ArrayLike, tolerance: float | None = None
 ) -> Array:
-    """Give what `impact` says of the velocities after, shape (impact, 2) [m/s], and nothing else.
+    """Return what `impact` says of the velocities after, shape (impact, 2) [m/s], and nothing else.
 
-    Arguments, errors and numbers are those of `impact`, NaN where the law gives none. A law is asked whether
-    it contradicts itself for the first of its parameters only, so that other parameters cost nothing but
+    Arguments, errors and numbers are those of `impact`, NaN where the law gives none. A law is
+    checked for consistency for the first of its parameters only, so that other parameters cost nothing but
     their answers. To ask about the same impacts many times, see `Impacts`.
     """
     return Impacts(delassus, velocity_before).velocities_after(law, tolerance)
 
 
-def _words(variable: Variable) -> dict[str, object]:
-    """Give the attributes of a variable; what is true or false, and text, has no unit."""
-    attributes = cf_attributes(variable)
-    if variable.name in ("released", "reason"):
-        del attributes["units"], attributes["symbol"]
-    return attributes
-
-
-def _numbers(words: str, given: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
-    """Give numbers of many impacts, one or many being given."""
+def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
+    """Return the numbers of one or many impacts with the impact as first axis."""
     try:
-        values = np.asarray(given)
+        array = np.asarray(values)
     except ValueError:
-        raise ValueError(f"{words} is {shown(given)}; its rows must be of one length.") from None
-    if values.ndim <= len(shape):
-        values = values[None]
-    check_shape(words, values, (-1, *shape), f"(impact, ...), {meaning}")
-    return values.astype(np.float64)
+        raise ValueError(f"{name} is {shown(values)}; its rows must be of one length.") from None
+    array = array[None] if array.ndim <= len(shape) else array
+    check_shape(name, array, (-1, *shape), f"(impact, ...), {meaning}")
+    return array.astype(np.float64)
 
 
-def _check_matrices(matrices: Array) -> None:
-    """Refuse what no two bodies have, by a ValueError."""
+def _check(matrices: Array, rates: Array) -> None:
+    """Raise a ValueError for the first impact without an approach or a positive definite Delassus matrix."""
     nn, nt, tn, tt = matrices.reshape(-1, 4).T
-    for words, wrong in (
-        ("D_nn, which must be positive", nn <= 0.0),
-        ("D_tt, which must be positive", tt <= 0.0),
-    ):
-        _refuse(wrong, lambda i, w=words: f"has the Delassus matrix {matrices[i].tolist()} with {w}")
     size = nn * tt
-    _refuse(
-        np.abs(nt - tn) > SYMMETRY * np.sqrt(size),
-        lambda i: f"has the Delassus matrix {matrices[i].tolist()}; it must be symmetric: D = G M^-1 G'.",
-    )
-    _refuse(
-        size - nt * nt <= DEFINITE * size,
-        lambda i: (
-            f"has the Delassus matrix {matrices[i].tolist()}, whose D_nn D_tt - D_nt^2 is "
-            f"{size[i] - nt[i] ** 2:.6g}; it must be positive definite."
-        ),
-    )
-
-
-def _check_rates(rates: Array) -> None:
-    """Refuse what is no approach, by a ValueError."""
-    _refuse(
-        rates[:, 0] >= 0.0,
-        lambda i: (
-            f"has a gap rate of {rates[i, 0]:.6g} m/s before; it must be negative, as the bodies approach. "
-            "Change the sign if yours is positive on approach."
-        ),
-    )
-
-
-def _refuse(wrong: NDArray[np.bool_], words: Any) -> None:
-    for i in np.flatnonzero(wrong)[:1]:
-        raise ValueError(f"Impact {i}, counted from 0, {words(i)}")
+    for faulty, fault in (
+        (nn <= 0.0, "D_nn must be positive"),
+        (tt <= 0.0, "D_tt must be positive"),
+        (np.abs(nt - tn) > SYMMETRY * np.sqrt(np.abs(size)), "it must be symmetric, D = G M^-1 G'"),
+        (size - nt * nt <= DEFINITE * size, "it must be positive definite, D_nn D_tt > D_nt^2"),
+    ):
+        for i in np.flatnonzero(faulty)[:1]:
+            raise ValueError(
+                f"Impact {i}, counted from 0, has the Delassus matrix {matrices[i].tolist()}; {fault}."
+            )
+    for i in np.flatnonzero(rates[:, 0] >= 0.0)[:1]:
+        raise ValueError(
+            f"Impact {i}, counted from 0, has a gap rate of {rates[i, 0]:.6g} m/s before; it must be "
+            "negative, as the bodies approach. Change the sign if yours is positive on approach."
+        )
