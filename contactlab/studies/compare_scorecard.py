@@ -105,6 +105,10 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str], measured: Sequence[M
             "judges_law": ("metric", np.array([metric.judges_law for metric in every], dtype=np.int8)),
             "run": ("law", [law.run.source for law in laws]),
             "refined": ("law", [_refinement(law) for law in laws]),
+            **{
+                name: ("law", [str(law.run.attributes.get(name, "")) for law in laws])
+                for name in ("law_parameters", "contactlab_version")
+            },
             "configuration": (
                 "law",
                 [safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
