@@ -1,4 +1,4 @@
-"""The study `fit`: what measurements tell about the numbers of laws and motors, and about laws."""
+"""The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -37,7 +37,7 @@ FREE: Final = "free"
 
 @dataclass(frozen=True, kw_only=True)
 class Fit(Study):
-    """What do measurements tell about the numbers of a law or a motor, and about laws?
+    """Which numbers of a law or a motor do measurements support, and which law?
 
     Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law without a value
     are. Least squares from many starts are followed by nested sampling, which yields posterior and evidence.

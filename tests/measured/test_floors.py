@@ -49,13 +49,6 @@ def test_the_best_admissible_impulse_is_that_of_a_general_optimiser(mu: float | 
         assert mine >= oracle.fun - 1e-5
 
 
-def test_what_is_admissible_already_is_its_own_best_impulse() -> None:
-    free = best_impulses(IMPACTS)
-    allowed = [place for place, p in enumerate(free) if min(admitted(IMPACTS, place, None, p)) > 0.0]
-    assert 5 < len(allowed) < 55
-    assert best_admissible_impulses(IMPACTS)[allowed] == pytest.approx(free[allowed], rel=1e-12)
-
-
 def test_the_floors_lie_one_above_the_other() -> None:
     errors = [
         IMPACTS.errors(velocities_after(IMPACTS, impulses)).mean()
@@ -69,20 +62,6 @@ def test_the_floors_lie_one_above_the_other() -> None:
     assert errors == sorted(errors)
     least = np.sqrt(IMPACTS.outside / IMPACTS.kinetic_energy)
     assert errors[0] == pytest.approx(least.mean(), rel=1e-12)
-
-
-def test_the_cone_of_a_mirrored_slip_is_mirrored() -> None:
-    """The tangent may be turned round, and nothing else may change."""
-    turn = np.array([1.0, -1.0])
-    turned = replace(
-        IMPACTS,
-        delassus=IMPACTS.delassus * np.outer(turn, turn),
-        velocity_before=IMPACTS.velocity_before * turn,
-        velocity_after=IMPACTS.velocity_after * turn,
-    )
-    for mu in (None, 0.3):
-        expected = best_admissible_impulses(IMPACTS, mu) * turn
-        assert best_admissible_impulses(turned, mu) == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize("mu", [-0.1, float("nan"), float("inf")])
