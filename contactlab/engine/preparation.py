@@ -39,8 +39,8 @@ from contactlab.engine.state import (
     new_record,
 )
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
 from contactlab.laws.declaration import refuse_unsound
-from contactlab.laws.intake import CANARIES, check_answers, check_words, guarded
 from contactlab.laws.memory import ODD
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
@@ -439,7 +439,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     with law_errors(law.name):
-        check_words(law)
+        check_declarations(law)
         parameters = row_of(law)
     bound = bind(law)
     errors = partial(law_errors, law.name, *bound.callbacks)
@@ -449,7 +449,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
     # Interpreted functions may have changed since.
     if bound.callbacks or made_of not in _sound:
         with errors():
-            check_answers(law, parameters, *bound.kernels)
+            check_kernels(law, parameters, *bound.kernels)
         _sound.append(made_of)
     # What the law may only read, the engine writes.
     row = guarded(parameters)

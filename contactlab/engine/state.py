@@ -13,7 +13,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.laws.base import Kernel
-from contactlab.laws.intake import HEAD as HEAD
+from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
 from contactlab.variables import CONTACTS, SERIES
 

@@ -8,7 +8,7 @@ from contactlab.arrays import Array
 from contactlab.engine.binding import functions_of, row_of
 from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
 from contactlab.laws.base import ContactLaw, PenaltyLaw
-from contactlab.laws.intake import CANARIES, guarded
+from contactlab.laws.consistency import CANARIES, guarded
 
 Limits = tuple[float, float]
 

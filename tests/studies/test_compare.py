@@ -286,7 +286,7 @@ def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_fo
     assert more["resonator"]["kept_modes"] == changed["resonator"]["kept_modes"] + 4
 
 
-WORDS = ("compare", "law=newton,hertz_penalty", "contact.clearance=3e-6", "samples=1", "starts=2")
+ARGUMENTS = ("compare", "law=newton,hertz_penalty", "contact.clearance=3e-6", "samples=1", "starts=2")
 
 
 def bytes_of(folder: Path) -> dict[str, bytes]:
@@ -304,9 +304,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 def killed(folder: Path, tasks: int) -> int:
     """Exit status of a comparison that is killed after some of its tasks; 0 is never."""
     script = "from contactlab.cli.main import main; import sys; sys.exit(main())"
-    words = [*WORDS, "workers=1", f"output={folder}"]
+    arguments = [*ARGUMENTS, "workers=1", f"output={folder}"]
     with subprocess.Popen(
-        [sys.executable, "-c", script, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, "-c", script, *arguments],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     ) as process:
         while tasks and process.poll() is None:
             if len([*folder.glob("tasks/*-*.nc")]) >= tasks:
@@ -320,6 +323,6 @@ def test_a_killed_comparison_continues_to_the_same_bytes(
     tasks: int, whole: dict[str, bytes], tmp_path: Path, command: Command
 ) -> None:
     assert killed(tmp_path / "killed", tasks) < 0
-    status, _, err = command(*WORDS, "workers=2", f"output={tmp_path / 'killed'}")
+    status, _, err = command(*ARGUMENTS, "workers=2", f"output={tmp_path / 'killed'}")
     assert status == 0, err
     assert bytes_of(tmp_path / "killed") == whole

@@ -1,17 +1,21 @@
-"""A law that contradicts itself is refused before its first run."""
+"""A law that contradicts itself is refused before its first run; a sound one passes."""
 
 from dataclasses import dataclass
-from math import nan
+from math import log, nan
 from typing import Any
 
+import numpy as np
 import pytest
 from support.made_laws import STRETCH, TWO, flowing, honest, made, short_run, variable
 
 from contactlab.compiled import kernel
-from contactlab.laws import LawError, MultiplierLaw
+from contactlab.engine import simulate
+from contactlab.laws import LAWS, PARTS, ContactLaw, LawError, MultiplierLaw
 from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP, Friction
 from contactlab.laws.composed import Composed
-from contactlab.laws.memory import MOST_VARIABLES
+from contactlab.laws.memory import EVEN, MOST_VARIABLES
+from contactlab.testing.contract import check
+from contactlab.testing.plants import Bench, block, paper_motor
 
 
 @kernel
@@ -192,3 +196,77 @@ def test_a_friction_with_limits_is_refused() -> None:
 
     with pytest.raises(ValueError, match="limits"):
         Composed(friction=Limited())
+
+
+@kernel
+def thin_layer(gap):
+    # N = -P log(1 - d/h): no number from the depth h on.
+    load, thickness = 1e2, 1e-5
+    left = 1.0 + gap / thickness
+    energy = load * (thickness * left * np.log(left) - gap)
+    normal = -load * np.log(left)
+    return normal, 0.3 * normal, energy, 0.0
+
+
+def interpreted_layer(gap):
+    # It raises from the depth h on, as Python does.
+    left = 1.0 + gap / 1e-5
+    state: dict[str, Any] = {"log": log(left), "text": [f"{gap}"]}
+    normal, energy = -1e2 * state["log"], 1e-3 * (left * log(left) - left + 1.0)
+    return normal, 0.0, energy, 0.0
+
+
+@pytest.mark.parametrize("function", [thin_layer, interpreted_layer])
+def test_a_law_whose_domain_ends_runs(function: Any) -> None:
+    law = made(function, friction_limit=0.3)
+    run = simulate(paper_motor(), law, duration=3e-4, record_interval=1e-6)
+    assert run.complete
+    assert run.series["normal_force"].max() > 0.0
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        *(law() for law in LAWS.values()),
+        *(Composed(**{family: part()}) for family, table in PARTS.items() for part in table.values()),
+    ],
+    ids=lambda law: law.title,
+)
+def test_every_law_of_the_package_passes(law: Any) -> None:
+    assert simulate(block(height=1.0), law, duration=1e-6, record_interval=1e-6).complete
+
+
+@kernel
+def ageing(slip, normal, age):
+    """Drag that grows with the time of contact without slip [s], which is the same in a mirror."""
+    share = slip / np.sqrt(slip * slip + 1e-6)
+    strength = 1.0 + 0.2 * age / (age + 1e-5)
+    return -0.3 * normal * share * strength, 1.0 - 1e4 * abs(slip) * age, 0.0, 0.0
+
+
+@pytest.mark.parametrize("parity", [EVEN, -EVEN])
+def test_a_variable_of_friction_may_be_even_in_a_mirror(parity: int) -> None:
+    law = made(
+        honest,
+        friction=ageing,
+        friction_kind=RATE_DEPENDENT,
+        internal_variables=(variable(parity=parity),),
+        exact_stick=False,
+        friction_limit=0.36,
+    )
+    assert all(claim.holds for claim in check(Bench(law), "mirrors")) == (parity == EVEN)
+
+
+@dataclass(frozen=True)
+class OfNoFamily(ContactLaw):
+    """Neither compliant nor rigid."""
+
+    name = "of_no_family"
+    equation = "none"
+    source = "this test"
+    default_contact_step = 1e-7
+
+
+def test_a_law_of_neither_family_is_refused() -> None:
+    with pytest.raises(TypeError, match="PenaltyLaw"):
+        short_run(OfNoFamily())

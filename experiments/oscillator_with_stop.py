@@ -46,7 +46,7 @@ class ImpactOscillator:
     weight: float = 0.0
 
     def setup(self, displacement: float = 0.0, velocity: float = 0.0) -> Setup:
-        """Give it as a motor whose tip is the mass and whose rotor is the stop, without friction."""
+        """Return it as a motor whose tip is the mass and whose rotor is the stop, without friction."""
         modes = NormalModes(
             stiffness=np.array([self.stiffness]),
             damping=np.array([self.damping]),
@@ -68,7 +68,7 @@ class ImpactOscillator:
 
     @property
     def period(self) -> float:
-        """Of the force [s]."""
+        """Period of the force [s]."""
         return 2.0 * np.pi / self.frequency
 
     @cached_property
@@ -89,7 +89,7 @@ class ImpactOscillator:
         return np.asarray(expm(rates * self.period))
 
     def impacts(self) -> tuple["Impact", ...]:
-        """Give the motions with one impact a period, by falling speed of the impact; two, one or none.
+        """Return the motions with one impact a period, by falling speed of the impact; two, one or none.
 
         Between impacts the motion is the response p plus a free one h, whose period takes it from after
         the impact to before the next: h- = Phi h+, with h+- = (sigma - p, xd+- - pd) and xd+ = -e xd-. So
@@ -104,16 +104,16 @@ class ImpactOscillator:
         stop = self.stop - self.weight / self.stiffness
         a = w[0] ** 2 + (w[1] / self.frequency) ** 2
         roots = np.roots([a, -2.0 * stop * w[0], stop**2 - abs(self.response) ** 2])
-        found = [Impact(self, float(v.real), self._angle_at(stop, v.real, w)) for v in roots if v.imag == 0.0]
-        return tuple(sorted((one for one in found if one.speed > 0.0), key=lambda one: -one.speed))
+        speeds = sorted((float(v.real) for v in roots if v.imag == 0.0 and v.real > 0.0), reverse=True)
+        return tuple(Impact(self, v, self._angle_at(stop, v, w)) for v in speeds)
 
     def _angle_at(self, stop: float, speed: float, w: Array) -> float:
-        """Give the angle of the drive when the mass hits the stop, where p - i pd / omega = X exp(i phi)."""
+        """Return the angle of the drive at the stop, where p - i pd / omega = X exp(i phi)."""
         place, rate = stop - speed * w[0], -speed * w[1]
         return float(np.angle((place - 1j * rate / self.frequency) / self.response))
 
     def _bounces(self) -> tuple["Impact", ...]:
-        """Give those of the ball, of speed g T / (1 + e), with F sin(phi) = pi g (1 - e) / (1 + e)."""
+        """Return those of the ball, of speed g T / (1 + e), with F sin(phi) = pi g (1 - e) / (1 + e)."""
         e = self.restitution
         across = np.pi * self.weight * (1.0 - e) / (1.0 + e)
         if self.force < across:
@@ -147,7 +147,7 @@ class Impact:
     angle: float
 
     def later(self, part: float) -> tuple[float, Array]:
-        """Give the phase of the drive in periods, and displacement and velocity, a part of a period later."""
+        """Return the phase of the drive in periods, displacement and velocity, a part of a period later."""
         it = self.oscillator
         rates = np.array([[0.0, 1.0, 0.0], [-it.stiffness, -it.damping, it.weight], [0.0, 0.0, 0.0]])
         turns = np.exp(1j * (self.angle + 2.0 * np.pi * np.array([0.0, part])))
@@ -177,5 +177,5 @@ class Impact:
 
 
 def doubling_between(oscillator_at: Callable[[float], ImpactOscillator], low: float, high: float) -> float:
-    """Give the parameter at which the period of the faster impact doubles, between two values."""
+    """Return the parameter at which the period of the faster impact doubles, between two values."""
     return float(brentq(lambda value: oscillator_at(value).impacts()[0].doubling, low, high, xtol=1e-14))
