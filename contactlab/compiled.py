@@ -122,6 +122,12 @@ def generated_kernel(name: str, source: str) -> Any:
     return made
 
 
+def remade(kernel: Any) -> Any:
+    """Return a kernel with another's function and options, but none of its code."""
+    jit: Any = numba.jit
+    return jit(**kernel.targetoptions)(kernel.py_func)
+
+
 def _keep_in(folder: Path, kernel: Any) -> None:
     """Let a kernel keep its code in a folder: the compiler reads the setting once, for each."""
     settings: Any = numba.config

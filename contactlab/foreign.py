@@ -1,12 +1,14 @@
-"""Code of other packages: which it is, and a digest of its sources."""
+"""Code of other packages: which it is, a digest of its sources, and the values compiled into it."""
 
 import ast
+import pickle
 import sys
 from collections.abc import Iterator
 from hashlib import sha256
 from importlib.util import resolve_name
+from inspect import getclosurevars
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any, Final
 
 _PACKAGE: Final = __name__.partition(".")[0]
@@ -44,6 +46,45 @@ def digest_of_sources(*owners: type) -> str:
             contents |= {path: path.read_bytes() for path in every if path not in contents}
     digests = sorted(sha256(content).hexdigest() for content in contents.values())
     return sha256("".join(digests).encode()).hexdigest() if digests else ""
+
+
+def compiled_constants(function: Any) -> tuple[tuple[bytes, ...], list[Any]]:
+    """Return the global and captured values that a function's machine code holds, pickled, and its callees.
+
+    The callees are the compiled functions of other packages that it calls, each after those that it calls.
+    """
+    values: list[bytes] = []
+    functions: list[Any] = []
+    met: set[int] = set()
+
+    def visit(each: Any) -> None:
+        plain = getattr(each, "py_func", each)
+        if not isinstance(plain, FunctionType) or is_own(plain) or id(each) in met:
+            return
+        met.add(id(each))
+        named = getclosurevars(plain)
+        for value in (*named.nonlocals.values(), *named.globals.values()):
+            parts = [value]
+            if isinstance(value, ModuleType):
+                known = _top(value) in _LIBRARIES
+                parts = [getattr(value, name, None) for name in plain.__code__.co_names if not known]
+            for part in parts:
+                if callable(part):
+                    visit(part)
+                elif not isinstance(part, ModuleType):
+                    values.append(_pickled(part))
+        functions.append(each)
+
+    visit(function)
+    return tuple(values), [each for each in functions[:-1] if hasattr(each, "py_func")]
+
+
+def _pickled(value: Any) -> bytes:
+    # What cannot be pickled is no constant of compiled code.
+    try:
+        return pickle.dumps(value)
+    except Exception:
+        return b""
 
 
 def _imports(module: ModuleType, source: bytes) -> Iterator[str]:

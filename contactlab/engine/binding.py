@@ -36,9 +36,9 @@ from numba import types
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
-from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel
+from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, remade
 from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
-from contactlab.foreign import is_own
+from contactlab.foreign import compiled_constants, is_own
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import LawError, names_of
@@ -562,11 +562,23 @@ def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any
     return made
 
 
-@lru_cache(maxsize=256)
 def _own_compiled(function: Any, kinds: tuple[Any, ...]) -> Any:
     """Return a law's own kernel, compiled; where there is an obstacle, that in words."""
-    kernel = function if hasattr(function, "py_func") else fleeting_kernel(function)
+    return _compiled_with(function, kinds, compiled_constants(function)[0])
+
+
+@lru_cache(maxsize=256)
+def _compiled_with(function: Any, kinds: tuple[Any, ...], constants: tuple[bytes, ...]) -> Any:  # noqa: ARG001 - of the key
+    """Return a kernel compiled with the present values of the constants that it and its callees read."""
+    kernel = function
+    if not hasattr(function, "py_func"):
+        kernel = fleeting_kernel(function)
+    elif not is_own(function.py_func):
+        kernel = remade(function)
     try:
+        for callee in compiled_constants(function)[1]:
+            if callee.overloads:
+                callee.recompile()
         _compile(kernel, kinds)
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:

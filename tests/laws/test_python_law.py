@@ -182,7 +182,6 @@ def test_an_exception_of_a_signal_handler_passes_through(run_of: Runs, how: str)
         signal.signal(signal.SIGUSR2, before)
 
 
-@pytest.mark.xfail(strict=True, reason="code of a function is kept for the session by the function alone")
 @pytest.mark.parametrize("function", [reading, calling])
 def test_a_constant_that_changes_between_runs_counts(
     run_of: Runs, monkeypatch: pytest.MonkeyPatch, function: Any
