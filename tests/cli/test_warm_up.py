@@ -42,8 +42,8 @@ def test_the_first_function_announces_what_is_compiled_and_the_end_tells_how_lon
     compiled = Compiled("the engine for rigid laws", 20.0)
     assert capsys.readouterr().err == ""
     compiled.on_start(made("one"))
-    said = "contactlab: compiling the engine for rigid laws, once for an installation: about 20 s.\n"
-    assert capsys.readouterr().err == said
+    text = "contactlab: compiling the engine for rigid laws, once for an installation: about 20 s.\n"
+    assert capsys.readouterr().err == text
     for name in ("one", "two"):
         clocks["wall"] += 8.0
         compiled.on_start(made(name))
