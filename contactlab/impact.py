@@ -21,7 +21,7 @@ from contactlab.checks import check_kind, check_shape, shown
 from contactlab.engine.strikes import Struck, struck, velocities
 from contactlab.laws.base import ContactLaw, MultiplierLaw
 from contactlab.results.netcdf import cf_attributes
-from contactlab.results.provenance import versions
+from contactlab.results.provenance import code_attributes
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES, Variable
 
@@ -152,11 +152,10 @@ class Impacts:
             {v.name: (v.dims, values[v.name], _words(v)) for v in (*VARIABLES, *HISTORY) if v.name in values},
             coords={"direction": directions, "other_direction": directions},
             attrs={
-                "Conventions": "CF-1.11",
+                **code_attributes(),
                 "title": f"Impacts under the contact law {law.title}",
                 "law": law.name,
                 "law_parameters": json.dumps(law.describe()),
-                **versions(),
             },
         )
 

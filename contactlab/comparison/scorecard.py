@@ -18,7 +18,7 @@ from contactlab.comparison.reruns import Refined
 from contactlab.comparison.settled import QUANTITIES
 from contactlab.metrics import NOT_APPLICABLE, REPORTED, VERDICTS, Metric, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
-from contactlab.results.provenance import checkout_state, versions
+from contactlab.results.provenance import code_attributes
 
 EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
 FLAGS: Final = "not_applicable pass fail reported settled not_settled cannot_tell"
@@ -75,7 +75,6 @@ def scorecard(
     error = {"long_name": "error of the value: Richardson's, or half of a 95 % bootstrap interval", **units}
     energy = {"units": "J", "long_name": "where the work of the drive has gone"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
-    code, (revision, dirty) = versions(), checkout_state()
     card = xarray.Dataset(
         {
             "value": (both, values, {"long_name": "value of the metric", **units}),
@@ -102,13 +101,9 @@ def scorecard(
             },
         },
         attrs={
-            "Conventions": "CF-1.11",
+            **code_attributes(),
             "title": f"Contact laws compared: {', '.join(run.label for run in runs)}",
-            "source": f"contactlab {code['contactlab_version']}, numerical simulation",
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
-            **code,
-            "git_revision": revision,
-            "git_dirty": dirty,
         },
     )
     return with_measurements(card, measured)

@@ -21,7 +21,6 @@ from contactlab.config.nesting import flat, nested
 from contactlab.metrics import assess, is_complete, read_run
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
-from contactlab.results.provenance import checkout_state
 from contactlab.sweeps.axes import dimensions, parameters
 from contactlab.sweeps.batch import Outputs
 from contactlab.sweeps.dataset import DATASET, REASONS, RUN, SERIES, Slab, dataset_of, write
@@ -187,12 +186,9 @@ def _dataset(runs: Sequence[FoundRun], metrics: Sequence[str]) -> xarray.Dataset
         "reason": np.array([run.reason for run in runs]),
         "job": np.array([run.name for run in runs]),
     }
-    revision, dirty = checkout_state()
     attributes = {
         "law": " ".join(sorted({str(one["law.name"]) for one in known if "law.name" in one})),
         "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
-        "git_revision": revision,
-        "git_dirty": dirty,
     }
     return dataset_of(
         parameters([run.job for run in runs], all(run.asked for run in runs)),

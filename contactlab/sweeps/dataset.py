@@ -15,7 +15,7 @@ from contactlab.arrays import Array
 from contactlab.config.nesting import Value
 from contactlab.metrics import METRICS
 from contactlab.results.netcdf import cf_attributes
-from contactlab.results.provenance import code_digest, versions
+from contactlab.results.provenance import code_attributes
 from contactlab.sweeps.state import Status
 from contactlab.sweeps.values import short_names
 from contactlab.variables import Variable
@@ -121,11 +121,8 @@ def dataset_of(
         coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
     found = {name: variable(told_of[name], values) for name, values in columns.items() if name != "time"}
     every = {
-        "Conventions": "CF-1.11",
+        **code_attributes(),
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
-        "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
-        **versions(),
-        "code_digest": code_digest(),
         "complete": int(bool(np.all(status == Status.COMPLETE))),
         "runs": int(status.size),
         **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},
